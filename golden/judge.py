@@ -1,0 +1,112 @@
+"""Exact verdicts on pairs: the reference that everything else is compared with."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from multiprocessing import get_context
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.axes import claims
+from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
+from triaxis.golden.exact import Scalar, Triangle, coplanar, triangle_rank
+from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
+from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
+
+# Pairs a worker process takes at a time: large enough to hide the cost of handing them over.
+_CHUNK = 2000
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """An exact verdict with its certificate, which has been checked.
+
+    ``distance`` is the Chebyshev distance, in the unit of the coordinates.
+    """
+
+    near: bool
+    distance: Fraction
+    witness: NearestPoints | None
+    axis: BestAxis | None
+
+
+class CertificateError(AssertionError):
+    """The solver's answer does not prove itself. Never seen; it would be a fault of the solver."""
+
+
+@cache
+def default_solver() -> DistanceSolver:
+    """Return the solver used where none is named."""
+    from triaxis.golden.ppl_solver import PplSolver
+
+    return PplSolver()
+
+
+def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver | None = None) -> Judgement:
+    """Decide near(A, B, margin) exactly, for integers or fractions of any size.
+
+    Raises CertificateError where the solver's certificate fails the checker, or where the program
+    and its dual disagree.
+    """
+    solver = solver or default_solver()
+    best = solver.best_axis(a, b)
+    if best.distance > margin:
+        if not axis_proves_clear(a, b, margin, best.axis):
+            raise CertificateError(f"axis {best.axis} does not separate {a} and {b} by {margin}")
+        return Judgement(False, best.distance, None, best)
+    nearest = solver.nearest_points(a, b)
+    if nearest.distance != best.distance:
+        raise CertificateError(f"{a} and {b}: distance {nearest.distance}, dual {best.distance}")
+    if not witness_proves_near(a, b, margin, nearest.weights_a, nearest.weights_b):
+        raise CertificateError(f"{nearest} does not show {a} and {b} within {margin}")
+    return Judgement(True, nearest.distance, nearest, None)
+
+
+def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
+    """Decide pairs of shape (N, 2, 3, 3) at margins of shape (N,); see `VERDICT` for the result.
+
+    ``near`` is decided by the linear program. ``axis`` is the lowest-numbered of the 32 axes that
+    separates by the definition of the axes; where the program and the axes disagree on whether any
+    does, CertificateError is raised.
+    """
+    verdicts = np.zeros(len(pairs), VERDICT)
+    verdicts["axis"] = claims(pairs, margins)
+    for index, (pair, margin) in enumerate(zip(pairs.tolist(), margins.tolist(), strict=True)):
+        a, b = pair
+        near = judge(a, b, margin).near
+        if near != (verdicts["axis"][index] == NO_AXIS):
+            raise CertificateError(f"the 32 axes and the linear program disagree on {pair}, {margin}")
+        verdicts[index] = (
+            near,
+            verdicts["axis"][index],
+            coplanar(a, b),
+            triangle_rank(a) < 2,
+            triangle_rank(b) < 2,
+        )
+    return verdicts
+
+
+def judge_in_parallel(
+    pairs: Pairs, margins: npt.NDArray[np.int64], progress: Callable[[int], None] | None = None
+) -> Verdicts:
+    """Do as `judge_pairs`, on all cores; ``progress`` is told how many pairs were done."""
+    chunks = [slice(start, start + _CHUNK) for start in range(0, len(pairs), _CHUNK)]
+    workers = min(os.cpu_count() or 1, len(chunks))
+    report = progress or (lambda _: None)
+    results: list[Verdicts] = []
+    if workers < 2:
+        for chunk in chunks:
+            results.append(judge_pairs(pairs[chunk], margins[chunk]))
+            report(len(results[-1]))
+    else:
+        with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+            for result in pool.map(
+                judge_pairs, [pairs[c] for c in chunks], [margins[c] for c in chunks]
+            ):
+                results.append(result)
+                report(len(result))
+    return np.concatenate(results) if results else np.zeros(0, VERDICT)

@@ -1,0 +1,104 @@
+"""Pairs of triangles and verdicts on them, as arrays and files.
+
+Pairs have shape (N, 2, 3, 3): pair; A then B; vertex; coordinate. A file of pairs is a NumPy
+``.npy`` file of that shape with an integer type. A file of verdicts is a ``.npy`` file of shape
+(N,) with the type `VERDICT`.
+"""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.errors import InputError
+
+MIN_WIDTH = 8
+MAX_WIDTH = 32
+NO_AXIS = -1
+
+VERDICT = np.dtype(
+    [
+        ("near", np.bool_),
+        ("axis", np.int16),
+        ("coplanar", np.bool_),
+        ("degenerate_a", np.bool_),
+        ("degenerate_b", np.bool_),
+    ]
+)
+
+Pairs = npt.NDArray[np.int64]
+Verdicts = npt.NDArray[np.void]
+
+
+def coordinate_range(width: int) -> tuple[int, int]:
+    """Return the smallest and the largest coordinate of ``width`` signed bits."""
+    return -(1 << (width - 1)), (1 << (width - 1)) - 1
+
+
+def check_width(width: int) -> None:
+    """Raise InputError unless the core can be built with this many coordinate bits."""
+    if not MIN_WIDTH <= width <= MAX_WIDTH:
+        raise InputError(f"width {width}: must be {MIN_WIDTH}..{MAX_WIDTH} bits")
+
+
+def check_margin(margin: int, width: int) -> None:
+    """Raise InputError unless the margin (LSB) fits the core.
+
+    2^width - 1 is the largest distance of two points in range, so nothing beyond it is ever needed.
+    """
+    limit = (1 << width) - 1
+    if not 0 <= margin <= limit:
+        raise InputError(f"margin {margin}: must be 0..{limit} for width {width}")
+
+
+def check_pairs(array: npt.NDArray[np.generic], width: int, name: str = "pairs") -> Pairs:
+    """Return the pairs as int64, or raise InputError naming the first element that is wrong."""
+    if array.ndim != 4 or array.shape[1:] != (2, 3, 3):
+        raise InputError(f"{name}: shape {array.shape}: must be (N, 2, 3, 3)")
+    if not np.issubdtype(array.dtype, np.integer):
+        raise InputError(
+            f"{name}: type {array.dtype}: must be an integer type; quantise real coordinates first"
+        )
+    low, high = coordinate_range(width)
+    wrong = (array < low) | (array > high)
+    if wrong.any():
+        index = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise InputError(
+            f"{name}: pair {index[0]}, triangle {'AB'[index[1]]}, vertex {index[2]}, coordinate "
+            f"{'xyz'[index[3]]}: {array[index]} is outside {low}..{high} (width {width})"
+        )
+    return array.astype(np.int64)
+
+
+def read_pairs(path: Path, width: int) -> Pairs:
+    """Read a file of pairs; raise InputError where it is not one, or out of range for ``width``."""
+    try:
+        array = np.load(path, allow_pickle=False)
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+    except (ValueError, EOFError) as error:
+        raise InputError(f"{path}: not a NumPy .npy file of numbers") from error
+    if not isinstance(array, np.ndarray):
+        raise InputError(f"{path}: an archive: must be a single .npy array")
+    return check_pairs(array, width, str(path))
+
+
+def write_verdicts(path: Path, verdicts: Verdicts) -> None:
+    """Write verdicts whole or not at all: to a temporary file beside ``path``, then renamed."""
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise InputError(f"{path}: cannot write: {error.strerror}") from error
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.save(file, verdicts)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except OSError as error:
+        Path(temporary).unlink(missing_ok=True)
+        raise InputError(f"{path}: cannot write: {error.strerror}") from error
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

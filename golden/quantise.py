@@ -1,0 +1,115 @@
+"""From real coordinates to the core's integers, with an exact bound on what rounding does.
+
+A grid has a resolution r and an offset o. A coordinate x becomes q = round((x - o) / r), so that
+
+    |x - (o + r q)| <= r / 2      exactly, in each coordinate.
+
+Each point of a triangle therefore moves by at most r/2 in the Chebyshev distance, and two triangles
+approach or part by at most r. Hence a clearance c is never missed with the margin
+ceil(c / r) + 1 (DESIGN, section 1).
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.stl import Facets
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The integers' place in space: x = offset + resolution * q, with q of ``width`` signed bits."""
+
+    resolution: Fraction
+    offset: tuple[Fraction, Fraction, Fraction]
+    width: int
+
+    @property
+    def rounding_bound(self) -> Fraction:
+        """Return the most that any coordinate moves, in the unit of the files."""
+        return self.resolution / 2
+
+
+def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
+    """Return the grid whose origin is the multiple of the resolution nearest the meshes' centre."""
+    low = np.min([mesh.min((0, 1)) for mesh in meshes], 0)
+    high = np.max([mesh.max((0, 1)) for mesh in meshes], 0)
+    centre = [(Fraction(float(a)) + Fraction(float(b))) / 2 for a, b in zip(low, high, strict=True)]
+    x, y, z = (resolution * round(c / resolution) for c in centre)
+    return Grid(resolution, (x, y, z), width)
+
+
+def smallest_width(meshes: list[Facets], resolution: Fraction, widths: tuple[int, ...]) -> int:
+    """Return the first of the widths on whose centred grid all meshes fit, or else the last."""
+    for width in widths:
+        low, high = coordinate_range(width)
+        rounded = [_round(mesh, centred_grid(meshes, resolution, width)) for mesh in meshes]
+        if all(mesh.min() >= low and mesh.max() <= high for mesh in rounded):
+            return width
+    return widths[-1]
+
+
+def _round(facets: Facets, grid: Grid) -> npt.NDArray[np.float64]:
+    """Return round((x - offset) / resolution), exactly, as integers held in float64.
+
+    The quotient is first computed in float64. Each of its three operations and the conversions of
+    offset and resolution is off by at most 2^-53 relatively, so the quotient y is off by less than
+    2^-52 (|offset| / resolution + 4 |y|). Where y is nearer than that to a half, or too large for
+    float64 to hold integers exactly, the rounding is redone in rationals.
+    """
+    result = np.empty(facets.shape, np.float64)
+    for k in range(3):
+        offset = grid.offset[k]
+        with np.errstate(over="ignore"):
+            y = (facets[..., k].astype(np.float64) - float(offset)) / float(grid.resolution)
+        bound = 2.0**-52 * (abs(float(offset / grid.resolution)) + 4 * np.abs(y) + 1)
+        to_half = np.abs(np.abs(y - np.floor(y)) - 0.5)
+        doubtful = ~(to_half > bound) & (np.abs(y) < 2.0**52)
+        rounded = np.rint(y)
+        for index in np.argwhere(doubtful):
+            exact = (Fraction(float(facets[tuple(index)][k])) - offset) / grid.resolution
+            rounded[tuple(index)] = round(exact)
+        result[..., k] = rounded
+    return result
+
+
+def quantise(facets: Facets, grid: Grid, name: str) -> npt.NDArray[np.int64]:
+    """Return the facets' vertices on the grid: int64 of shape (N, 3, 3).
+
+    Raises InputError, naming the first facet, where one falls outside the grid.
+    """
+    rounded = _round(facets, grid)
+    low, high = coordinate_range(grid.width)
+    wrong = (rounded < low) | (rounded > high)
+    if wrong.any():
+        facet, vertex, coordinate = (int(i) for i in np.argwhere(wrong)[0])
+        span = float(grid.resolution) * 2.0**grid.width
+        raise InputError(
+            f"{name}: facet {facet}, vertex {vertex}, coordinate {'xyz'[coordinate]}: "
+            f"{facets[facet, vertex, coordinate]} does not fit {grid.width} bits at resolution "
+            f"{float(grid.resolution):g} (at most {span:g} across both meshes); use a coarser "
+            "resolution or a larger width"
+        )
+    return rounded.astype(np.int64)
+
+
+def margin_for(clearance: Fraction, grid: Grid) -> int:
+    """Return the margin, in LSB, with which no pair within ``clearance`` is missed.
+
+    Raises InputError where the clearance is negative or larger than the grid can express.
+    """
+    if clearance < 0:
+        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+    margin = ceil(clearance / grid.resolution) + 1
+    limit = (1 << grid.width) - 1
+    if margin > limit:
+        raise InputError(
+            f"clearance {float(clearance):g}: {margin} steps of {float(grid.resolution):g}, but width "
+            f"{grid.width} allows {limit}; use a coarser resolution or a larger width"
+        )
+    return margin

@@ -1,0 +1,1 @@
+"""The environment that signs the core off: agents, sequences, scoreboard, tests, builds."""

@@ -1,0 +1,101 @@
+"""Builds of the core, kept in build/ under a name that changes with everything that goes in."""
+
+import fcntl
+import hashlib
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.paths import BUILD, DUT, rtl_sources
+from triaxis.verif.toolchain import verilator
+
+# No signal is public: Verilator's default for cocotb costs most of the speed.
+_SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast"]
+
+
+def content_hash(files: Sequence[Path], *more: str) -> str:
+    """Return a hash of the files' names and contents and of further text."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    for text in more:
+        digest.update(text.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def rtl_hash(dut: Path = DUT) -> str:
+    """Return the hash of everything in dut/ that elaborates: what a sign-off is valid for."""
+    return content_hash(sorted([*dut.glob("*.sv"), *dut.glob("*.svh"), *dut.glob("*.f")]))
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def built(folder: Path, make: Callable[[Path], None]) -> Path:
+    """Return ``folder``, after ``make`` has filled it once, whoever else wants it meanwhile.
+
+    ``make`` works in a folder beside it that is renamed when whole, so an interrupted build leaves
+    nothing that looks finished.
+    """
+    with _locked(folder.with_name(folder.name + ".lock")):
+        if not folder.is_dir():
+            partial = folder.with_name(folder.name + ".partial")
+            shutil.rmtree(partial, ignore_errors=True)
+            partial.mkdir(parents=True)
+            make(partial)
+            partial.rename(folder)
+    return folder
+
+
+def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
+    """Run a build command; raise InputError with the first error line where it fails."""
+    log = folder / "build.log"
+    with log.open("a") as output:
+        status = subprocess.run(
+            command, stdout=output, stderr=subprocess.STDOUT, env=verilator().environment(), check=False
+        ).returncode
+    if status:
+        lines = log.read_text(errors="replace").splitlines()
+        first = next((line for line in lines if "rror" in line), lines[-1] if lines else "")
+        raise InputError(f"{what}: build failed: {first.strip()} (log: {log})")
+
+
+def library(configuration: Configuration) -> Path:
+    """Return the shared library of the core in that configuration, built where needed."""
+    harness = Path(__file__).with_name("harness.cpp")
+    command = [
+        "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
+        "--top-module", "triaxis_core", "--prefix", "Vcore",
+        *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
+        f"-I{DUT}",
+        "-CFLAGS", "-fPIC -O3 -march=native -std=c++20",
+        "-CFLAGS", f"-DWIDTH={configuration.width} -DMARGIN_BITS={configuration.margin_bits}",
+        "-CFLAGS", f"-DTAG_BITS={configuration.tag_bits}",
+        "-LDFLAGS", "-shared",
+    ]  # fmt: skip
+    key = content_hash([*rtl_sources(), DUT / "triaxis_stage.svh", harness], str(verilator()), *command)
+    folder = BUILD / "library" / f"{configuration.name}-{key[:12]}"
+    file = "libcore.so"
+
+    def make(partial: Path) -> None:
+        print(f"building the core, {configuration.name} (once) ..", file=sys.stderr, flush=True)
+        run_tool(
+            [
+                str(verilator().executable), *command, "--Mdir", str(partial / "obj"),
+                "-o", str(partial / file), *map(str, rtl_sources()), str(harness),
+            ],
+            partial,
+            configuration.name,
+        )  # fmt: skip
+
+    return built(folder, make) / file

@@ -1,0 +1,74 @@
+"""The parameters with which the core is built."""
+
+import re
+from dataclasses import dataclass
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import check_width
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """Parameters of triaxis_core; see its header. Raises InputError where they are out of range."""
+
+    width: int = 16
+    margin_bits: int = 0
+    tag_bits: int = 16
+    edge_box: bool = True
+    gating: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the limits that the RTL checks at elaboration."""
+        check_width(self.width)
+        if not 0 <= self.margin_bits <= self.width:
+            raise InputError(
+                f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
+            )
+        if self.tag_bits < 1:
+            raise InputError(f"tag bits {self.tag_bits}: must be at least 1")
+        if not self.edge_box and self.margin_bits:
+            raise InputError("a core without the edge x box axes needs 0 margin bits")
+
+    @property
+    def name(self) -> str:
+        """Return a short name, for folders and tables: w16_m0, w16_m0_no_edge_box, .."""
+        parts = [f"w{self.width}", f"m{self.margin_bits}"]
+        if self.tag_bits != 16:
+            parts.append(f"t{self.tag_bits}")
+        if not self.edge_box:
+            parts.append("no_edge_box")
+        if not self.gating:
+            parts.append("ungated")
+        return "_".join(parts)
+
+    @property
+    def max_margin(self) -> int:
+        """Return the largest margin that the core can be given."""
+        return (1 << self.margin_bits) - 1
+
+    @property
+    def parameters(self) -> dict[str, int]:
+        """Return the RTL's parameters."""
+        return {
+            "W": self.width,
+            "M": self.margin_bits,
+            "TAG": self.tag_bits,
+            "EdgeBox": int(self.edge_box),
+            "Gating": int(self.gating),
+        }
+
+
+_NAME = re.compile(r"w(\d+)_m(\d+)(?:_t(\d+))?(_no_edge_box)?(_ungated)?")
+
+
+def parse_configuration(name: str) -> Configuration:
+    """Return the configuration of that name: the inverse of `Configuration.name`."""
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise InputError(
+            f"configuration {name}: must read w<width>_m<margin bits>[_t<tag bits>][_no_edge_box]"
+            "[_ungated], as in w16_m0"
+        )
+    return Configuration(
+        int(match[1]), int(match[2]), int(match[3] or 16), not match[4], not match[5]
+    )

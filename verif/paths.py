@@ -1,0 +1,13 @@
+"""Where things are in the checkout."""
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+DUT = ROOT / "dut"
+VERIF = ROOT / "verif"
+BUILD = ROOT / "build"
+
+
+def rtl_sources() -> list[Path]:
+    """Return the RTL files in the order in which they compile."""
+    return [DUT / name for name in (DUT / "triaxis.f").read_text().split()]
