@@ -2,6 +2,7 @@
 
 import fcntl
 import hashlib
+import os
 import shutil
 import subprocess
 import sys
@@ -99,3 +100,47 @@ def library(configuration: Configuration) -> Path:
         )  # fmt: skip
 
     return built(folder, make) / file
+
+
+def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
+    """Return the folder of the simulator executable for cocotb, built where needed.
+
+    ``dut`` may be another folder of RTL with the same files: mutants and faults.
+    """
+    from cocotb_tools.runner import get_runner
+
+    sva = Path(__file__).with_name("sva")
+    bound = sorted(sva.glob("*.sv"))
+    control = sva / "public.vlt"
+    sources = [control, *(dut / source.name for source in rtl_sources()), *bound]
+    # The simulator is not the bottleneck under Python: compile quickly.
+    arguments = [
+        "--no-public-flat-rw", "--assert", "--x-assign", "fast", "--x-initial", "fast",
+        "-CFLAGS", "-O1 -std=c++20", "-Wno-fatal",
+    ]  # fmt: skip
+    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
+    folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
+
+    def make(partial: Path) -> None:
+        runner = get_runner("verilator")
+        environment = dict(os.environ)
+        os.environ.update(verilator().environment())
+        try:
+            runner.build(
+                sources=sources,
+                includes=[dut],
+                hdl_toplevel="triaxis_core",
+                parameters=configuration.parameters,
+                build_dir=partial,
+                build_args=arguments,
+                timescale=("1ns", "1ps"),
+                always=True,
+                log_file=partial / "build.log",
+            )
+        except (SystemExit, RuntimeError, subprocess.CalledProcessError) as error:
+            raise InputError(f"{configuration.name}: build failed (log: {partial / 'build.log'})") from error
+        finally:
+            os.environ.clear()
+            os.environ.update(environment)
+
+    return built(folder, make)

@@ -1,0 +1,73 @@
+"""The agent of the output stream: ready driver and monitor."""
+
+from collections.abc import Iterator
+from random import Random
+
+import numpy as np
+from cocotb.handle import LogicObject
+from cocotb_bus.drivers import BitDriver
+from pyuvm import ConfigDB, uvm_agent, uvm_analysis_port, uvm_component, uvm_monitor
+
+from triaxis.verif.agents.items import FULL_SPEED
+from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
+from triaxis.verif.batches import ResultBatch
+
+SINK_BUS = "m_axis"
+SINK_SIGNALS = {
+    "tvalid": "tvalid_o",
+    "tready": "tready_i",
+    "tdata": "tdata_o",
+    "tuser": "tuser_o",
+}
+
+
+class ReadyDriver(uvm_component):
+    """Drives tready at a pace that may be changed at any time."""
+
+    def build_phase(self) -> None:
+        """Start always ready."""
+        self.pace = FULL_SPEED
+        self.random = Random(f"sink {ConfigDB().get(self, '', 'SETTINGS').seed}")
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the pin."""
+        dut = ConfigDB().get(self, "", "DUT")
+        ready: LogicObject = dut.m_axis_tready_i
+        BitDriver(ready, dut.clk_i).start(self._cycles())
+
+    def _cycles(self) -> Iterator[tuple[int, int]]:
+        while True:
+            yield self.random.randint(1, self.pace.on), self.random.randint(0, self.pace.off)
+
+
+class SinkMonitor(uvm_monitor):
+    """Publishes results taken (ResultBatch) and resets (ResetSeen)."""
+
+    def build_phase(self) -> None:
+        """Make the analysis port."""
+        self.ap = uvm_analysis_port("ap", self)
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the pins."""
+        dut = ConfigDB().get(self, "", "DUT")
+        self.bus = StreamMonitor(
+            dut, SINK_BUS, SINK_SIGNALS, dut.clk_i, dut.rst_ni, self._to_batch, self.ap.write
+        )
+
+    @staticmethod
+    def _to_batch(beats: Beats) -> ResultBatch:
+        return ResultBatch(
+            np.array(beats.data, np.uint16),
+            np.array(beats.user, np.int64),
+            np.array(beats.waits, np.int64),
+        )
+
+
+class SinkAgent(uvm_agent):
+    """Takes results from the core."""
+
+    def build_phase(self) -> None:
+        """Make the parts."""
+        super().build_phase()
+        self.ready = ReadyDriver.create("ready", self)
+        self.monitor = SinkMonitor.create("monitor", self)

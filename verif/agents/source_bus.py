@@ -1,0 +1,69 @@
+"""The input stream's pins, driven through cocotb-bus.
+
+Values are read at a rising edge before it takes effect, and driven after it.
+"""
+
+from random import Random
+from typing import Any
+
+from cocotb.handle import HierarchyObject, LogicObject
+from cocotb.triggers import RisingEdge
+from cocotb_bus.drivers import ValidatedBusDriver
+
+from triaxis.verif.agents.items import Pace
+
+SOURCE_BUS = "s_axis"
+SOURCE_SIGNALS = {
+    "tvalid": "tvalid_i",
+    "tready": "tready_o",
+    "tdata": "tdata_i",
+    "tuser": "tuser_i",
+}
+
+
+class SourceBus(ValidatedBusDriver):
+    """Offers beats on the input stream; an offered beat stays until it is accepted or reset."""
+
+    _signals = SOURCE_SIGNALS
+
+    def __init__(self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject) -> None:
+        """Start with nothing offered."""
+        super().__init__(dut, SOURCE_BUS, clock)
+        self._reset_n = reset_n
+        self.bus.tvalid.value = 0
+        self.bus.tdata.value = 0
+        self.bus.tuser.value = 0
+
+    def set_pace(self, pace: Pace, random: Random) -> None:
+        """Offer beats at this pace from now on."""
+
+        def cycles():
+            while True:
+                yield random.randint(1, pace.on), random.randint(0, pace.off)
+
+        self.set_valid_generator(cycles() if pace.off else None)
+
+    def idle(self) -> None:
+        """Offer nothing until the next beat."""
+        self.bus.tvalid.value = 0
+
+    async def _driver_send(
+        self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any
+    ) -> None:
+        edge = RisingEdge(self.clock)
+        if sync:
+            await edge
+        if not self.on:
+            self.idle()
+            for _ in range(self.off):
+                await edge
+            self._next_valids()
+        self.bus.tdata.value, self.bus.tuser.value = transaction
+        self.bus.tvalid.value = 1
+        await edge
+        while not (int(self.bus.tready.value) and int(self._reset_n.value)):
+            # AXI4-Stream wants tvalid low in reset.
+            self.bus.tvalid.value = int(self._reset_n.value)
+            await edge
+        if self.on is not True:
+            self.on -= 1

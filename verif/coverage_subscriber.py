@@ -1,0 +1,39 @@
+"""Samples functional coverage from what the scoreboard checked."""
+
+from pathlib import Path
+
+from pyuvm import ConfigDB, uvm_subscriber
+
+from triaxis.coverage.core_model import CORE_MODEL, CoreSample
+from triaxis.coverage.covergroup import Counts
+from triaxis.golden.axes import separating
+from triaxis.verif.matching import CheckedBatch
+from triaxis.verif.settings import coverage_file
+
+
+class CoverageSubscriber(uvm_subscriber):
+    """Counts bins of the core's coverage model, and writes them at the end."""
+
+    def build_phase(self) -> None:
+        """Start with empty counts."""
+        self.settings = ConfigDB().get(self, "", "SETTINGS")
+        self.counts = Counts.empty(CORE_MODEL)
+
+    def write(self, tt: CheckedBatch) -> None:
+        """Sample a batch."""
+        configuration = self.settings.configuration
+        sample = CoreSample(
+            tt.pairs,
+            tt.margins,
+            tt.expected["near"],
+            separating(tt.pairs, tt.margins),
+            tt.waits_in,
+            tt.waits_out,
+            configuration.width,
+            configuration.max_margin,
+        )
+        self.counts.sample(CORE_MODEL, sample)
+
+    def report_phase(self) -> None:
+        """Write the counts."""
+        self.counts.save(coverage_file(Path(self.settings.folder)))

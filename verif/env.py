@@ -1,0 +1,30 @@
+"""The environment: two agents, the scoreboard, the coverage subscriber."""
+
+from pyuvm import uvm_env
+
+from triaxis.verif.agents.sink_agent import SinkAgent
+from triaxis.verif.agents.source_agent import SourceAgent
+from triaxis.verif.coverage_subscriber import CoverageSubscriber
+from triaxis.verif.scoreboard import Scoreboard
+
+
+class CoreEnv(uvm_env):
+    """Everything around the core."""
+
+    def build_phase(self) -> None:
+        """Make the parts."""
+        self.source = SourceAgent.create("source", self)
+        self.sink = SinkAgent.create("sink", self)
+        self.scoreboard = Scoreboard.create("scoreboard", self)
+        self.coverage = CoverageSubscriber.create("coverage", self)
+
+    def connect_phase(self) -> None:
+        """Connect monitors to the scoreboard, and the scoreboard to coverage."""
+        self.source.monitor.ap.connect(self.scoreboard.pairs_export)
+        self.sink.monitor.ap.connect(self.scoreboard.results_export)
+        self.scoreboard.checked_port.connect(self.coverage.analysis_export)
+
+    def flush(self) -> None:
+        """Publish what the monitors still hold."""
+        self.source.monitor.bus.flush()
+        self.sink.monitor.bus.flush()

@@ -1,0 +1,121 @@
+"""Solids that the project makes itself: a tool holder with its end mill, a vise with its workpiece.
+
+Lengths in millimetres. The tool points down the z axis with its tip at the origin; the vise's jaws
+are 60 mm apart with the workpiece between them, its top face at z = 0.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import stl
+
+from triaxis.golden.broadphase import candidates
+from triaxis.golden.pairs import Pairs
+from triaxis.golden.quantise import centred_grid, quantise
+from triaxis.golden.stl import Facets
+
+_SEGMENTS = 24
+
+
+def revolved(profile: list[tuple[float, float]], segments: int = _SEGMENTS) -> Facets:
+    """Return the solid that a profile of (radius, height) points makes when turned about z."""
+    angle = 2 * np.pi * np.arange(segments) / segments
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], 1)
+    rings = [r * circle + np.array([0, 0, z]) for r, z in profile]
+    facets: list[npt.NDArray[np.float64]] = []
+    for lower, upper in zip(rings, rings[1:], strict=False):
+        next_lower, next_upper = np.roll(lower, -1, 0), np.roll(upper, -1, 0)
+        facets.append(np.stack([lower, next_lower, next_upper], 1))
+        facets.append(np.stack([lower, next_upper, upper], 1))
+    all_facets = np.concatenate(facets)
+    # A radius of zero makes facets without area: they are no part of a clean solid.
+    area = np.cross(all_facets[:, 1] - all_facets[:, 0], all_facets[:, 2] - all_facets[:, 0])
+    return all_facets[np.abs(area).max(1) > 1e-9].astype(np.float32)
+
+
+def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Facets:
+    """Return the twelve facets of a box."""
+    corner = np.array([low, high])
+    v = np.array([[corner[i, 0], corner[j, 1], corner[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return np.array(
+        [[v[a], v[b], v[c]] for q in quads for a, b, c in (q[:3], (q[0], q[2], q[3]))], np.float32
+    )
+
+
+def tool() -> Facets:
+    """Return a 10 mm end mill in its holder, tip at the origin."""
+    return revolved(
+        [(0, 0), (5, 0), (5, 25), (6, 45), (14, 45), (20, 60), (31.5, 75), (31.5, 85), (0, 85)]
+    )
+
+
+def vise() -> Facets:
+    """Return a vise with a workpiece of 80 x 60 x 30 mm between its jaws, top face at z = 0."""
+    return np.concatenate(
+        [
+            box((-100, -90, -60), (100, 90, -32)),
+            box((-75, -70, -32), (75, -30, -8)),
+            box((-75, 30, -32), (75, 70, -8)),
+            box((-40, -29.75, -30), (40, 29.75, 0)),
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Two solids, and what is true of them."""
+
+    name: str
+    a: Facets
+    b: Facets
+    near: bool
+
+
+def scenes() -> list[Scene]:
+    """Return the scenes of the sign-off: the tool above, at, and in the workpiece; beside a jaw."""
+    cutter, fixture = tool(), vise()
+
+    def at(x: float, y: float, z: float) -> Facets:
+        return (cutter + np.array([x, y, z])).astype(np.float32)
+
+    return [
+        Scene("tool 2 mm above the workpiece", at(0, 0, 2), fixture, False),
+        Scene("tool 0.25 mm above the workpiece", at(10, 5, 0.25), fixture, True),
+        Scene("tool 3 mm deep in the workpiece", at(-20, 10, -3), fixture, True),
+        Scene("tool 1 mm beside a jaw", at(0, 76.5, -20), fixture, False),
+    ]
+
+
+def write_stl(path: Path, facets: Facets) -> None:
+    """Write facets as a binary STL."""
+    mesh = stl.mesh.Mesh(np.zeros(len(facets), dtype=stl.mesh.Mesh.dtype))
+    mesh.vectors[:] = facets
+    mesh.save(str(path), mode=stl.Mode.BINARY)
+
+
+def mesh_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
+    """Return ``count`` facet pairs of the scenes, on a grid that fills the width: (N, 2, 3, 3).
+
+    Half of them have overlapping boxes, as far as there are such.
+    """
+    chosen: list[Pairs] = []
+    every = scenes()
+    for scene in every:
+        # All of the scene within 3/4 of the range.
+        resolution = Fraction(300, 1 << width)
+        grid = centred_grid([scene.a, scene.b], resolution, width)
+        a, b = quantise(scene.a, grid, "a"), quantise(scene.b, grid, "b")
+        reach = int(2 / resolution)
+        close = np.concatenate(
+            [np.stack([a[i], b[j]], 1) for i, j in candidates(a, b, reach)] or [np.empty((0, 2, 3, 3))]
+        )
+        each = -(-count // len(every))
+        close = rng.permutation(close)[: each // 2]
+        rest = each - len(close)
+        any_pair = np.stack([a[rng.integers(0, len(a), rest)], b[rng.integers(0, len(b), rest)]], 1)
+        chosen += [close.astype(np.int64), any_pair]
+    return rng.permutation(np.concatenate(chosen))[:count]

@@ -1,0 +1,61 @@
+"""What one simulation run is asked to do, handed from the runner to the simulator process."""
+
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from triaxis.verif.configuration import Configuration, parse_configuration
+
+_VARIABLE = "TRIAXIS_RUN"
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """One run: a test by name, its seed, the build, how many pairs, where results go."""
+
+    test: str
+    seed: int
+    config: str
+    pairs: int
+    folder: str
+    replay: str = ""
+
+    @property
+    def configuration(self) -> Configuration:
+        """Return the parameters of the core under test."""
+        return parse_configuration(self.config)
+
+    @property
+    def replay_command(self) -> str:
+        """Return the command that repeats exactly this run."""
+        if self.replay:
+            return f".venv/bin/triaxis sim ReplayTest --config {self.config} --replay {self.replay}"
+        return (
+            f".venv/bin/triaxis sim {self.test} --seed {self.seed} --config {self.config} "
+            f"--pairs {self.pairs}"
+        )
+
+    def to_environment(self) -> dict[str, str]:
+        """Return the environment variable that carries these settings."""
+        return {_VARIABLE: json.dumps(asdict(self))}
+
+
+def from_environment() -> RunSettings:
+    """Return the settings that the runner put into the environment."""
+    return RunSettings(**json.loads(os.environ[_VARIABLE]))
+
+
+def result_file(folder: Path) -> Path:
+    """Return the file into which the scoreboard writes its counts."""
+    return folder / "scoreboard.json"
+
+
+def coverage_file(folder: Path) -> Path:
+    """Return the file into which the coverage subscriber writes its counts."""
+    return folder / "coverage.json"
+
+
+def failure_file(folder: Path) -> Path:
+    """Return the file into which the scoreboard writes failing pairs."""
+    return folder / "failing_pairs.npz"

@@ -1,0 +1,131 @@
+"""One run of one test in its own simulator process."""
+
+import contextlib
+import json
+import os
+import shutil
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import simulation
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.paths import BUILD, DUT
+from triaxis.verif.settings import RunSettings, coverage_file, failure_file, result_file
+
+# How often an error line of the log is repeated to the user.
+_SHOWN = 5
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """What came of a run. Counts are those of the scoreboard; None where it wrote none."""
+
+    settings: RunSettings
+    passed: bool
+    seconds: float
+    counts: dict[str, int] | None
+    errors: tuple[str, ...]
+    log: Path
+
+    @property
+    def coverage(self) -> Path:
+        """Return the run's coverage file; it may not exist."""
+        return coverage_file(Path(self.settings.folder))
+
+    @property
+    def failing_pairs(self) -> Path | None:
+        """Return the file of failing pairs, if the scoreboard wrote one."""
+        path = failure_file(Path(self.settings.folder))
+        return path if path.exists() else None
+
+    def explain(self) -> str:
+        """Return what to tell the user about a failed run, several lines."""
+        lines = [f"FAILED {self.settings.test}, {self.settings.config}, seed {self.settings.seed}"]
+        lines += [f"  {error}" for error in self.errors]
+        lines.append(f"  log:    {self.log}")
+        if self.failing_pairs:
+            lines.append(f"  pairs:  {self.failing_pairs}")
+        lines.append(f"  replay: {self.settings.replay_command}")
+        return "\n".join(lines)
+
+
+def run_folder(settings: RunSettings) -> Path:
+    """Return where a run keeps its files."""
+    return BUILD / "runs" / f"{settings.test}-{settings.config}-{settings.seed}"
+
+
+def run_settings(
+    test: str, configuration: Configuration, seed: int, pairs: int, replay: str = ""
+) -> RunSettings:
+    """Return the settings of a run in its usual folder."""
+    settings = RunSettings(test, seed, configuration.name, pairs, "", replay)
+    return replace(settings, folder=str(run_folder(settings)))
+
+
+def _errors(log: Path) -> tuple[str, ...]:
+    """Return the first error lines of a log: those of the scoreboard, of assertions, of Python."""
+    if not log.exists():
+        return ("the simulator wrote no log",)
+    found: list[str] = []
+    for line in log.read_text(errors="replace").splitlines():
+        if "ERROR" in line or "%Error" in line or "CRITICAL" in line or "Error:" in line:
+            text = line.strip()
+            if text not in found:
+                found.append(text)
+    return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
+
+
+def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
+    """Build where needed, simulate, and say how it went. Never raises for a failing test."""
+    from cocotb_tools.runner import get_runner
+
+    build = simulation(settings.configuration, dut)
+    folder = Path(settings.folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    log, results = folder / "simulation.log", folder / "results.xml"
+    runner = get_runner("verilator")
+    start = time.monotonic()
+    # The runner raises, or exits, where a test fails: the results file tells it better.
+    with contextlib.suppress(SystemExit, RuntimeError):
+        runner.test(
+            hdl_toplevel="triaxis_core",
+            hdl_toplevel_lang="verilog",
+            test_module="triaxis.verif.testlist.tests",
+            test_filter=f"{settings.test}$",
+            seed=settings.seed,
+            build_dir=build,
+            test_dir=folder,
+            results_xml=str(results),
+            log_file=log,
+            extra_env={
+                **settings.to_environment(),
+                "COCOTB_ANSI_OUTPUT": "0",
+                "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+            },
+        )
+    seconds = time.monotonic() - start
+    counts = None
+    if result_file(folder).exists():
+        counts = json.loads(result_file(folder).read_text())
+    passed = _passed(results) and counts is not None and counts["failed"] == 0
+    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+
+
+def _passed(results: Path) -> bool:
+    """Return whether exactly one test ran, and passed."""
+    try:
+        cases = list(ElementTree.parse(results).getroot().iter("testcase"))
+    except (OSError, ElementTree.ParseError):
+        return False
+    bad = ("failure", "error", "skipped")
+    return len(cases) == 1 and all(cases[0].find(name) is None for name in bad)
+
+
+def check_test_name(name: str, known: tuple[str, ...]) -> None:
+    """Raise InputError unless the test exists."""
+    if name not in known:
+        raise InputError(f"test {name}: unknown; one of: {', '.join(known)}")

@@ -1,0 +1,65 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rules of the core's streams and of its result queue, bound from outside the RTL.
+
+module triaxis_core_sva #(
+    parameter int unsigned Depth = 32
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic s_axis_tvalid_i,
+    input logic s_axis_tready_o,
+    input logic m_axis_tvalid_o,
+    input logic m_axis_tready_i,
+    input logic [15:0] m_axis_tdata_o,
+    input logic [31:0] tag,
+    input logic [$clog2(Depth):0] in_flight_q,
+    input logic push,
+    input logic [$clog2(Depth):0] queued
+);
+
+  // A result offered and not taken stays as it is.
+  ResultStable :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      m_axis_tvalid_o && !m_axis_tready_i |=>
+      m_axis_tvalid_o && $stable(m_axis_tdata_o) && $stable(tag))
+  else $error("a result changed while it waited");
+
+  // The same rule for whoever drives the input.
+  PairHeld :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      s_axis_tvalid_i && !s_axis_tready_o |=> s_axis_tvalid_i)
+  else $error("a pair was withdrawn while it waited");
+
+  QueueNeverOverflows :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      push |-> queued < ($clog2(Depth) + 1)'(Depth))
+  else $error("a result was pushed into a full queue");
+
+  InFlightBounded :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      in_flight_q <= ($clog2(Depth) + 1)'(Depth))
+  else $error("more pairs in flight than the queue holds");
+
+  InFlightCoversQueue :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) queued <= in_flight_q)
+  else $error("more results queued than pairs in flight");
+
+endmodule
+
+bind triaxis_core triaxis_core_sva #(
+    .Depth(Depth)
+) u_sva (
+    .clk_i,
+    .rst_ni,
+    .s_axis_tvalid_i,
+    .s_axis_tready_o,
+    .m_axis_tvalid_o,
+    .m_axis_tready_i,
+    .m_axis_tdata_o,
+    .tag(32'(m_axis_tuser_o)),
+    .in_flight_q,
+    .push(u_results.push_i),
+    .queued(u_results.write_q - u_results.read_q)
+);

@@ -1,0 +1,74 @@
+"""What all tests share: clock, reset, environment, the end of the test."""
+
+from pathlib import Path
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles
+from pyuvm import ConfigDB, uvm_report_server, uvm_test
+
+from triaxis.verif.agents.items import FULL_SPEED
+from triaxis.verif.env import CoreEnv
+from triaxis.verif.sequences.pair_sequence import ArraySequence
+from triaxis.verif.settings import from_environment
+
+_PERIOD_NS = 10
+_RESET_CYCLES = 3
+# Clocks that the last results may take once nothing stalls them: far above latency and queue.
+_DRAIN_CYCLES = 2000
+
+
+class CoreTest(uvm_test):
+    """Resets the core, runs `stimulus`, waits for the last result. Tests override `stimulus`."""
+
+    def build_phase(self) -> None:
+        """Take the settings from the runner and make the environment."""
+        self.dut = cocotb.top
+        self.settings = from_environment()
+        # A generator of the test's own name, so that tests of one seed differ.
+        self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
+        ConfigDB().set(None, "*", "SETTINGS", self.settings)
+        ConfigDB().set(None, "*", "DUT", self.dut)
+        Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
+        self.env = CoreEnv.create("env", self)
+
+    async def run_phase(self) -> None:
+        """Run the test."""
+        self.raise_objection()
+        Clock(self.dut.clk_i, _PERIOD_NS, "ns").start()
+        await self.reset(_RESET_CYCLES)
+        await self.stimulus()
+        await self.drain()
+        self.drop_objection()
+
+    def check_phase(self) -> None:
+        """Fail where anything reported an error, even if nothing else noticed."""
+        uvm_report_server.get().assert_no_failures()
+
+    async def stimulus(self) -> None:
+        """Send what the test is about."""
+        raise NotImplementedError
+
+    async def send(self, sequence: ArraySequence) -> None:
+        """Run a sequence on the input agent."""
+        await sequence.start(self.env.source.sequencer)
+
+    async def reset(self, cycles: int) -> None:
+        """Hold the core in reset for some clocks."""
+        self.dut.rst_ni.value = 0
+        await ClockCycles(self.dut.clk_i, cycles)
+        self.dut.rst_ni.value = 1
+        await ClockCycles(self.dut.clk_i, 1)
+
+    async def drain(self) -> None:
+        """Wait for the last result, without stalls; what is missing then is for the scoreboard."""
+        self.env.sink.ready.pace = FULL_SPEED
+        for _ in range(_DRAIN_CYCLES):
+            await ClockCycles(self.dut.clk_i, 1)
+            self.env.flush()
+            if self.env.scoreboard.matcher.outstanding == 0:
+                break
+        # A result too many would come now.
+        await ClockCycles(self.dut.clk_i, 2)
+        self.env.flush()
