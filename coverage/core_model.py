@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.coverage.covergroup import NO_BIN, BinNumbers, Coverpoint, CoverModel, cross
+from triaxis.coverage.covergroup import NO_BIN, BinNumbers, CoverModel, Coverpoint, cross
 from triaxis.golden.axes import NUM_AXES, axis_name
 from triaxis.golden.pairs import Pairs, coordinate_range
 
@@ -68,9 +68,7 @@ def _waits(waits: npt.NDArray[np.int64]) -> BinNumbers:
 
 _RANK_A = Coverpoint[CoreSample]("rank_a", "what A is", RANKS, lambda s: _rank(s.pairs[:, 0]))
 _RANK_B = Coverpoint[CoreSample]("rank_b", "what B is", RANKS, lambda s: _rank(s.pairs[:, 1]))
-_NEAR = Coverpoint[CoreSample](
-    "near", "the verdict", ("clear", "near"), lambda s: s.near.astype(np.int64)
-)
+_NEAR = Coverpoint[CoreSample]("near", "the verdict", ("clear", "near"), lambda s: s.near.astype(np.int64))
 _SCALE = Coverpoint[CoreSample]("scale", "size of the coordinates", SCALES, _scale)
 _MARGIN = Coverpoint[CoreSample](
     "margin", "the margin", ("0", "1", "2 to 7", "8 or more", "the largest"), _margin

@@ -71,17 +71,13 @@ class Counts:
     @staticmethod
     def empty(model: CoverModel[Any]) -> "Counts":
         """Return zero counts."""
-        return Counts(
-            model.hash, {p.name: np.zeros(len(p.bins), np.int64) for p in model.coverpoints}
-        )
+        return Counts(model.hash, {p.name: np.zeros(len(p.bins), np.int64) for p in model.coverpoints})
 
     def sample(self, model: CoverModel[Sample], sample: Sample) -> None:
         """Count a sample."""
         for point in model.coverpoints:
             numbers = point.number(sample)
-            self.hits[point.name] += np.bincount(
-                numbers[numbers != NO_BIN], minlength=len(point.bins)
-            )
+            self.hits[point.name] += np.bincount(numbers[numbers != NO_BIN], minlength=len(point.bins))
 
     def save(self, path: Path) -> None:
         """Write the counts as JSON, whole or not at all."""
@@ -98,9 +94,7 @@ def load(path: Path, model: CoverModel[Any]) -> Counts:
     """Read counts; raise InputError where the file is not whole, or of another model."""
     try:
         content = json.loads(path.read_text())
-        counts = Counts(
-            content["model"], {k: np.array(v, np.int64) for k, v in content["hits"].items()}
-        )
+        counts = Counts(content["model"], {k: np.array(v, np.int64) for k, v in content["hits"].items()})
     except OSError as error:
         raise InputError(f"{path}: cannot read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -139,10 +133,6 @@ def report(model: CoverModel[Any], counts: Counts) -> list[PointReport]:
     reports: list[PointReport] = []
     for point in model.coverpoints:
         hits = counts.hits[point.name]
-        missing = tuple(
-            name for name, count in zip(point.bins, hits.tolist(), strict=True) if not count
-        )
-        reports.append(
-            PointReport(point.name, len(point.bins) - len(missing), len(point.bins), missing)
-        )
+        missing = tuple(name for name, count in zip(point.bins, hits.tolist(), strict=True) if not count)
+        reports.append(PointReport(point.name, len(point.bins) - len(missing), len(point.bins), missing))
     return reports

@@ -4,6 +4,8 @@
 A x coordinate k; 23+3j+k edge j of B x coordinate k. Edge i runs from vertex i to the next.
 """
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -58,7 +60,7 @@ def axis_vector(number: int, a: Triangle, b: Triangle) -> list[Scalar]:
     return _cross(edges[index // 3], unit[index % 3])
 
 
-def _cross_arrays(x: npt.NDArray[np.generic], y: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+def _cross_arrays(x: npt.NDArray[Any], y: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.stack(
         [
             x[..., 1] * y[..., 2] - x[..., 2] * y[..., 1],
@@ -69,7 +71,7 @@ def _cross_arrays(x: npt.NDArray[np.generic], y: npt.NDArray[np.generic]) -> npt
     )
 
 
-def _separating_block(pairs: npt.NDArray, margins: npt.NDArray) -> npt.NDArray[np.bool_]:
+def _separating_block(pairs: npt.NDArray[Any], margins: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     a, b = pairs[:, 0], pairs[:, 1]
     edges_a, edges_b = np.roll(a, -1, 1) - a, np.roll(b, -1, 1) - b
     unit = np.eye(3, dtype=np.int64).astype(pairs.dtype)
@@ -96,9 +98,7 @@ def separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.b
     Exact for any coordinates: 64-bit integers where they provably suffice, Python's own otherwise.
     """
     limit = 1 << (_INT64_WIDTH - 1)
-    small = len(pairs) == 0 or (
-        -limit <= pairs.min() and pairs.max() < limit and margins.max() < 2 * limit
-    )
+    small = len(pairs) == 0 or (-limit <= pairs.min() and pairs.max() < limit and margins.max() < 2 * limit)
     dtype = np.dtype(np.int64) if small else np.dtype(object)
     result = np.empty((len(pairs), NUM_AXES), np.bool_)
     for start in range(0, len(pairs), _BLOCK):

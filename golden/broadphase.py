@@ -27,9 +27,7 @@ def candidates(
     counts = last - first
     start = 0
     while start < len(a):
-        stop = start + max(
-            1, int(np.searchsorted(np.cumsum(counts[start:]), _BLOCK, "right"))
-        )
+        stop = start + max(1, int(np.searchsorted(np.cumsum(counts[start:]), _BLOCK, "right")))
         count = counts[start:stop]
         i = np.repeat(np.arange(start, stop), count)
         within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)

@@ -104,9 +104,7 @@ def judge_in_parallel(
             report(len(results[-1]))
     else:
         with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-            for result in pool.map(
-                judge_pairs, [pairs[c] for c in chunks], [margins[c] for c in chunks]
-            ):
+            for result in pool.map(judge_pairs, [pairs[c] for c in chunks], [margins[c] for c in chunks]):
                 results.append(result)
                 report(len(result))
     return np.concatenate(results) if results else np.zeros(0, VERDICT)

@@ -8,6 +8,7 @@ Pairs have shape (N, 2, 3, 3): pair; A then B; vertex; coordinate. A file of pai
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -53,7 +54,7 @@ def check_margin(margin: int, width: int) -> None:
         raise InputError(f"margin {margin}: must be 0..{limit} for width {width}")
 
 
-def check_pairs(array: npt.NDArray[np.generic], width: int, name: str = "pairs") -> Pairs:
+def check_pairs(array: npt.NDArray[Any], width: int, name: str = "pairs") -> Pairs:
     """Return the pairs as int64, or raise InputError naming the first element that is wrong."""
     if array.ndim != 4 or array.shape[1:] != (2, 3, 3):
         raise InputError(f"{name}: shape {array.shape}: must be (N, 2, 3, 3)")

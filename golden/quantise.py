@@ -20,6 +20,8 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.stl import Facets
 
+_FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -36,7 +38,12 @@ class Grid:
 
 
 def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
-    """Return the grid whose origin is the multiple of the resolution nearest the meshes' centre."""
+    """Return the grid whose origin is the multiple of the resolution nearest the meshes' centre.
+
+    Raises InputError where the resolution is not a positive number of a size that float32 knows.
+    """
+    if not _FINEST <= resolution <= _COARSEST:
+        raise InputError(f"resolution {resolution!s:.40}: must be 1e-30..1e30, in the files' unit")
     low = np.min([mesh.min((0, 1)) for mesh in meshes], 0)
     high = np.max([mesh.max((0, 1)) for mesh in meshes], 0)
     centre = [(Fraction(float(a)) + Fraction(float(b))) / 2 for a, b in zip(low, high, strict=True)]
@@ -65,7 +72,7 @@ def _round(facets: Facets, grid: Grid) -> npt.NDArray[np.float64]:
     result = np.empty(facets.shape, np.float64)
     for k in range(3):
         offset = grid.offset[k]
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):
             y = (facets[..., k].astype(np.float64) - float(offset)) / float(grid.resolution)
         bound = 2.0**-52 * (abs(float(offset / grid.resolution)) + 4 * np.abs(y) + 1)
         to_half = np.abs(np.abs(y - np.floor(y)) - 0.5)

@@ -19,7 +19,7 @@ def _check_ascii(path: Path, data: bytes) -> None:
     """Raise InputError unless the text holds whole facets up to its endsolid."""
     text = data.decode("ascii", errors="replace")
     words = re.findall(r"\b(endfacet|facet|vertex|endsolid)\b", text, re.IGNORECASE)
-    count = {word: 0 for word in ("facet", "endfacet", "vertex", "endsolid")}
+    count = dict.fromkeys(("facet", "endfacet", "vertex", "endsolid"), 0)
     for word in words:
         count[word.lower()] += 1
     facets = count["facet"]
@@ -60,9 +60,8 @@ def read_stl(path: Path) -> Facets:
     if not data:
         raise InputError(f"{path}: empty file: an STL with at least one facet is needed")
     # Binary files whose header begins with "solid" exist, so the size has the last word.
-    whole_binary = (
-        len(data) >= _HEADER_BYTES
-        and len(data) == _HEADER_BYTES + _FACET_BYTES * int.from_bytes(data[80:84], "little")
+    whole_binary = len(data) >= _HEADER_BYTES and len(data) == _HEADER_BYTES + _FACET_BYTES * int.from_bytes(
+        data[80:84], "little"
     )
     is_ascii = not whole_binary and data.lstrip()[:5].lower() == b"solid"
     if is_ascii:

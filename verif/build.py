@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -63,7 +63,11 @@ def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
     log = folder / "build.log"
     with log.open("a") as output:
         status = subprocess.run(
-            command, stdout=output, stderr=subprocess.STDOUT, env=verilator().environment(), check=False
+            command,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            env=verilator().environment(),
+            check=False,
         ).returncode
     if status:
         lines = log.read_text(errors="replace").splitlines()
@@ -71,35 +75,51 @@ def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
         raise InputError(f"{what}: build failed: {first.strip()} (log: {log})")
 
 
-def library(configuration: Configuration) -> Path:
-    """Return the shared library of the core in that configuration, built where needed."""
-    harness = Path(__file__).with_name("harness.cpp")
+def _library(
+    name: str,
+    top: str,
+    prefix: str,
+    parameters: Mapping[str, int],
+    harness: Path,
+    defines: Sequence[str],
+) -> Path:
+    """Return a shared library of a Verilated module and its C++ harness, built where needed."""
     command = [
         "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
-        "--top-module", "triaxis_core", "--prefix", "Vcore",
-        *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
+        "--top-module", top, "--prefix", prefix,
+        *(f"-G{parameter}={value}" for parameter, value in parameters.items()),
         f"-I{DUT}",
-        "-CFLAGS", "-fPIC -O3 -march=native -std=c++20",
-        "-CFLAGS", f"-DWIDTH={configuration.width} -DMARGIN_BITS={configuration.margin_bits}",
-        "-CFLAGS", f"-DTAG_BITS={configuration.tag_bits}",
+        "-CFLAGS", " ".join(["-fPIC -O3 -march=native -std=c++20", *defines]),
         "-LDFLAGS", "-shared",
     ]  # fmt: skip
-    key = content_hash([*rtl_sources(), DUT / "triaxis_stage.svh", harness], str(verilator()), *command)
-    folder = BUILD / "library" / f"{configuration.name}-{key[:12]}"
-    file = "libcore.so"
+    sources = [*rtl_sources(), harness]
+    key = content_hash([*sources, DUT / "triaxis_stage.svh"], str(verilator()), *command)
+    folder = BUILD / "library" / f"{name}-{key[:12]}"
+    file = f"lib{prefix}.so"
 
     def make(partial: Path) -> None:
-        print(f"building the core, {configuration.name} (once) ..", file=sys.stderr, flush=True)
-        run_tool(
-            [
-                str(verilator().executable), *command, "--Mdir", str(partial / "obj"),
-                "-o", str(partial / file), *map(str, rtl_sources()), str(harness),
-            ],
-            partial,
-            configuration.name,
-        )  # fmt: skip
+        print(f"building {name} (once) ..", file=sys.stderr, flush=True)
+        output = ["--Mdir", str(partial / "obj"), "-o", str(partial / file)]
+        run_tool([str(verilator().executable), *command, *output, *map(str, sources)], partial, name)
 
     return built(folder, make) / file
+
+
+def library(configuration: Configuration) -> Path:
+    """Return the shared library of the core in that configuration; see engine.py."""
+    defines = [
+        f"-DWIDTH={configuration.width}",
+        f"-DMARGIN_BITS={configuration.margin_bits}",
+        f"-DTAG_BITS={configuration.tag_bits}",
+    ]
+    harness = Path(__file__).with_name("harness.cpp")
+    return _library(configuration.name, "triaxis_core", "Vcore", configuration.parameters, harness, defines)
+
+
+def detector_library(width: int) -> Path:
+    """Return the shared library of the wrapper CollisionDetector; see detector.py."""
+    harness = Path(__file__).with_name("detector.cpp")
+    return _library(f"detector_w{width}", "CollisionDetector", "Vdetector", {"W": width}, harness, [])
 
 
 def simulation(configuration: Configuration, dut: Path = DUT) -> Path:

@@ -69,6 +69,4 @@ def parse_configuration(name: str) -> Configuration:
             f"configuration {name}: must read w<width>_m<margin bits>[_t<tag bits>][_no_edge_box]"
             "[_ungated], as in w16_m0"
         )
-    return Configuration(
-        int(match[1]), int(match[2]), int(match[3] or 16), not match[4], not match[5]
-    )
+    return Configuration(int(match[1]), int(match[2]), int(match[3] or 16), not match[4], not match[5])

@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
-from pyuvm import ConfigDB, uvm_subscriber
+from pyuvm import uvm_subscriber
 
 from triaxis.coverage.core_model import CORE_MODEL, CoreSample
 from triaxis.coverage.covergroup import Counts
 from triaxis.golden.axes import separating
+from triaxis.verif.handles import settings_of
 from triaxis.verif.matching import CheckedBatch
 from triaxis.verif.settings import coverage_file
 
@@ -16,10 +17,10 @@ class CoverageSubscriber(uvm_subscriber):
 
     def build_phase(self) -> None:
         """Start with empty counts."""
-        self.settings = ConfigDB().get(self, "", "SETTINGS")
+        self.settings = settings_of(self)
         self.counts = Counts.empty(CORE_MODEL)
 
-    def write(self, tt: CheckedBatch) -> None:
+    def write(self, tt: CheckedBatch) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Sample a batch."""
         configuration = self.settings.configuration
         sample = CoreSample(

@@ -28,9 +28,7 @@ class RtlEngine:
         self._run.restype = ctypes.c_int64
         self._run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
 
-    def words(
-        self, pairs: Pairs, margins: npt.NDArray[np.int64]
-    ) -> tuple[npt.NDArray[np.uint16], int]:
+    def words(self, pairs: Pairs, margins: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.uint16], int]:
         """Return the result words of pairs (N, 2, 3, 3) at margins (N,), and the clock cycles.
 
         Coordinates and margins must be in range: see `triaxis.golden.pairs.check_pairs`.

@@ -5,6 +5,7 @@ from pyuvm import uvm_env
 from triaxis.verif.agents.sink_agent import SinkAgent
 from triaxis.verif.agents.source_agent import SourceAgent
 from triaxis.verif.coverage_subscriber import CoverageSubscriber
+from triaxis.verif.handles import create
 from triaxis.verif.scoreboard import Scoreboard
 
 
@@ -13,10 +14,10 @@ class CoreEnv(uvm_env):
 
     def build_phase(self) -> None:
         """Make the parts."""
-        self.source = SourceAgent.create("source", self)
-        self.sink = SinkAgent.create("sink", self)
-        self.scoreboard = Scoreboard.create("scoreboard", self)
-        self.coverage = CoverageSubscriber.create("coverage", self)
+        self.source = create(SourceAgent, "source", self)
+        self.sink = create(SinkAgent, "sink", self)
+        self.scoreboard = create(Scoreboard, "scoreboard", self)
+        self.coverage = create(CoverageSubscriber, "coverage", self)
 
     def connect_phase(self) -> None:
         """Connect monitors to the scoreboard, and the scoreboard to coverage."""

@@ -57,9 +57,7 @@ class _Epoch:
     results_closed: bool = False
 
 
-def expected_verdicts(
-    pairs: Pairs, margins: npt.NDArray[np.int64], configuration: Configuration
-) -> Verdicts:
+def expected_verdicts(pairs: Pairs, margins: npt.NDArray[np.int64], configuration: Configuration) -> Verdicts:
     """Return what a core in that configuration must answer: the golden verdict, and its contract.
 
     With operand gating the flags of a pair that a box axis decides read 0. Without the edge x box
@@ -163,7 +161,10 @@ class Matcher:
         if len(pairs) > count:
             epoch.pairs.appendleft(
                 PairBatch(
-                    pairs.pairs[count:], pairs.margins[count:], pairs.tags[count:], pairs.waits[count:]
+                    pairs.pairs[count:],
+                    pairs.margins[count:],
+                    pairs.tags[count:],
+                    pairs.waits[count:],
                 )
             )
         if len(results) > count:
@@ -188,9 +189,7 @@ class Matcher:
             self._fail(Failure(message, pairs.pairs[i], int(pairs.margins[i])))
         self._recheck_claims(pairs, results)
         self.checked += len(pairs)
-        self._on_checked(
-            CheckedBatch(pairs.pairs, pairs.margins, expected, pairs.waits, results.waits)
-        )
+        self._on_checked(CheckedBatch(pairs.pairs, pairs.margins, expected, pairs.waits, results.waits))
 
     def _recheck_claims(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Prove every "clear" from the claimed axis alone, whatever the golden model said."""

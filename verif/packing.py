@@ -18,9 +18,7 @@ def pack_data(pairs: Pairs, width: int) -> list[int]:
     """Return TDATA for pairs (N, 2, 3, 3)."""
     flat = pairs.reshape(-1, COORDINATES)
     bits = (flat[:, :, None] >> np.arange(width)) & 1
-    packed = np.packbits(
-        bits.reshape(-1, COORDINATES * width).astype(np.uint8), axis=1, bitorder="little"
-    )
+    packed = np.packbits(bits.reshape(-1, COORDINATES * width).astype(np.uint8), axis=1, bitorder="little")
     return [int.from_bytes(row.tobytes(), "little") for row in packed]
 
 

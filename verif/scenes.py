@@ -6,6 +6,7 @@ are 60 mm apart with the workpiece between them, its top face at z = 0.
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def revolved(profile: list[tuple[float, float]], segments: int = _SEGMENTS) -> F
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], 1)
     rings = [r * circle + np.array([0, 0, z]) for r, z in profile]
     facets: list[npt.NDArray[np.float64]] = []
-    for lower, upper in zip(rings, rings[1:], strict=False):
+    for lower, upper in pairwise(rings):
         next_lower, next_upper = np.roll(lower, -1, 0), np.roll(upper, -1, 0)
         facets.append(np.stack([lower, next_lower, next_upper], 1))
         facets.append(np.stack([lower, next_upper, upper], 1))
@@ -48,9 +49,7 @@ def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Fa
 
 def tool() -> Facets:
     """Return a 10 mm end mill in its holder, tip at the origin."""
-    return revolved(
-        [(0, 0), (5, 0), (5, 25), (6, 45), (14, 45), (20, 60), (31.5, 75), (31.5, 85), (0, 85)]
-    )
+    return revolved([(0, 0), (5, 0), (5, 25), (6, 45), (14, 45), (20, 60), (31.5, 75), (31.5, 85), (0, 85)])
 
 
 def vise() -> Facets:
@@ -79,14 +78,18 @@ def scenes() -> list[Scene]:
     """Return the scenes of the sign-off: the tool above, at, and in the workpiece; beside a jaw."""
     cutter, fixture = tool(), vise()
 
-    def at(x: float, y: float, z: float) -> Facets:
-        return (cutter + np.array([x, y, z])).astype(np.float32)
+    def at(x: float, y: float, z: float, tilt_degrees: float = 0) -> Facets:
+        c, s = np.cos(np.radians(tilt_degrees)), np.sin(np.radians(tilt_degrees))
+        turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        return (cutter @ turn.T + np.array([x, y, z])).astype(np.float32)
 
     return [
         Scene("tool 2 mm above the workpiece", at(0, 0, 2), fixture, False),
         Scene("tool 0.25 mm above the workpiece", at(10, 5, 0.25), fixture, True),
         Scene("tool 3 mm deep in the workpiece", at(-20, 10, -3), fixture, True),
         Scene("tool 1 mm beside a jaw", at(0, 76.5, -20), fixture, False),
+        # Its long facets lie across the boxes of the workpiece: the axes have to decide.
+        Scene("tool tilted by 40 degrees beside the workpiece", at(0, 42, -4, 40), fixture, False),
     ]
 
 

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pyuvm import ConfigDB, uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
+from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
 from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.handles import settings_of
 from triaxis.verif.matching import Matcher
 from triaxis.verif.settings import failure_file, result_file
 
@@ -30,7 +31,7 @@ class Scoreboard(uvm_scoreboard):
 
     def build_phase(self) -> None:
         """Make the exports, the port for what was checked, and the matcher."""
-        self.settings = ConfigDB().get(self, "", "SETTINGS")
+        self.settings = settings_of(self)
         self.pairs_export = _Export("pairs_export", self, self._write_pairs)
         self.results_export = _Export("results_export", self, self._write_results)
         self.checked_port = uvm_analysis_port("checked_port", self)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
-from triaxis.golden.errors import InputError
 from triaxis.verif.build import simulation
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.paths import BUILD, DUT
@@ -123,9 +122,3 @@ def _passed(results: Path) -> bool:
         return False
     bad = ("failure", "error", "skipped")
     return len(cases) == 1 and all(cases[0].find(name) is None for name in bad)
-
-
-def check_test_name(name: str, known: tuple[str, ...]) -> None:
-    """Raise InputError unless the test exists."""
-    if name not in known:
-        raise InputError(f"test {name}: unknown; one of: {', '.join(known)}")

@@ -48,7 +48,7 @@ class Verilator:
 
 
 def _shim(executable: Path) -> Path:
-    """Return a folder in which ``verilator`` is this executable: cocotb looks it up by that name."""
+    """Return a folder in which ``verilator`` is this executable: cocotb looks up that name."""
     folder = BUILD / "toolchain" / hashlib.sha256(str(executable).encode()).hexdigest()[:12]
     folder.mkdir(parents=True, exist_ok=True)
     link = folder / "verilator"

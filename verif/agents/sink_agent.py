@@ -6,11 +6,12 @@ from random import Random
 import numpy as np
 from cocotb.handle import LogicObject
 from cocotb_bus.drivers import BitDriver
-from pyuvm import ConfigDB, uvm_agent, uvm_analysis_port, uvm_component, uvm_monitor
+from pyuvm import uvm_agent, uvm_analysis_port, uvm_component, uvm_monitor
 
 from triaxis.verif.agents.items import FULL_SPEED
 from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
 from triaxis.verif.batches import ResultBatch
+from triaxis.verif.handles import create, dut_of, settings_of
 
 SINK_BUS = "m_axis"
 SINK_SIGNALS = {
@@ -27,11 +28,11 @@ class ReadyDriver(uvm_component):
     def build_phase(self) -> None:
         """Start always ready."""
         self.pace = FULL_SPEED
-        self.random = Random(f"sink {ConfigDB().get(self, '', 'SETTINGS').seed}")
+        self.random = Random(f"sink {settings_of(self).seed}")
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pin."""
-        dut = ConfigDB().get(self, "", "DUT")
+        dut = dut_of(self)
         ready: LogicObject = dut.m_axis_tready_i
         BitDriver(ready, dut.clk_i).start(self._cycles())
 
@@ -49,7 +50,7 @@ class SinkMonitor(uvm_monitor):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        dut = ConfigDB().get(self, "", "DUT")
+        dut = dut_of(self)
         self.bus = StreamMonitor(
             dut, SINK_BUS, SINK_SIGNALS, dut.clk_i, dut.rst_ni, self._to_batch, self.ap.write
         )
@@ -69,5 +70,5 @@ class SinkAgent(uvm_agent):
     def build_phase(self) -> None:
         """Make the parts."""
         super().build_phase()
-        self.ready = ReadyDriver.create("ready", self)
-        self.monitor = SinkMonitor.create("monitor", self)
+        self.ready = create(ReadyDriver, "ready", self)
+        self.monitor = create(SinkMonitor, "monitor", self)

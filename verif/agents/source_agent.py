@@ -3,11 +3,12 @@
 from random import Random
 
 import numpy as np
-from pyuvm import ConfigDB, uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sequencer
+from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sequencer
 
 from triaxis.verif.agents.source_bus import SOURCE_BUS, SOURCE_SIGNALS, SourceBus
 from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
 from triaxis.verif.batches import PairBatch
+from triaxis.verif.handles import create, dut_of, settings_of
 from triaxis.verif.packing import pack_data, pack_user, unpack_data, unpack_user
 
 
@@ -16,13 +17,13 @@ class SourceDriver(uvm_driver):
 
     def build_phase(self) -> None:
         """Fetch the settings."""
-        self.settings = ConfigDB().get(self, "", "SETTINGS")
+        self.settings = settings_of(self)
         self.random = Random(f"source {self.settings.seed}")
         self.next_tag = 0
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        dut = ConfigDB().get(self, "", "DUT")
+        dut = dut_of(self)
         self.bus = SourceBus(dut, dut.clk_i, dut.rst_ni)
 
     async def run_phase(self) -> None:
@@ -49,11 +50,11 @@ class SourceMonitor(uvm_monitor):
     def build_phase(self) -> None:
         """Make the analysis port."""
         self.ap = uvm_analysis_port("ap", self)
-        self.configuration = ConfigDB().get(self, "", "SETTINGS").configuration
+        self.configuration = settings_of(self).configuration
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
-        dut = ConfigDB().get(self, "", "DUT")
+        dut = dut_of(self)
         self.bus = StreamMonitor(
             dut, SOURCE_BUS, SOURCE_SIGNALS, dut.clk_i, dut.rst_ni, self._to_batch, self.ap.write
         )
@@ -70,9 +71,9 @@ class SourceAgent(uvm_agent):
     def build_phase(self) -> None:
         """Make the parts."""
         super().build_phase()
-        self.sequencer = uvm_sequencer.create("sequencer", self)
-        self.driver = SourceDriver.create("driver", self)
-        self.monitor = SourceMonitor.create("monitor", self)
+        self.sequencer = create(uvm_sequencer, "sequencer", self)
+        self.driver = create(SourceDriver, "driver", self)
+        self.monitor = create(SourceMonitor, "monitor", self)
 
     def connect_phase(self) -> None:
         """Give the driver its items."""

@@ -3,14 +3,16 @@
 Values are read at a rising edge before it takes effect, and driven after it.
 """
 
+from collections.abc import Iterator
 from random import Random
-from typing import Any
+from typing import Any, cast
 
 from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from cocotb_bus.drivers import ValidatedBusDriver
 
 from triaxis.verif.agents.items import Pace
+from triaxis.verif.handles import StreamPins
 
 SOURCE_BUS = "s_axis"
 SOURCE_SIGNALS = {
@@ -29,15 +31,17 @@ class SourceBus(ValidatedBusDriver):
     def __init__(self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject) -> None:
         """Start with nothing offered."""
         super().__init__(dut, SOURCE_BUS, clock)
+        self._edge = RisingEdge(clock)
         self._reset_n = reset_n
-        self.bus.tvalid.value = 0
-        self.bus.tdata.value = 0
-        self.bus.tuser.value = 0
+        self.pins = cast(StreamPins, self.bus)
+        self.pins.tvalid.value = 0
+        self.pins.tdata.value = 0
+        self.pins.tuser.value = 0
 
     def set_pace(self, pace: Pace, random: Random) -> None:
         """Offer beats at this pace from now on."""
 
-        def cycles():
+        def cycles() -> Iterator[tuple[int, int]]:
             while True:
                 yield random.randint(1, pace.on), random.randint(0, pace.off)
 
@@ -45,25 +49,24 @@ class SourceBus(ValidatedBusDriver):
 
     def idle(self) -> None:
         """Offer nothing until the next beat."""
-        self.bus.tvalid.value = 0
+        self.pins.tvalid.value = 0
 
-    async def _driver_send(
-        self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any
-    ) -> None:
-        edge = RisingEdge(self.clock)
+    async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
+        edge, pins = self._edge, self.pins
         if sync:
             await edge
         if not self.on:
             self.idle()
-            for _ in range(self.off):
+            for _ in range(int(self.off or 0)):
                 await edge
             self._next_valids()
-        self.bus.tdata.value, self.bus.tuser.value = transaction
-        self.bus.tvalid.value = 1
+        pins.tdata.value, pins.tuser.value = transaction
+        pins.tvalid.value = 1
         await edge
-        while not (int(self.bus.tready.value) and int(self._reset_n.value)):
+        while not (int(pins.tready.value) and int(self._reset_n.value)):
             # AXI4-Stream wants tvalid low in reset.
-            self.bus.tvalid.value = int(self._reset_n.value)
+            pins.tvalid.value = int(self._reset_n.value)
             await edge
-        if self.on is not True:
+        # With no generator, `on` is True for good.
+        if self.on and self.on is not True:
             self.on -= 1

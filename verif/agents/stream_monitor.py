@@ -6,13 +6,14 @@ and tready read 1.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from cocotb_bus.monitors import BusMonitor
 
 from triaxis.verif.batches import ResetSeen
+from triaxis.verif.handles import StreamPins
 
 # Beats gathered before they are published together.
 _BATCH = 512
@@ -44,6 +45,7 @@ class StreamMonitor(BusMonitor):
         self._signals = signals
         self._to_batch = to_batch
         self._beats = Beats()
+        self._edge = RisingEdge(clock)
         super().__init__(dut, bus, clock, reset_n=reset_n, callback=publish)
 
     def flush(self) -> None:
@@ -53,8 +55,8 @@ class StreamMonitor(BusMonitor):
             self._recv(self._to_batch(beats))
 
     async def _monitor_recv(self) -> None:
-        edge = RisingEdge(self.clock)
-        bus = self.bus
+        edge = self._edge
+        pins = cast(StreamPins, self.bus)
         was_reset = True
         wait = 0
         while True:
@@ -66,13 +68,13 @@ class StreamMonitor(BusMonitor):
                 was_reset, wait = True, 0
                 continue
             was_reset = False
-            if not int(bus.tvalid.value):
+            if not int(pins.tvalid.value):
                 continue
-            if not int(bus.tready.value):
+            if not int(pins.tready.value):
                 wait += 1
                 continue
-            self._beats.data.append(int(bus.tdata.value))
-            self._beats.user.append(int(bus.tuser.value))
+            self._beats.data.append(int(pins.tdata.value))
+            self._beats.user.append(int(pins.tuser.value))
             self._beats.waits.append(wait)
             wait = 0
             if len(self._beats.data) == _BATCH:

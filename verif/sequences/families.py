@@ -14,7 +14,7 @@ from triaxis.golden.pairs import Pairs, coordinate_range
 Family = Callable[[np.random.Generator, int, int], Pairs]
 
 
-def _sizes(rng: np.random.Generator, count: int, width: int, largest: int) -> npt.NDArray[np.int64]:
+def _sizes(rng: np.random.Generator, count: int, width: int, largest: float) -> npt.NDArray[np.int64]:
     """Return half-widths of local boxes, log-uniform: (N, 1, 1, 1)."""
     bits = rng.uniform(1, largest, count)
     return np.minimum(np.exp2(bits).astype(np.int64), 1 << (width - 2)).reshape(-1, 1, 1, 1)
@@ -111,9 +111,9 @@ def touching_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
     size = _sizes(rng, count, width, width - 5) * 6
     a = rng.integers(-size[:, 0] // 6, size[:, 0] // 6 + 1, (count, 3, 3)) * 6
     b = rng.integers(-size[:, 0], size[:, 0] + 1, (count, 3, 3))
-    weights = np.array(
-        [[6, 0, 0], [3, 3, 0], [2, 4, 0], [2, 2, 2], [1, 2, 3], [4, 1, 1]], np.int64
-    )[rng.integers(0, 6, count)]
+    weights = np.array([[6, 0, 0], [3, 3, 0], [2, 4, 0], [2, 2, 2], [1, 2, 3], [4, 1, 1]], np.int64)[
+        rng.integers(0, 6, count)
+    ]
     point = (weights[:, :, None] * a).sum(1) // 6
     b[:, 0] = point
     shared_edge = rng.integers(0, 4, count) == 0
@@ -124,12 +124,19 @@ def touching_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
     return _place(rng, np.stack([a, b], 1), width)
 
 
+def tiny_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
+    """Return pairs on a grid of a few steps, around zero: nothing but coincidences."""
+    size = rng.integers(1, 5, (count, 1, 1, 1))
+    return rng.integers(-size, size + 1, (count, 2, 3, 3))
+
+
 FAMILIES: dict[str, Family] = {
     "random": random_pairs,
     "far": far_pairs,
     "degenerate": degenerate_pairs,
     "coplanar": coplanar_pairs,
     "extremes": extreme_pairs,
+    "tiny": tiny_pairs,
     "touching": touching_pairs,
 }
 
@@ -150,7 +157,7 @@ def shuffled(rng: np.random.Generator, pairs: Pairs) -> Pairs:
 
 
 def all_orders(pairs: Pairs) -> Pairs:
-    """Return all 72 orders of each pair: 6 x 6 vertex orders, A and B swapped: (N * 72, 2, 3, 3)."""
+    """Return all 72 orders of each pair, 6 x 6 vertex orders and A, B swapped: (72 N, 2, 3, 3)."""
     orders = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]])
     variants = [
         np.stack([pairs[:, i][:, x], pairs[:, 1 - i][:, y]], 1)
@@ -161,9 +168,7 @@ def all_orders(pairs: Pairs) -> Pairs:
     return np.stack(variants, 1).reshape(-1, 2, 3, 3)
 
 
-def random_margins(
-    rng: np.random.Generator, pairs: Pairs, largest: int
-) -> npt.NDArray[np.int64]:
+def random_margins(rng: np.random.Generator, pairs: Pairs, largest: int) -> npt.NDArray[np.int64]:
     """Return margins (N,): 0, 1, 7, any size, the largest, and about the distance of the boxes."""
     count = len(pairs)
     low, high = pairs.min(2), pairs.max(2)
@@ -171,7 +176,14 @@ def random_margins(
     beside = np.maximum(gap, 0) + rng.integers(-1, 2, count)
     any_size = np.exp2(rng.uniform(0, np.log2(largest + 1), count)).astype(np.int64)
     choices = np.stack(
-        [np.zeros(count), np.ones(count), np.full(count, 7), any_size, np.full(count, largest), beside]
+        [
+            np.zeros(count),
+            np.ones(count),
+            np.full(count, 7),
+            any_size,
+            np.full(count, largest),
+            beside,
+        ]
     ).astype(np.int64)
     # The largest margin makes everything near: rare.
     kind = rng.choice(len(choices), count, p=[0.25, 0.15, 0.15, 0.2, 0.02, 0.23])

@@ -18,9 +18,7 @@ BURST = 1024
 class ArraySequence(uvm_sequence):
     """Sends given pairs at given margins."""
 
-    def __init__(
-        self, pairs: Pairs, margins: npt.NDArray[np.int64], pace: Pace = FULL_SPEED
-    ) -> None:
+    def __init__(self, pairs: Pairs, margins: npt.NDArray[np.int64], pace: Pace = FULL_SPEED) -> None:
         """Hold the arrays."""
         super().__init__("array")
         self.pairs, self.margins, self.pace = pairs, margins, pace

@@ -23,9 +23,11 @@ module triaxis_boxes_sva #(
     for (genvar v = 0; v < 3; v++) begin : g_vertex
       for (genvar k = 0; k < 3; k++) begin : g_coordinate
         OperandHeld :
-        assert property (@(posedge clk_i)
-            known_q && (!valid || separated != '0) |=>
-            $stable(operand_a_o[v][k]) && $stable(operand_b_o[v][k]))
+        assert property (@(posedge clk_i) known_q && (!valid || separated != '0) |=> $stable(
+            operand_a_o[v][k]
+        ) && $stable(
+            operand_b_o[v][k]
+        ))
         else $error("an operand moved for a pair that its boxes decide");
       end
     end

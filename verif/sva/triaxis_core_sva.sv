@@ -23,7 +23,11 @@ module triaxis_core_sva #(
   ResultStable :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
       m_axis_tvalid_o && !m_axis_tready_i |=>
-      m_axis_tvalid_o && $stable(m_axis_tdata_o) && $stable(tag))
+      m_axis_tvalid_o && $stable(
+      m_axis_tdata_o
+  ) && $stable(
+      tag
+  ))
   else $error("a result changed while it waited");
 
   // The same rule for whoever drives the input.
@@ -33,13 +37,15 @@ module triaxis_core_sva #(
   else $error("a pair was withdrawn while it waited");
 
   QueueNeverOverflows :
-  assert property (@(posedge clk_i) disable iff (!rst_ni)
-      push |-> queued < ($clog2(Depth) + 1)'(Depth))
+  assert property (@(posedge clk_i) disable iff (!rst_ni) push |-> queued < ($clog2(
+      Depth
+  ) + 1)'(Depth))
   else $error("a result was pushed into a full queue");
 
   InFlightBounded :
-  assert property (@(posedge clk_i) disable iff (!rst_ni)
-      in_flight_q <= ($clog2(Depth) + 1)'(Depth))
+  assert property (@(posedge clk_i) disable iff (!rst_ni) in_flight_q <= ($clog2(
+      Depth
+  ) + 1)'(Depth))
   else $error("more pairs in flight than the queue holds");
 
   InFlightCoversQueue :

@@ -1,15 +1,17 @@
 """What all tests share: clock, reset, environment, the end of the test."""
 
 from pathlib import Path
+from typing import Any
 
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles
-from pyuvm import ConfigDB, uvm_report_server, uvm_test
+from pyuvm import uvm_report_server, uvm_test
 
 from triaxis.verif.agents.items import FULL_SPEED
 from triaxis.verif.env import CoreEnv
+from triaxis.verif.handles import create, publish
 from triaxis.verif.sequences.pair_sequence import ArraySequence
 from triaxis.verif.settings import from_environment
 
@@ -24,14 +26,13 @@ class CoreTest(uvm_test):
 
     def build_phase(self) -> None:
         """Take the settings from the runner and make the environment."""
-        self.dut = cocotb.top
+        self.dut: Any = cocotb.top
         self.settings = from_environment()
         # A generator of the test's own name, so that tests of one seed differ.
         self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
-        ConfigDB().set(None, "*", "SETTINGS", self.settings)
-        ConfigDB().set(None, "*", "DUT", self.dut)
+        publish(self.settings, self.dut)
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
-        self.env = CoreEnv.create("env", self)
+        self.env = create(CoreEnv, "env", self)
 
     async def run_phase(self) -> None:
         """Run the test."""

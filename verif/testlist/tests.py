@@ -22,9 +22,7 @@ class FamilyTest(CoreTest):
 
     async def stimulus(self) -> None:
         """Send the family."""
-        await self.send(
-            FamilySequence(type(self).family, self.settings, self.rng, self.settings.pairs)
-        )
+        await self.send(FamilySequence(type(self).family, self.settings, self.rng, self.settings.pairs))
 
 
 @pyuvm.test()
@@ -60,6 +58,13 @@ class TouchingTest(FamilyTest):
     """Shared vertices, edges and points, and misses by one step."""
 
     family = families.touching_pairs
+
+
+@pyuvm.test()
+class TinyTest(FamilyTest):
+    """Coordinates of a few steps: coincidences of every kind."""
+
+    family = families.tiny_pairs
 
 
 @pyuvm.test()
@@ -116,9 +121,7 @@ class StallsTest(CoreTest):
         for ready in self.paces:
             self.env.sink.ready.pace = ready
             for valid in self.paces:
-                await self.send(
-                    FamilySequence(families.mixed_pairs, self.settings, self.rng, count, valid)
-                )
+                await self.send(FamilySequence(families.mixed_pairs, self.settings, self.rng, count, valid))
 
 
 @pyuvm.test()
@@ -130,9 +133,7 @@ class ResetsTest(CoreTest):
         self.env.sink.ready.pace = Pace(6, 6)
         traffic = cocotb.start_soon(
             self.send(
-                FamilySequence(
-                    families.mixed_pairs, self.settings, self.rng, self.settings.pairs, Pace(9, 4)
-                )
+                FamilySequence(families.mixed_pairs, self.settings, self.rng, self.settings.pairs, Pace(9, 4))
             )
         )
         while not traffic.done():
@@ -150,19 +151,3 @@ class ReplayTest(CoreTest):
         """Send the pairs in the file."""
         with np.load(Path(self.settings.replay)) as file:
             await self.send(ArraySequence(file["pairs"], file["margins"]))
-
-
-TESTS = (
-    "SeedVectorsTest",
-    "RandomTest",
-    "DegenerateTest",
-    "CoplanarTest",
-    "ExtremesTest",
-    "TouchingTest",
-    "FarTest",
-    "OrdersTest",
-    "MeshTest",
-    "StallsTest",
-    "ResetsTest",
-    "ReplayTest",
-)

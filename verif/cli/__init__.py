@@ -1,0 +1,54 @@
+"""The command line ``triaxis``.
+
+Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; for `sim` and
+`signoff`: failed), 2 bad input or a missing tool, 130 interrupted.
+"""
+
+import argparse
+import sys
+from typing import NoReturn
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import CertificateError
+from triaxis.verif.cli import check, fpga_report, signoff, sim, verdict
+from triaxis.verif.engine import CoreError
+
+DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
+
+_COMMANDS = (verdict, check, sim, signoff, fpga_report)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(ERROR, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="triaxis",
+        description="Exact triangle-collision core: verdicts, mesh checks, simulation, sign-off.",
+        epilog="Exit codes: 0 done (check: clear); 1 no (check: near; sim, signoff: failed); "
+        "2 bad input or missing tool; 130 interrupted.",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    for command in _COMMANDS:
+        command.add_parser(commands)
+    return parser
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; return the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except (InputError, CoreError, CertificateError) as error:
+        print(f"triaxis: error: {error}", file=sys.stderr)
+        return ERROR
+    except KeyboardInterrupt:
+        print("triaxis: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except MemoryError:
+        print("triaxis: error: out of memory: use a smaller input", file=sys.stderr)
+        return ERROR

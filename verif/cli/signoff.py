@@ -1,0 +1,116 @@
+"""``triaxis signoff``: everything against the golden model, and a summary."""
+
+import argparse
+from collections import defaultdict
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from triaxis.coverage.text import coverage_lines
+from triaxis.golden.errors import InputError
+from triaxis.verif.signoff import SceneResult, SignoffResult, signoff, write_json
+from triaxis.verif.simulation import RunResult
+from triaxis.verif.toolchain import verilator
+
+PASSED, FAILED = 0, 1
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "signoff",
+        help="run everything against the golden model and print a summary",
+        description="Run every test in every configuration of the core. Writes build/signoff/signoff.json.",
+        epilog="Exit codes: 0 passed, 1 failed, 2 error.",
+    )
+    parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the sign-off and print the summary."""
+    if options.seed < 0:
+        raise InputError(f"seed {options.seed}: must not be negative")
+    print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("sign-off")
+        result = signoff(
+            options.seed,
+            lambda done: bar.advance(task, done),
+            lambda total: bar.update(task, total=total),
+        )
+    path = write_json(result, options.seed)
+    _print(result)
+    print(f"written to {path}")
+    return FAILED if result.problems else PASSED
+
+
+def _print(result: SignoffResult) -> None:
+    console = Console(width=110)
+    console.print(_runs_table(result.runs))
+    console.print(_scenes_table(result.scenes + (result.real_meshes or [])))
+    if result.real_meshes is None:
+        print("real meshes: skipped, none found (set TRIAXIS_DATA to a folder with vmc/*.stl)")
+    print(f"seed vectors clear in CollisionDetector: {result.seed_vectors_clear} of 15")
+    print("functional coverage, bins hit:")
+    for line in coverage_lines(result.coverage):
+        print(f"  {line}")
+    for failed in (r for r in result.runs if not r.passed):
+        print(failed.explain())
+    for problem in result.problems:
+        print(f"PROBLEM {problem}")
+    verdict = "FAILED" if result.problems else "PASSED"
+    print(f"{verdict}: {result.checked} pairs checked against the golden model, {result.seconds:.0f} s")
+
+
+def _runs_table(runs: list[RunResult]) -> Table:
+    table = Table(title="core against golden model")
+    for heading in ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches"):
+        table.add_column(heading, justify="left" if heading == "configuration" else "right")
+    groups: dict[str, list[RunResult]] = defaultdict(list)
+    for result in runs:
+        groups[result.settings.config].append(result)
+    for config, group in groups.items():
+        counts = [result.counts or {} for result in group]
+        passed = sum(result.passed for result in group)
+        table.add_row(
+            config,
+            f"{passed} of {len(group)} passed",
+            *(
+                str(sum(count.get(key, 0) for count in counts))
+                for key in ("checked", "clear_claims_rechecked", "failed")
+            ),
+        )
+    return table
+
+
+def _scenes_table(scenes: list[SceneResult]) -> Table:
+    table = Table(title="meshes end to end through the RTL")
+    for heading in (
+        "scene",
+        "expected",
+        "found",
+        "golden agrees",
+        "facet pairs",
+        "skipped",
+        "tested",
+        "near",
+    ):
+        table.add_column(heading, justify="left" if heading == "scene" else "right")
+    for scene in scenes:
+        table.add_row(
+            scene.name,
+            scene.expected,
+            scene.found,
+            "yes" if scene.agrees else "NO",
+            *(str(n) for n in (scene.pairs, scene.skipped, scene.tested, scene.near)),
+        )
+    return table

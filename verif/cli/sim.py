@@ -1,0 +1,60 @@
+"""``triaxis sim``: one test by name and seed, on the simulated core."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.simulation import run as simulate
+from triaxis.verif.simulation import run_settings
+from triaxis.verif.testnames import REPLAY, TESTS, check_test_name
+
+PASSED, FAILED = 0, 1
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "sim",
+        help="run one test on the simulated core",
+        description="Run one test of the pyuvm environment. Tests: " + ", ".join(TESTS) + ".",
+        epilog="Exit codes: 0 passed, 1 failed, 2 error.",
+    )
+    parser.add_argument("test", metavar="TEST", help="name of the test")
+    parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
+    parser.add_argument(
+        "--config", default="w16_m0", metavar="NAME",
+        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0)",
+    )  # fmt: skip
+    parser.add_argument("--pairs", type=int, default=2000, help="how many pairs to send (2000)")
+    parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the test and print how it went."""
+    check_test_name(options.test)
+    if options.pairs < 1:
+        raise InputError(f"pairs {options.pairs}: must be at least 1")
+    if options.seed < 0:
+        raise InputError(f"seed {options.seed}: must not be negative")
+    if (options.replay is None) == (options.test == REPLAY):
+        raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
+    replay = ""
+    if options.replay is not None:
+        if not options.replay.is_file():
+            raise InputError(f"{options.replay}: no such file")
+        replay = str(options.replay.resolve())
+    configuration = parse_configuration(options.config)
+    settings = run_settings(options.test, configuration, options.seed, options.pairs, replay)
+    result = simulate(settings)
+    if result.passed and result.counts:
+        print(
+            f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
+            f"{result.counts['checked']} pairs checked, {result.counts['clear_claims_rechecked']} clear "
+            f"claims re-checked, {result.seconds:.1f} s"
+        )
+        return PASSED
+    print(result.explain(), file=sys.stderr)
+    return FAILED

@@ -1,0 +1,56 @@
+"""``triaxis verdict``: verdicts on a file of pairs, by the core or by the golden model."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge_in_parallel
+from triaxis.golden.pairs import check_margin, check_width, read_pairs, write_verdicts
+from triaxis.verif.cli.progress import progress_bar
+from triaxis.verif.engine import RtlEngine, configuration_for
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "verdict",
+        help="decide pairs of triangles from a .npy file",
+        description="Decide pairs of triangles: near(A, B, margin) is true exactly when the Chebyshev "
+        "distance of A and B is at most the margin.",
+    )
+    parser.add_argument(
+        "pairs", type=Path, metavar="PAIRS.npy",
+        help="integers of shape (N, 2, 3, 3): pair; A then B; vertex; coordinate",
+    )  # fmt: skip
+    parser.add_argument("--engine", choices=("rtl", "golden"), required=True, help="who decides")
+    parser.add_argument("--width", type=int, default=16, metavar="W", help="coordinate bits, 8..32 (16)")
+    parser.add_argument("--margin", type=int, default=0, metavar="M", help="margin in LSB (0)")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="OUT.npy",
+        help="structured array: near, axis (-1: none), coplanar, degenerate_a, degenerate_b",
+    )  # fmt: skip
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Decide the pairs and write the verdicts."""
+    check_width(options.width)
+    check_margin(options.margin, options.width)
+    if not options.out.parent.is_dir():
+        raise InputError(f"{options.out}: no such folder: {options.out.parent}; create it first")
+    if options.out.is_dir():
+        raise InputError(f"{options.out}: is a folder: name a file")
+    pairs = read_pairs(options.pairs, options.width)
+    margins = np.full(len(pairs), options.margin, np.int64)
+    with progress_bar(f"{options.engine} verdicts", len(pairs)) as progress:
+        if options.engine == "rtl":
+            engine = RtlEngine(configuration_for(options.width, options.margin))
+            verdicts = engine.verdicts(pairs, margins, progress)
+        else:
+            verdicts = judge_in_parallel(pairs, margins, progress)
+    write_verdicts(options.out, verdicts)
+    near = int(verdicts["near"].sum())
+    print(f"{len(pairs)} pairs: {near} near, {len(pairs) - near} clear")
+    return 0

@@ -1,0 +1,25 @@
+"""The combinational wrapper CollisionDetector as a function on arrays."""
+
+import ctypes
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.pairs import Pairs
+from triaxis.verif.build import detector_library
+
+WIDTH = 16
+
+
+def detect(pairs: Pairs, normals: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return CollisionOccurs for pairs (N, 2, 3, 3) with given normals (N, 2, 3): (N,)."""
+    function = ctypes.CDLL(str(detector_library(WIDTH))).triaxis_detect
+    function.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
+    function.restype = None
+    count = len(pairs)
+    mask = (1 << WIDTH) - 1
+    inputs = np.concatenate([pairs.reshape(count, 18), normals.reshape(count, 6)], 1) & mask
+    inputs = np.ascontiguousarray(inputs, np.int64)
+    collides = np.zeros(count, np.uint8)
+    function(inputs.ctypes.data, count, collides.ctypes.data)
+    return collides.astype(np.bool_)

@@ -1,0 +1,98 @@
+"""Style and types: Verilator and verible on the RTL, ruff and basedpyright on Python."""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, rtl_sources
+from triaxis.verif.toolchain import verilator
+
+# Builds that differ in what they elaborate.
+_BUILDS = (
+    Configuration(),
+    Configuration(8, 8),
+    Configuration(32, 32),
+    Configuration(24, 10),
+    Configuration(13, 1, tag_bits=1),
+    Configuration(16, 0, edge_box=False, gating=False),
+)
+
+
+def _bin(name: str) -> str:
+    return str(Path(sys.executable).with_name(name))
+
+
+def _run(what: str, command: list[str]) -> bool:
+    answer = subprocess.run(
+        command,
+        cwd=ROOT,
+        env=verilator().environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    print(f"{'ok    ' if answer.returncode == 0 else 'FAILED'} {what}", flush=True)
+    if answer.returncode:
+        print(answer.stdout + answer.stderr, end="", flush=True)
+    return answer.returncode == 0
+
+
+def _verilator(top: str, parameters: dict[str, int]) -> list[str]:
+    return [
+        str(verilator().executable), "--lint-only", "-Wall", f"-I{DUT}", "--top-module", top,
+        *(f"-G{name}={value}" for name, value in parameters.items()),
+        *map(str, rtl_sources()),
+    ]  # fmt: skip
+
+
+def _link_package() -> None:
+    """Lay out the package as links in build/typing: the type checker knows no package-dir."""
+    folder = BUILD / "typing" / "triaxis"
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("coverage", "fpga", "golden", "verif"):
+        link = folder / name
+        if not link.is_symlink():
+            link.symlink_to(ROOT / name)
+
+
+def lint(fix: bool) -> bool:
+    """Return whether everything is clean; with ``fix``, format first."""
+    systemverilog = [str(path) for path in sorted([*DUT.glob("*.sv"), *VERIF.glob("**/*.sv")])]
+    good = True
+    if fix:
+        good &= _run("verible format", [_bin("verible-verilog-format"), "--inplace", *systemverilog])
+        good &= _run("ruff fix", [_bin("ruff"), "check", "--fix", "."])
+        good &= _run("ruff format", [_bin("ruff"), "format", "."])
+    for build in _BUILDS:
+        good &= _run(
+            f"verilator -Wall triaxis_core {build.name}",
+            _verilator("triaxis_core", build.parameters),
+        )
+    good &= _run("verilator -Wall CollisionDetector", _verilator("CollisionDetector", {"W": 16}))
+    good &= _run("verible lint", [_bin("verible-verilog-lint"), *systemverilog])
+    good &= _run(
+        "verible format",
+        [_bin("verible-verilog-format"), "--verify", "--inplace", *systemverilog],
+    )
+    good &= _run("ruff check", [_bin("ruff"), "check", "."])
+    good &= _run("ruff format", [_bin("ruff"), "format", "--check", "."])
+    _link_package()
+    return good & _run("basedpyright", [_bin("basedpyright")])
+
+
+def main() -> int:
+    """Run from the command line; exit code 0 clean, 1 not, 2 error."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--fix", action="store_true", help="format the RTL and the Python code")
+    try:
+        return 0 if lint(parser.parse_args().fix) else 1
+    except InputError as error:
+        print(f"lint: error: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

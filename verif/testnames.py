@@ -1,0 +1,27 @@
+"""The names of the UVM tests, for those who run them from outside the simulator."""
+
+from triaxis.golden.errors import InputError
+
+REPLAY = "ReplayTest"
+
+TESTS = (
+    "SeedVectorsTest",
+    "RandomTest",
+    "DegenerateTest",
+    "CoplanarTest",
+    "ExtremesTest",
+    "TouchingTest",
+    "TinyTest",
+    "FarTest",
+    "OrdersTest",
+    "MeshTest",
+    "StallsTest",
+    "ResetsTest",
+    REPLAY,
+)
+
+
+def check_test_name(name: str) -> None:
+    """Raise InputError unless there is such a test."""
+    if name not in TESTS:
+        raise InputError(f"test {name}: unknown; one of: {', '.join(TESTS)}")
