@@ -136,7 +136,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
     # The simulator is not the bottleneck under Python: compile quickly.
     arguments = [
         "--no-public-flat-rw", "--assert", "--x-assign", "fast", "--x-initial", "fast",
-        "-CFLAGS", "-O1 -std=c++20", "-Wno-fatal",
+        "-CFLAGS", "-O0 -std=c++20", "-Wno-fatal",
     ]  # fmt: skip
     key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
     folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"

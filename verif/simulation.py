@@ -5,7 +5,7 @@ import json
 import os
 import shutil
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -51,17 +51,17 @@ class RunResult:
         return "\n".join(lines)
 
 
-def run_folder(settings: RunSettings) -> Path:
-    """Return where a run keeps its files."""
-    return BUILD / "runs" / f"{settings.test}-{settings.config}-{settings.seed}"
-
-
 def run_settings(
-    test: str, configuration: Configuration, seed: int, pairs: int, replay: str = ""
+    test: str,
+    configuration: Configuration,
+    seed: int,
+    pairs: int,
+    replay: str = "",
+    folder: Path | None = None,
 ) -> RunSettings:
-    """Return the settings of a run in its usual folder."""
-    settings = RunSettings(test, seed, configuration.name, pairs, "", replay)
-    return replace(settings, folder=str(run_folder(settings)))
+    """Return the settings of a run, in its usual folder unless another is named."""
+    usual = BUILD / "runs" / f"{test}-{configuration.name}-{seed}"
+    return RunSettings(test, seed, configuration.name, pairs, str(folder or usual), replay)
 
 
 def _errors(log: Path) -> tuple[str, ...]:
@@ -93,7 +93,7 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
         runner.test(
             hdl_toplevel="triaxis_core",
             hdl_toplevel_lang="verilog",
-            test_module="triaxis.verif.testlist.tests",
+            test_module="triaxis.verif.testlist.entry",
             test_filter=f"{settings.test}$",
             seed=settings.seed,
             build_dir=build,

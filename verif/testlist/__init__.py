@@ -1,1 +1,1 @@
-"""The UVM tests, chosen by name. cocotb loads `tests` in the simulator."""
+"""The UVM tests, chosen by name. cocotb loads `entry` in the simulator."""

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import cocotb
 import numpy as np
-import pyuvm
 from cocotb.triggers import ClockCycles
 
 from triaxis.verif.agents.items import Pace
@@ -25,56 +24,48 @@ class FamilyTest(CoreTest):
         await self.send(FamilySequence(type(self).family, self.settings, self.rng, self.settings.pairs))
 
 
-@pyuvm.test()
 class RandomTest(FamilyTest):
     """General pairs at all scales."""
 
     family = families.random_pairs
 
 
-@pyuvm.test()
 class DegenerateTest(FamilyTest):
     """Every combination of point, segment and triangle."""
 
     family = families.degenerate_pairs
 
 
-@pyuvm.test()
 class CoplanarTest(FamilyTest):
     """Pairs in one plane, axis-aligned and tilted."""
 
     family = families.coplanar_pairs
 
 
-@pyuvm.test()
 class ExtremesTest(FamilyTest):
     """Coordinates at the limits of the range."""
 
     family = families.extreme_pairs
 
 
-@pyuvm.test()
 class TouchingTest(FamilyTest):
     """Shared vertices, edges and points, and misses by one step."""
 
     family = families.touching_pairs
 
 
-@pyuvm.test()
 class TinyTest(FamilyTest):
     """Coordinates of a few steps: coincidences of every kind."""
 
     family = families.tiny_pairs
 
 
-@pyuvm.test()
 class FarTest(FamilyTest):
     """Pairs that their boxes decide, which the operand gate must pass over."""
 
     family = families.far_pairs
 
 
-@pyuvm.test()
 class SeedVectorsTest(CoreTest):
     """The fifteen vectors of the replaced design: all are clear."""
 
@@ -84,7 +75,6 @@ class SeedVectorsTest(CoreTest):
         await self.send(ArraySequence(pairs, np.zeros(len(pairs), np.int64)))
 
 
-@pyuvm.test()
 class OrdersTest(CoreTest):
     """All 72 orders of each pair."""
 
@@ -97,7 +87,6 @@ class OrdersTest(CoreTest):
         await self.send(ArraySequence(families.all_orders(pairs), np.repeat(margins, 72)))
 
 
-@pyuvm.test()
 class MeshTest(CoreTest):
     """Facet pairs of real solids that come close: tool holder and end mill, vise and workpiece."""
 
@@ -109,7 +98,6 @@ class MeshTest(CoreTest):
         await self.send(ArraySequence(pairs, margins))
 
 
-@pyuvm.test()
 class StallsTest(CoreTest):
     """Gaps in the input and back-pressure on the output, in all mixtures of pace."""
 
@@ -124,7 +112,6 @@ class StallsTest(CoreTest):
                 await self.send(FamilySequence(families.mixed_pairs, self.settings, self.rng, count, valid))
 
 
-@pyuvm.test()
 class ResetsTest(CoreTest):
     """Resets at any moment, with pairs in flight and results waiting."""
 
@@ -143,7 +130,6 @@ class ResetsTest(CoreTest):
         await self.send(FamilySequence(families.mixed_pairs, self.settings, self.rng, 64))
 
 
-@pyuvm.test()
 class ReplayTest(CoreTest):
     """Pairs that failed before, from the file that the scoreboard wrote."""
 

@@ -1,0 +1,27 @@
+"""Seeded random generators for tests: ``rng`` follows from ``--seed`` and the test's own name."""
+
+import numpy as np
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add ``--seed``."""
+    parser.addoption("--seed", type=int, default=1, help="what all random choices follow from (1)")
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    """Print the seed."""
+    return f"seed: {config.getoption('--seed')} (repeat with --seed)"
+
+
+@pytest.fixture
+def seed(request: pytest.FixtureRequest) -> int:
+    """Return the seed of the session."""
+    return request.config.getoption("--seed")
+
+
+@pytest.fixture
+def rng(seed: int, request: pytest.FixtureRequest) -> np.random.Generator:
+    """Return a generator of the test's own."""
+    print(f"seed {seed}")
+    return np.random.default_rng([seed, *request.node.nodeid.encode()])

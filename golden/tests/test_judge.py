@@ -1,0 +1,98 @@
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from triaxis.golden.axes import claims
+from triaxis.golden.judge import CertificateError, judge, judge_in_parallel, judge_pairs
+from triaxis.golden.pairs import NO_AXIS
+from triaxis.golden.ppl_solver import PplSolver
+
+FLAT = [[0, 0, 0], [10, 0, 0], [0, 10, 0]]
+
+
+def lifted(triangle, height):
+    return [[x, y, z + height] for x, y, z in triangle]
+
+
+@pytest.mark.parametrize("height", [0, 1, 7, Fraction(1, 3), Fraction(-22, 7), 2**70])
+def test_distance_of_parallel_triangles(height):
+    for margin in (abs(height), abs(height) + 1):
+        verdict = judge(FLAT, lifted(FLAT, height), margin)
+        assert verdict.near
+        assert verdict.distance == abs(height)
+        assert verdict.witness is not None
+    if height:
+        verdict = judge(FLAT, lifted(FLAT, height), abs(height) - Fraction(1, 10**9))
+        assert not verdict.near
+        assert verdict.axis is not None
+
+
+def test_distance_inside_a_face_is_chebyshev():
+    # The plane x + y + z = 12 and the origin: a cube of half side 4 just reaches it.
+    plane = [[12, 0, 0], [0, 12, 0], [0, 0, 12]]
+    assert judge(plane, [[0, 0, 0]] * 3, 0).distance == 4
+
+
+def test_float32_coordinates_are_judged_exactly():
+    third = [[Fraction(float(np.float32(x))) for x in v] for v in [[0.1, 0, 0], [0.1, 1, 0], [0.1, 0, 1]]]
+    point = [[Fraction(1, 10), Fraction(1, 4), Fraction(1, 4)]] * 3
+    distance = judge(third, point, 0).distance
+    assert distance == abs(Fraction(float(np.float32(0.1))) - Fraction(1, 10)) > 0
+
+
+def test_any_axis_and_program_agree(rng):
+    for size in (1, 2, 5, 1000, 2**31):
+        pairs = rng.integers(-size, size + 1, (150, 2, 3, 3))
+        margins = rng.integers(0, max(2, size // 2), 150)
+        verdicts = judge_pairs(pairs, margins)
+        assert ((verdicts["axis"] == NO_AXIS) == verdicts["near"]).all()
+        assert (verdicts["axis"] == claims(pairs, margins)).all()
+
+
+def test_parallel_gives_the_same(rng):
+    pairs = rng.integers(-9, 10, (4500, 2, 3, 3))
+    margins = rng.integers(0, 4, 4500)
+    done = []
+    assert (judge_in_parallel(pairs, margins, done.append) == judge_pairs(pairs, margins)).all()
+    assert sum(done) == 4500
+    assert len(judge_in_parallel(pairs[:0], margins[:0])) == 0
+
+
+class LyingSolver(PplSolver):
+    """Wrong in one respect."""
+
+    def __init__(self, lie):
+        self.lie = lie
+
+    def best_axis(self, a, b):
+        best = super().best_axis(a, b)
+        if self.lie == "distance too large":
+            return replace(best, distance=best.distance + 1)
+        if self.lie == "axis turned":
+            return replace(best, axis=(best.axis[1], best.axis[2], best.axis[0]))
+        return best
+
+    def nearest_points(self, a, b):
+        nearest = super().nearest_points(a, b)
+        if self.lie == "weights outside":
+            return replace(nearest, weights_a=(Fraction(2), Fraction(-1), Fraction(0)))
+        if self.lie == "wrong optimum":
+            return replace(nearest, distance=nearest.distance + Fraction(1, 7))
+        return nearest
+
+
+@pytest.mark.parametrize(
+    ("lie", "height", "margin"),
+    [
+        ("distance too large", 3, 3),
+        ("axis turned", 5, 1),
+        ("weights outside", 3, 3),
+        ("wrong optimum", 3, 5),
+    ],
+)
+def test_a_lying_solver_is_caught(lie, height, margin):
+    judge(FLAT, lifted(FLAT, height), margin, LyingSolver("none"))
+    with pytest.raises(CertificateError):
+        judge(FLAT, lifted(FLAT, height), margin, LyingSolver(lie))

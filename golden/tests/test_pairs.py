@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import VERDICT, check_margin, check_pairs, check_width, read_pairs, write_verdicts
+
+
+def test_good_pairs_of_any_integer_type():
+    for dtype in (np.int8, np.uint8, np.int32, np.uint64):
+        pairs = check_pairs(np.ones((4, 2, 3, 3), dtype), 8)
+        assert pairs.dtype == np.int64
+        assert pairs.shape == (4, 2, 3, 3)
+    assert len(check_pairs(np.zeros((0, 2, 3, 3), np.int16), 8)) == 0
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.zeros((4, 2, 3), np.int64), "shape"),
+        (np.zeros((4, 3, 2, 3), np.int64), "shape"),
+        (np.zeros((1, 2, 3, 3)), "type float64"),
+        (np.full((1, 2, 3, 3), np.nan), "type float64"),
+        (np.zeros((1, 2, 3, 3), bool), "type bool"),
+    ],
+)
+def test_wrong_shape_or_type(array, message):
+    with pytest.raises(InputError, match=message):
+        check_pairs(array, 16)
+
+
+@pytest.mark.parametrize("value", [2**15, -(2**15) - 1, 2**40])
+def test_out_of_range_names_the_place(value):
+    pairs = np.zeros((9, 2, 3, 3), np.int64)
+    pairs[7, 1, 2, 1] = value
+    with pytest.raises(InputError, match=r"pair 7, triangle B, vertex 2, coordinate y: .*-32768\.\.32767"):
+        check_pairs(pairs, 16)
+
+
+def test_unsigned_values_beyond_int64_do_not_wrap():
+    pairs = np.zeros((1, 2, 3, 3), np.uint64)
+    pairs[0, 0, 0, 0] = 2**64 - 1
+    with pytest.raises(InputError, match="18446744073709551615"):
+        check_pairs(pairs, 32)
+
+
+def test_limits_of_width_and_margin():
+    for width in (7, 33, -1):
+        with pytest.raises(InputError, match=r"8\.\.32"):
+            check_width(width)
+    check_margin(65535, 16)
+    for margin in (-1, 65536):
+        with pytest.raises(InputError, match=r"0\.\.65535"):
+            check_margin(margin, 16)
+
+
+def test_unreadable_files(tmp_path):
+    (tmp_path / "text.npy").write_text("not numpy")
+    (tmp_path / "empty.npy").write_bytes(b"")
+    np.savez(tmp_path / "archive.npz", x=np.zeros(3))
+    np.save(tmp_path / "objects.npy", np.array([{}]), allow_pickle=True)
+    whole = tmp_path / "whole.npy"
+    np.save(whole, np.zeros((5, 2, 3, 3), np.int64))
+    (tmp_path / "cut.npy").write_bytes(whole.read_bytes()[:-9])
+    for name in ("text.npy", "empty.npy", "archive.npz", "objects.npy", "cut.npy", "missing.npy", "."):
+        with pytest.raises(InputError, match=r"^[^\n]*$"):
+            read_pairs(tmp_path / name, 16)
+
+
+def test_verdicts_are_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    path = tmp_path / "out.npy"
+    write_verdicts(path, np.zeros(3, VERDICT))
+    before = path.read_bytes()
+    monkeypatch.setattr(np, "save", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left")))
+    with pytest.raises(InputError, match="No space left"):
+        write_verdicts(path, np.zeros(5, VERDICT))
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["out.npy"]

@@ -1,0 +1,107 @@
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge
+from triaxis.golden.quantise import Grid, centred_grid, margin_for, quantise, smallest_width
+
+
+def exact(facets):
+    return [[[Fraction(float(x)) for x in v] for v in facet] for facet in facets]
+
+
+@pytest.mark.parametrize("resolution", [Fraction(1, 1000), Fraction(1, 3), Fraction(1, 4096), Fraction(7)])
+@pytest.mark.parametrize("centre", [0.0, 1.0, -12345.678])
+def test_rounding_bound_is_exact(rng, resolution, centre):
+    facets = (centre + rng.uniform(-30, 30, (60, 3, 3))).astype(np.float32)
+    grid = centred_grid([facets], resolution, 32)
+    q = quantise(facets, grid, "mesh")
+    for facet, rounded in zip(exact(facets), q.tolist(), strict=True):
+        for vertex, r in zip(facet, rounded, strict=True):
+            for k in range(3):
+                moved = abs(vertex[k] - (grid.offset[k] + grid.resolution * r[k]))
+                assert moved <= grid.rounding_bound
+
+
+def test_halves_and_their_neighbours_round_exactly():
+    # Multiples of a half step, and the next float32 on either side, far from the offset.
+    halves = (np.arange(-4001, 4002, 2) / 2).astype(np.float32)
+    values = np.concatenate(
+        [halves, np.nextafter(halves, np.float32(1e9)), np.nextafter(halves, np.float32(-1e9))]
+    )
+    values = np.resize(values, (len(values) // 9 + 1, 3, 3)).astype(np.float32)
+    offset = Fraction(10**9)
+    grid = Grid(Fraction(1), (offset, -offset, Fraction(1, 3)), 32)
+    q = quantise(values, grid, "mesh")
+    for facet, rounded in zip(exact(values), q.tolist(), strict=True):
+        for vertex, r in zip(facet, rounded, strict=True):
+            assert [round(x - o) for x, o in zip(vertex, grid.offset, strict=True)] == r
+
+
+def test_no_near_pair_is_ever_missed(rng):
+    """The theorem behind margin_for: within the clearance in reality means near on the grid."""
+    resolution = Fraction(1, 10)
+    alarms = 0
+    for _ in range(300):
+        facets = rng.uniform(-1, 1, (2, 3, 3)).astype(np.float32)
+        facets[1] += rng.uniform(-2, 2, 3).astype(np.float32)
+        grid = centred_grid([facets], resolution, 8)
+        clearance = Fraction(int(rng.integers(0, 60)), 97)
+        margin = margin_for(clearance, grid)
+        real = judge(*exact(facets), clearance)
+        a, b = quantise(facets, grid, "mesh").tolist()
+        found = judge(a, b, margin)
+        assert found.near or not real.near
+        if found.near:
+            assert real.distance < clearance + 3 * resolution
+            alarms += not real.near
+    assert alarms, "the band of false alarms was never seen: the test tests nothing"
+
+
+def test_a_smaller_margin_would_miss():
+    """One step less than margin_for gives is too little: the bound is tight."""
+    resolution = Fraction(1)
+    # 2 apart in reality; the two roundings, to even, move the points one step further apart.
+    a = np.full((1, 3, 3), np.float32(0.5))
+    b = np.full((1, 3, 3), np.float32(2.5))
+    b[..., 0] = np.float32(3.5)
+    grid = Grid(resolution, (Fraction(0), Fraction(0), Fraction(0)), 8)
+    qa, qb = quantise(a, grid, "a")[0].tolist(), quantise(b, grid, "b")[0].tolist()
+    assert judge(exact(a)[0], exact(b)[0], 3).near
+    assert margin_for(Fraction(3), grid) == 4
+    assert judge(qa, qb, 4).near
+    assert not judge(qa, qb, 3).near
+
+
+def test_errors_name_the_place(rng):
+    facets = rng.uniform(0, 100, (5, 3, 3)).astype(np.float32)
+    grid = centred_grid([facets], Fraction(1, 1000), 16)
+    with pytest.raises(InputError, match=r"part\.stl: facet \d, vertex \d, coordinate [xyz]: .* 16 bits"):
+        quantise(facets, grid, "part.stl")
+    with pytest.raises(InputError, match="must not be negative"):
+        margin_for(Fraction(-1, 100), grid)
+    with pytest.raises(InputError, match="65535"):
+        margin_for(Fraction(66), grid)
+    for resolution in (Fraction(0), Fraction(-1), Fraction(1, 10**400), Fraction(10**400)):
+        with pytest.raises(InputError, match="resolution"):
+            centred_grid([facets], resolution, 16)
+
+
+def test_extreme_sizes_never_wrap():
+    huge = np.full((1, 3, 3), np.float32(3e38))
+    huge[0, 0] = np.float32(-3e38)
+    grid = centred_grid([huge], Fraction(1, 10**30), 32)
+    with pytest.raises(InputError, match="does not fit"):
+        quantise(huge, grid, "huge.stl")
+
+
+def test_smallest_width():
+    facets = np.zeros((1, 3, 3), np.float32)
+    facets[0, 1] = 60
+    widths = (16, 24, 32)
+    assert smallest_width([facets], Fraction(1, 1000), widths) == 16
+    assert smallest_width([facets * 10], Fraction(1, 1000), widths) == 24
+    assert smallest_width([facets * 1e4], Fraction(1, 1000), widths) == 32
+    assert smallest_width([facets * 1e9], Fraction(1, 1000), widths) == 32

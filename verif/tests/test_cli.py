@@ -1,0 +1,149 @@
+"""The command line as its users meet it: results, exit codes, one-line errors."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.golden.pairs import VERDICT
+from triaxis.verif import scenes
+from triaxis.verif.sequences.families import mixed_pairs
+from triaxis.verif.signoff import mesh_data
+
+TRIAXIS = Path(sys.executable).with_name("triaxis")
+
+
+def triaxis(*arguments, status=0):
+    answer = subprocess.run([TRIAXIS, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert answer.returncode == status, answer.stdout + answer.stderr
+    return answer.stdout, answer.stderr
+
+
+def refused(*arguments):
+    """Return the error line of a command that must be refused with exit code 2."""
+    out, error = triaxis(*arguments, status=2)
+    assert out == ""
+    lines = error.strip().splitlines()
+    assert len(lines) == 1, error
+    assert "error: " in lines[0]
+    return lines[0]
+
+
+@pytest.fixture
+def meshes(tmp_path):
+    """Return two STL files, 2 mm apart along z."""
+    a, b = tmp_path / "a.stl", tmp_path / "b.stl"
+    scenes.write_stl(a, scenes.box((0, 0, 0), (10, 10, 10)))
+    scenes.write_stl(b, scenes.box((2, 2, 12), (8, 8, 20)))
+    return a, b
+
+
+@pytest.mark.parametrize("command", [(), ("verdict",), ("check",), ("sim",), ("signoff",), ("fpga-report",)])
+def test_help(command):
+    assert "usage: triaxis" in triaxis(*command, "--help")[0]
+
+
+def test_verdicts_of_both_engines_are_equal(tmp_path, rng):
+    np.save(tmp_path / "pairs.npy", mixed_pairs(rng, 3000, 16).astype(np.int32))
+    for margin in (0, 7):
+        for engine in ("rtl", "golden"):
+            out = tmp_path / f"{engine}.npy"
+            triaxis("verdict", tmp_path / "pairs.npy", "--engine", engine, "--margin", margin, "--out", out)
+        rtl, golden = np.load(tmp_path / "rtl.npy"), np.load(tmp_path / "golden.npy")
+        assert rtl.dtype == golden.dtype == VERDICT
+        assert rtl.shape == (3000,)
+        assert (rtl == golden).all()
+        assert (rtl["near"] == (rtl["axis"] == -1)).all()
+
+
+def test_no_pairs_is_no_error(tmp_path):
+    np.save(tmp_path / "none.npy", np.zeros((0, 2, 3, 3), np.int64))
+    for engine in ("rtl", "golden"):
+        triaxis("verdict", tmp_path / "none.npy", "--engine", engine, "--out", tmp_path / "out.npy")
+        assert np.load(tmp_path / "out.npy").shape == (0,)
+
+
+def test_bad_pairs_leave_no_output(tmp_path):
+    pairs, out = tmp_path / "pairs.npy", tmp_path / "out.npy"
+    good = np.zeros((3, 2, 3, 3), np.int64)
+    common = ("verdict", pairs, "--engine", "rtl", "--out", out)
+    np.save(pairs, good + 40000)
+    assert f"{pairs}: pair 0, triangle A, vertex 0, coordinate x: 40000 is outside" in refused(*common)
+    np.save(pairs, good[:, 0])
+    assert "shape (3, 3, 3): must be (N, 2, 3, 3)" in refused(*common)
+    np.save(pairs, good * np.nan)
+    assert "type float64" in refused(*common)
+    np.save(pairs, good)
+    assert "0..65535" in refused(*common, "--margin", 65536)
+    assert "must be 0.." in refused(*common, "--margin", -1)
+    assert "8..32" in refused(*common, "--width", 33)
+    assert "cannot read" in refused("verdict", tmp_path / "no.npy", "--engine", "rtl", "--out", out)
+    assert "no such folder" in refused(*common[:-1], tmp_path / "no" / "out.npy")
+    assert "invalid choice" in refused("verdict", pairs, "--engine", "guess", "--out", out)
+    assert [path.name for path in tmp_path.iterdir()] == ["pairs.npy"]
+
+
+def test_check_answers_by_exit_code(meshes):
+    a, b = meshes
+    out, _ = triaxis("check", a, b)
+    assert "CLEAR" in out
+    assert "facet pairs: 144; skipped by boxes: 144; tested: 0" in out
+    out, _ = triaxis("check", a, b, "--clearance", "2", status=1)
+    assert "NEAR: " in out
+    assert "exact distance 2\n" in out
+    golden, _ = triaxis("check", a, b, "--clearance", "2", "--engine", "golden", status=1)
+    assert golden == out
+
+
+def test_check_never_misses_and_alarms_only_in_the_band(meshes):
+    a, b = meshes
+    # The gap is 2; at resolution 0.25 alarms may begin three steps early.
+    for clearance, status in (("2", 1), ("1.999", 1), ("1.2", 0), ("0", 0)):
+        triaxis("check", a, b, "--resolution", "0.25", "--clearance", clearance, status=status)
+
+
+def test_check_refuses_bad_input(meshes, tmp_path):
+    a, b = meshes
+    assert "must not be negative" in refused("check", a, b, "--clearance", "-0.5")
+    line = refused("check", a, b, "--resolution", "0.0001", "--width", "16")
+    assert "facet" in line
+    assert "does not fit 16 bits at resolution 0.0001" in line
+    assert str(a) in line or str(b) in line
+    assert "resolution" in refused("check", a, b, "--resolution", "0")
+    assert "not a finite decimal number" in refused("check", a, b, "--resolution", "nan")
+    assert "8..32" in refused("check", a, b, "--width", "5")
+    assert "width 16 allows 65535" in refused("check", a, b, "--clearance", "99", "--width", "16")
+    cut = tmp_path / "cut.stl"
+    cut.write_bytes(a.read_bytes()[:-10])
+    assert f"{cut}: " in refused("check", cut, b)
+    cut.write_bytes(b"")
+    assert "empty file" in refused("check", cut, b)
+    assert "cannot read" in refused("check", tmp_path / "no.stl", b)
+
+
+def test_sim_refuses_bad_arguments(tmp_path):
+    assert "unknown; one of: SeedVectorsTest" in refused("sim", "NoTest")
+    assert "must read w<width>_m<margin bits>" in refused("sim", "RandomTest", "--config", "w99")
+    assert "8..32" in refused("sim", "RandomTest", "--config", "w99_m0")
+    assert "at least 1" in refused("sim", "RandomTest", "--pairs", "0")
+    assert "goes with ReplayTest" in refused("sim", "ReplayTest")
+    assert "no such file" in refused("sim", "ReplayTest", "--replay", tmp_path / "no.npz")
+
+
+def test_sim_runs_a_test_by_name(seed):
+    out, _ = triaxis("sim", "SeedVectorsTest", "--config", "w16_m16", "--seed", seed)
+    assert "passed: SeedVectorsTest" in out
+    assert "15 pairs checked" in out
+
+
+def test_real_meshes():
+    data = mesh_data()
+    if data is None:
+        pytest.skip("no real meshes here: set TRIAXIS_DATA to a folder with vmc/*.stl")
+    out, _ = triaxis("check", data / "vmc/carousel.stl", data / "vmc/arm.stl", "--clearance", "0", status=1)
+    assert "facet pairs: 1208024" in out
+    # This binary file's header begins with "solid".
+    out, _ = triaxis("check", data / "parts/unit_cube.STL", data / "vmc/arm.stl")
+    assert "12 facets" in out

@@ -1,0 +1,27 @@
+"""Every UVM test passes on the core, in the configurations where it has most to find."""
+
+import pytest
+
+from triaxis.coverage.core_model import CORE_MODEL
+from triaxis.coverage.covergroup import load
+from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.simulation import run, run_settings
+from triaxis.verif.testnames import REPLAY, TESTS
+
+RUNS = [(test, "w16_m16", 1500) for test in TESTS if test != REPLAY] + [
+    ("RandomTest", "w13_m4_t1", 500),
+    ("ResetsTest", "w13_m4_t1", 500),
+    ("CoplanarTest", "w16_m0_no_edge_box", 500),
+]
+
+
+@pytest.mark.parametrize(("test", "config", "pairs"), RUNS)
+def test_passes(seed, test, config, pairs):
+    result = run(run_settings(test, parse_configuration(config), seed, pairs))
+    assert result.passed, result.explain()
+    assert result.counts is not None
+    assert result.counts["checked"] > 0
+    assert load(result.coverage, CORE_MODEL).hits["claim"].sum() == result.counts["checked"]
+    if test == "ResetsTest":
+        assert result.counts["resets"] > 3
+        assert result.counts["discarded_by_reset"] > 0
