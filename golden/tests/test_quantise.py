@@ -50,7 +50,8 @@ def test_no_near_pair_is_ever_missed(rng):
         grid = centred_grid([facets], resolution, 8)
         clearance = Fraction(int(rng.integers(0, 60)), 97)
         margin = margin_for(clearance, grid)
-        real = judge(*exact(facets), clearance)
+        real_a, real_b = exact(facets)
+        real = judge(real_a, real_b, clearance)
         a, b = quantise(facets, grid, "mesh").tolist()
         found = judge(a, b, margin)
         assert found.near or not real.near

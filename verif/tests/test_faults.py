@@ -72,7 +72,7 @@ FAULTS = (
     ),
     Fault(
         "loses results now and then", "triaxis_core.sv",
-        ".push_i(valid_q[Latency-1])", ".push_i(valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
+        ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
         "RandomTest", "where 77 was due",
     ),
 )  # fmt: skip

@@ -70,10 +70,8 @@ def test_dropped_result(traffic):
     kept = np.delete(np.arange(COUNT), 50)
     matcher = matched(traffic.sent(), traffic.returned(kept))
     assert "tag 51 where 50 was due" in matcher.failures[0].message
-    assert (
-        "never answered"
-        in [f.message for f in matched(traffic.sent(), traffic.returned(slice(0, -1))).failures][0]
-    )
+    matcher = matched(traffic.sent(), traffic.returned(slice(0, -1)))
+    assert "never answered" in matcher.failures[0].message
 
 
 def test_duplicated_result(traffic):
