@@ -17,7 +17,9 @@ def pytest_report_header(config: pytest.Config) -> str:
 @pytest.fixture
 def seed(request: pytest.FixtureRequest) -> int:
     """Return the seed of the session."""
-    return int(request.config.getoption("--seed", 1))
+    value = request.config.getoption("--seed")
+    assert isinstance(value, int)
+    return value
 
 
 @pytest.fixture

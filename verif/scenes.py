@@ -93,6 +93,18 @@ def scenes() -> list[Scene]:
     ]
 
 
+def write_scenes(folder: Path) -> list[tuple[Scene, Path, Path]]:
+    """Write each scene as two binary STL files, <number>_tool.stl and <number>_vise.stl."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written: list[tuple[Scene, Path, Path]] = []
+    for number, scene in enumerate(scenes()):
+        a, b = folder / f"{number}_tool.stl", folder / f"{number}_vise.stl"
+        write_stl(a, scene.a)
+        write_stl(b, scene.b)
+        written.append((scene, a, b))
+    return written
+
+
 def write_stl(path: Path, facets: Facets) -> None:
     """Write facets as a binary STL."""
     mesh = stl.mesh.Mesh(np.zeros(len(facets), dtype=stl.mesh.Mesh.dtype))

@@ -25,7 +25,7 @@ from triaxis.verif.detector import WIDTH, detect
 from triaxis.verif.engine import RtlEngine, configuration_for
 from triaxis.verif.meshcheck import check_meshes, prepare
 from triaxis.verif.paths import BUILD, ROOT
-from triaxis.verif.scenes import scenes, write_stl
+from triaxis.verif.scenes import write_scenes, write_stl
 from triaxis.verif.sequences.seed_vectors import seed_normals, seed_vectors
 from triaxis.verif.settings import RunSettings
 from triaxis.verif.simulation import RunResult, run, run_settings
@@ -201,15 +201,10 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
 
 def _scenes() -> list[SceneResult]:
     """Check the scenes that the project makes itself, written as STL files."""
-    folder = FOLDER / "scenes"
-    folder.mkdir(parents=True, exist_ok=True)
-    results: list[SceneResult] = []
-    for number, scene in enumerate(scenes()):
-        a, b = folder / f"{number}_a.stl", folder / f"{number}_b.stl"
-        write_stl(a, scene.a)
-        write_stl(b, scene.b)
-        results.append(_check_files(scene.name, a, b, scene.near, Fraction(1, 2)))
-    return results
+    return [
+        _check_files(scene.name, a, b, scene.near, Fraction(1, 2))
+        for scene, a, b in write_scenes(FOLDER / "scenes")
+    ]
 
 
 def mesh_data() -> Path | None:

@@ -40,7 +40,9 @@ def meshes(tmp_path):
     return a, b
 
 
-@pytest.mark.parametrize("command", [(), ("verdict",), ("check",), ("sim",), ("signoff",), ("fpga-report",)])
+@pytest.mark.parametrize(
+    "command", [(), ("verdict",), ("check",), ("scenes",), ("sim",), ("signoff",), ("fpga-report",)]
+)
 def test_help(command):
     assert "usage: triaxis" in triaxis(*command, "--help")[0]
 
