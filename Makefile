@@ -26,7 +26,7 @@ $(READY): requirements.lock pyproject.toml
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON): not found: install Python 3.11 or newer, or set PYTHON"; exit 2; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON): too old: Python 3.11 or newer is needed; set PYTHON"; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON): cannot create environments: install its venv module (Debian: apt-get install python3-venv)"; exit 2; }
-	@command -v $${CXX:-g++} >/dev/null || { echo "$${CXX:-g++}: not found: install a C++ compiler (Debian: apt-get install g++), or set CXX"; exit 2; }
+	@command -v $${CXX:-c++} >/dev/null || { echo "$${CXX:-c++}: not found: install a C++ compiler (Debian: apt-get install g++), or set CXX"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .

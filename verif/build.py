@@ -70,9 +70,15 @@ def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
             check=False,
         ).returncode
     if status:
-        lines = log.read_text(errors="replace").splitlines()
-        first = next((line for line in lines if "rror" in line), lines[-1] if lines else "")
-        raise InputError(f"{what}: build failed: {first.strip()} (log: {log})")
+        raise _build_error(what, log)
+
+
+def _build_error(what: str, log: Path) -> InputError:
+    """Return an error with the first error line of a build's log."""
+    lines = log.read_text(errors="replace").splitlines() if log.exists() else []
+    wanted = (line for line in lines if "rror" in line or "not found" in line)
+    first = next(wanted, lines[-1] if lines else "no log")
+    return InputError(f"{what}: build failed: {first.strip()} (log: {log})")
 
 
 def _library(
@@ -158,7 +164,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
                 log_file=partial / "build.log",
             )
         except (SystemExit, RuntimeError, subprocess.CalledProcessError) as error:
-            raise InputError(f"{configuration.name}: build failed (log: {partial / 'build.log'})") from error
+            raise _build_error(configuration.name, partial / "build.log") from error
         finally:
             os.environ.clear()
             os.environ.update(environment)

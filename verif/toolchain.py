@@ -11,6 +11,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -33,9 +34,17 @@ class Verilator:
     def environment(self) -> dict[str, str]:
         """Return the environment in which to call it and the make files that it writes."""
         environment = dict(os.environ)
-        # The default, including a precompiled header in a way that g++ 12 rejects for designs of
-        # several files.
-        environment["MAKEFLAGS"] = "CFG_CXXFLAGS_PCH_I=-include"
+        settings = {
+            # The default includes a precompiled header in a way that g++ 12 rejects for designs of
+            # several files.
+            "CFG_CXXFLAGS_PCH_I": "-include",
+            # The tools of the machine on which the package was made are not those of this one.
+            "PYTHON3": sys.executable,
+            "CXX": cxx(),
+            "LINK": cxx(),
+            "AR": "ar",
+        }
+        environment["MAKEFLAGS"] = " ".join(f"{name}={value}" for name, value in settings.items())
         environment["PATH"] = f"{_shim(self.executable)}{os.pathsep}{environment.get('PATH', '')}"
         environment.pop("VERILATOR_ROOT", None)
         if self.root:
@@ -91,7 +100,7 @@ def _from_system(name: str) -> Verilator:
 @cache
 def verilator() -> Verilator:
     """Return the Verilator in use; raise InputError where there is none that will do."""
-    for tool, package in (("make", "make"), (cxx(), "g++")):
+    for tool, package in (("make", "make"), (cxx(), "g++"), ("ar", "binutils")):
         if shutil.which(tool) is None:
             raise InputError(f"{tool}: not found: install it (Debian: apt-get install {package})")
     name = os.environ.get("VERILATOR", "")
@@ -99,5 +108,5 @@ def verilator() -> Verilator:
 
 
 def cxx() -> str:
-    """Return the name of the C++ compiler that Verilator's make files call."""
-    return os.environ.get("CXX", "g++")
+    """Return the name of the C++ compiler: $CXX, or c++."""
+    return os.environ.get("CXX") or "c++"
