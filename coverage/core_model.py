@@ -39,12 +39,17 @@ def _sole_axis(sample: CoreSample) -> BinNumbers:
 
 
 def _rank(triangles: npt.NDArray[np.int64]) -> BinNumbers:
-    """Return 0 point, 1 segment, 2 triangle: by floating point, for counting only."""
-    p = (triangles[:, 1] - triangles[:, 0]).astype(np.float64)
-    q = (triangles[:, 2] - triangles[:, 0]).astype(np.float64)
-    extent = np.abs(p).max(1) + np.abs(q).max(1)
-    area = np.abs(np.cross(p, q)).max(1)
-    return np.where(extent == 0, 0, np.where(area == 0, 1, 2))
+    """Return 0 point, 1 segment, 2 triangle, exactly.
+
+    A component of the area is less than 2^67, so its 64-bit value may have wrapped: it is zero where
+    the wrapped value is, and the float64 value, off by far less than 2^62, says that it is small.
+    """
+    p, q = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    point = ((p == 0) & (q == 0)).all(1)
+    wrapped = np.cross(p, q)
+    about = np.cross(p.astype(np.float64), q.astype(np.float64))
+    segment = ((wrapped == 0) & (np.abs(about) < 2.0**62)).all(1)
+    return np.where(point, 0, np.where(segment, 1, 2))
 
 
 def _scale(sample: CoreSample) -> BinNumbers:

@@ -1,8 +1,8 @@
 """Exact verdicts on pairs: the reference that everything else is compared with."""
 
 import os
+import signal
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -90,6 +90,10 @@ def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
     return verdicts
 
 
+def _judge_chunk(chunk: tuple[Pairs, npt.NDArray[np.int64]]) -> Verdicts:
+    return judge_pairs(*chunk)
+
+
 def judge_in_parallel(
     pairs: Pairs, margins: npt.NDArray[np.int64], progress: Callable[[int], None] | None = None
 ) -> Verdicts:
@@ -103,8 +107,14 @@ def judge_in_parallel(
             results.append(judge_pairs(pairs[chunk], margins[chunk]))
             report(len(results[-1]))
     else:
-        with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-            for result in pool.map(judge_pairs, [pairs[c] for c in chunks], [margins[c] for c in chunks]):
+        # Workers inherit the blocked signal: an interrupt is for this process, which ends them.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            pool = get_context("spawn").Pool(workers)
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        with pool:
+            for result in pool.imap(_judge_chunk, [(pairs[c], margins[c]) for c in chunks]):
                 results.append(result)
                 report(len(result))
     return np.concatenate(results) if results else np.zeros(0, VERDICT)

@@ -6,7 +6,6 @@ Pairs have shape (N, 2, 3, 3): pair; A then B; vertex; coordinate. A file of pai
 """
 
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +57,7 @@ def check_pairs(array: npt.NDArray[Any], width: int, name: str = "pairs") -> Pai
     """Return the pairs as int64, or raise InputError naming the first element that is wrong."""
     if array.ndim != 4 or array.shape[1:] != (2, 3, 3):
         raise InputError(f"{name}: shape {array.shape}: must be (N, 2, 3, 3)")
-    if not np.issubdtype(array.dtype, np.integer):
+    if array.dtype.kind not in "iu":
         raise InputError(
             f"{name}: type {array.dtype}: must be an integer type; quantise real coordinates first"
         )
@@ -79,27 +78,35 @@ def read_pairs(path: Path, width: int) -> Pairs:
         array = np.load(path, allow_pickle=False)
     except OSError as error:
         raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
-    except (ValueError, EOFError) as error:
+    except MemoryError:
+        raise
+    # A damaged header makes NumPy raise almost anything.
+    except Exception as error:
         raise InputError(f"{path}: not a NumPy .npy file of numbers") from error
     if not isinstance(array, np.ndarray):
         raise InputError(f"{path}: an archive: must be a single .npy array")
     return check_pairs(array, width, str(path))
 
 
+def check_output(path: Path, source: Path) -> None:
+    """Raise InputError unless verdicts on ``source`` can be written to ``path``."""
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: no such folder: {path.parent}; create it first")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: exists and is no ordinary file: name another")
+    if path.exists() and source.exists() and path.samefile(source):
+        raise InputError(f"{path}: is the file of pairs itself: name another")
+
+
 def write_verdicts(path: Path, verdicts: Verdicts) -> None:
     """Write verdicts whole or not at all: to a temporary file beside ``path``, then renamed."""
+    path = path.resolve()
+    temporary = path.with_name(f".triaxis-{os.getpid()}.tmp")
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror}") from error
-    try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:
             np.save(file, verdicts)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
+        temporary.replace(path)
     except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
-        raise InputError(f"{path}: cannot write: {error.strerror}") from error
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
+    finally:
+        temporary.unlink(missing_ok=True)

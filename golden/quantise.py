@@ -51,9 +51,13 @@ def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid
     return Grid(resolution, (x, y, z), width)
 
 
-def smallest_width(meshes: list[Facets], resolution: Fraction, widths: tuple[int, ...]) -> int:
-    """Return the first of the widths on whose centred grid all meshes fit, or else the last."""
+def smallest_width(
+    meshes: list[Facets], resolution: Fraction, clearance: Fraction, widths: tuple[int, ...]
+) -> int:
+    """Return the first width whose centred grid holds the meshes and the margin, or else the last."""
     for width in widths:
+        if clearance / resolution + 3 > 1 << width:
+            continue
         low, high = coordinate_range(width)
         rounded = [_round(mesh, centred_grid(meshes, resolution, width)) for mesh in meshes]
         if all(mesh.min() >= low and mesh.max() <= high for mesh in rounded):
@@ -105,14 +109,15 @@ def quantise(facets: Facets, grid: Grid, name: str) -> npt.NDArray[np.int64]:
     return rounded.astype(np.int64)
 
 
-def margin_for(clearance: Fraction, grid: Grid) -> int:
+def margin_for(clearance: Fraction, grid: Grid, reading: Fraction = Fraction(0)) -> int:
     """Return the margin, in LSB, with which no pair within ``clearance`` is missed.
 
+    ``reading`` is how far coordinates may have moved, both meshes' together, before they came here.
     Raises InputError where the clearance is negative or larger than the grid can express.
     """
     if clearance < 0:
         raise InputError(f"clearance {float(clearance):g}: must not be negative")
-    margin = ceil(clearance / grid.resolution) + 1
+    margin = ceil((clearance + reading) / grid.resolution) + 1
     limit = (1 << grid.width) - 1
     if margin > limit:
         raise InputError(

@@ -149,7 +149,8 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
 
     def make(partial: Path) -> None:
         runner = get_runner("verilator")
-        environment = dict(os.environ)
+        # cocotb takes the tools from its own environment. Always the same values, so threads that build
+        # at the same time do not disturb each other.
         os.environ.update(verilator().environment())
         try:
             runner.build(
@@ -165,8 +166,5 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
             )
         except (SystemExit, RuntimeError, subprocess.CalledProcessError) as error:
             raise _build_error(configuration.name, partial / "build.log") from error
-        finally:
-            os.environ.clear()
-            os.environ.update(environment)
 
     return built(folder, make)

@@ -8,7 +8,7 @@ from triaxis.coverage.core_model import CORE_MODEL, CoreSample
 from triaxis.coverage.covergroup import Counts
 from triaxis.golden.axes import separating
 from triaxis.verif.handles import settings_of
-from triaxis.verif.matching import CheckedBatch
+from triaxis.verif.matching import AXES_WITHOUT_EDGE_BOX, CheckedBatch
 from triaxis.verif.settings import coverage_file
 
 
@@ -23,11 +23,15 @@ class CoverageSubscriber(uvm_subscriber):
     def write(self, tt: CheckedBatch) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Sample a batch."""
         configuration = self.settings.configuration
+        separates = separating(tt.pairs, tt.margins)
+        if not configuration.edge_box:
+            # Axes that this core does not have decide nothing.
+            separates[:, AXES_WITHOUT_EDGE_BOX:] = False
         sample = CoreSample(
             tt.pairs,
             tt.margins,
             tt.expected["near"],
-            separating(tt.pairs, tt.margins),
+            separates,
             tt.waits_in,
             tt.waits_out,
             configuration.width,

@@ -21,7 +21,10 @@ from triaxis.verif.configuration import Configuration
 from triaxis.verif.result import decode, encode
 
 # Axes of a core without the edge x box axes: they come last.
-_AXES_WITHOUT_EDGE_BOX = 14
+AXES_WITHOUT_EDGE_BOX = 14
+
+# Depth of the core's result queue, the same for every W and M (see triaxis_core).
+MOST_IN_FLIGHT = 32
 
 # Failures described in full; beyond that they are only counted.
 _DESCRIBED = 10
@@ -69,7 +72,7 @@ def expected_verdicts(pairs: Pairs, margins: npt.NDArray[np.int64], configuratio
         for flag in ("coplanar", "degenerate_a", "degenerate_b"):
             verdicts[flag] &= ~boxed
     if not configuration.edge_box:
-        blind = verdicts["axis"] >= _AXES_WITHOUT_EDGE_BOX
+        blind = verdicts["axis"] >= AXES_WITHOUT_EDGE_BOX
         verdicts["near"] |= blind
         verdicts["axis"][blind] = NO_AXIS
     return verdicts
@@ -151,7 +154,10 @@ class Matcher:
             extra = sum(map(len, epoch.results))
             if extra:
                 self._fail(Failure(f"{extra} results before a reset that answer no pair"), extra)
-            self.discarded += sum(map(len, epoch.pairs))
+            lost = sum(map(len, epoch.pairs))
+            if lost > MOST_IN_FLIGHT:
+                self._fail(Failure(f"{lost} pairs unanswered at a reset; {MOST_IN_FLIGHT} can be in flight"))
+            self.discarded += lost
             self.resets += 1
             self._epochs.popleft()
 

@@ -11,7 +11,7 @@ from triaxis.golden.broadphase import candidates
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import Pairs, Verdicts
 from triaxis.golden.quantise import Grid, centred_grid, margin_for, quantise, smallest_width
-from triaxis.golden.stl import Facets
+from triaxis.golden.stl import StlMesh
 
 # Widths that are tried where none is asked for.
 AUTOMATIC_WIDTHS = (16, 24, 32)
@@ -23,8 +23,8 @@ Decide = Callable[[Pairs, npt.NDArray[np.int64]], Verdicts]
 class MeshPair:
     """Two meshes on one grid, with the margin that covers clearance and rounding."""
 
-    facets_a: Facets
-    facets_b: Facets
+    mesh_a: StlMesh
+    mesh_b: StlMesh
     a: npt.NDArray[np.int64]
     b: npt.NDArray[np.int64]
     grid: Grid
@@ -44,20 +44,20 @@ class MeshResult:
 
 
 def prepare(
-    facets_a: Facets,
-    facets_b: Facets,
+    mesh_a: StlMesh,
+    mesh_b: StlMesh,
     names: tuple[str, str],
     resolution: Fraction,
     clearance: Fraction,
     width: int | None,
 ) -> MeshPair:
     """Quantise both meshes on one centred grid; raise InputError where they do not fit."""
-    meshes = [facets_a, facets_b]
-    chosen = width or smallest_width(meshes, resolution, AUTOMATIC_WIDTHS)
+    meshes = [mesh_a.facets, mesh_b.facets]
+    chosen = width or smallest_width(meshes, resolution, clearance, AUTOMATIC_WIDTHS)
     grid = centred_grid(meshes, resolution, chosen)
-    a, b = quantise(facets_a, grid, names[0]), quantise(facets_b, grid, names[1])
-    margin = margin_for(clearance, grid)
-    return MeshPair(facets_a, facets_b, a, b, grid, clearance, margin)
+    a, b = quantise(mesh_a.facets, grid, names[0]), quantise(mesh_b.facets, grid, names[1])
+    margin = margin_for(clearance, grid, mesh_a.rounding + mesh_b.rounding)
+    return MeshPair(mesh_a, mesh_b, a, b, grid, clearance, margin)
 
 
 def check_meshes(
@@ -85,7 +85,16 @@ def check_meshes(
 def exact_distance(meshes: MeshPair, i: int, j: int) -> Fraction:
     """Return the exact Chebyshev distance of two facets as they stand in the files, unrounded."""
 
-    def exact(facet: npt.NDArray[np.float32]) -> list[list[Fraction]]:
+    def exact(facet: npt.NDArray[np.floating]) -> list[list[Fraction]]:
         return [[Fraction(float(x)) for x in vertex] for vertex in facet]
 
-    return judge(exact(meshes.facets_a[i]), exact(meshes.facets_b[j]), meshes.clearance).distance
+    return judge(exact(meshes.mesh_a.facets[i]), exact(meshes.mesh_b.facets[j]), meshes.clearance).distance
+
+
+def one_box_holds_the_other(meshes: MeshPair) -> bool:
+    """Return whether the box of one mesh lies inside the box of the other."""
+    low_a, high_a = meshes.a.min((0, 1)), meshes.a.max((0, 1))
+    low_b, high_b = meshes.b.min((0, 1)), meshes.b.max((0, 1))
+    a_holds_b = (low_a <= low_b).all() and (high_b <= high_a).all()
+    b_holds_a = (low_b <= low_a).all() and (high_a <= high_b).all()
+    return bool(a_holds_b or b_holds_a)

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
 from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.failing_pairs import write_failing_pairs
 from triaxis.verif.handles import settings_of
 from triaxis.verif.matching import Matcher
 from triaxis.verif.settings import failure_file, result_file
@@ -73,9 +73,9 @@ class Scoreboard(uvm_scoreboard):
             self.logger.error(f"{failure.message}{at}")
         pairs = [failure for failure in matcher.failures if failure.pair is not None]
         if pairs:
-            np.savez(
+            write_failing_pairs(
                 failure_file(folder),
-                pairs=np.array([failure.pair for failure in pairs], np.int64),
-                margins=np.array([failure.margin for failure in pairs], np.int64),
+                [failure.pair for failure in pairs if failure.pair is not None],
+                [failure.margin for failure in pairs],
             )
         raise AssertionError(f"{matcher.failed} failures, first: {matcher.failures[0].message}")

@@ -1,6 +1,7 @@
 """One run of one test in its own simulator process."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import shutil
@@ -83,8 +84,14 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
 
     build = simulation(settings.configuration, dut)
     folder = Path(settings.folder)
+    # The pairs to be replayed may lie in the very folder that is about to be emptied.
+    replay = Path(settings.replay).read_bytes() if settings.replay else None
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
+    if replay is not None:
+        kept = folder / "replayed_pairs.npz"
+        kept.write_bytes(replay)
+        settings = dataclasses.replace(settings, replay=str(kept))
     log, results = folder / "simulation.log", folder / "results.xml"
     runner = get_runner("verilator")
     start = time.monotonic()

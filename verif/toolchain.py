@@ -45,7 +45,9 @@ class Verilator:
             "AR": "ar",
         }
         environment["MAKEFLAGS"] = " ".join(f"{name}={value}" for name, value in settings.items())
-        environment["PATH"] = f"{_shim(self.executable)}{os.pathsep}{environment.get('PATH', '')}"
+        folder, path = str(_shim(self.executable)), environment.get("PATH", "")
+        if path.split(os.pathsep)[0] != folder:
+            environment["PATH"] = f"{folder}{os.pathsep}{path}"
         environment.pop("VERILATOR_ROOT", None)
         if self.root:
             environment["VERILATOR_ROOT"] = str(self.root)

@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from triaxis.coverage.core_model import CORE_MODEL, CoreSample
+from triaxis.coverage.core_model import CORE_MODEL, CoreSample, _rank
 from triaxis.coverage.covergroup import NO_BIN, Counts, CoverModel, Coverpoint, cross, load, merge, report
 from triaxis.coverage.text import coverage_lines
 from triaxis.golden.axes import separating
@@ -69,6 +69,15 @@ def test_other_or_damaged_files_are_refused(tmp_path):
         load(path, MODEL)
     with pytest.raises(InputError, match="cannot read"):
         load(tmp_path / "missing.json", MODEL)
+
+
+def test_ranks_are_exact():
+    big = 2**31 - 1
+    sliver = [[0, 0, 0], [big, big - 1, 0], [big - 1, big - 2, 0]]
+    wrapped = [[-(2**31), 0, 0], [2**31 - 1, 0, 0], [0, 2**31 - 1, 2**31 - 1]]
+    line = [[-(2**31), -(2**31), 0], [0, 0, 0], [2**31 - 1, 2**31 - 1, 0]]
+    triangles = np.array([sliver, wrapped, line, [[5, 5, 5]] * 3], np.int64)
+    assert _rank(triangles).tolist() == [2, 2, 1, 0]
 
 
 def test_core_model_tells_what_it_sees():

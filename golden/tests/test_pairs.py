@@ -21,6 +21,7 @@ def test_good_pairs_of_any_integer_type():
         (np.zeros((1, 2, 3, 3)), "type float64"),
         (np.full((1, 2, 3, 3), np.nan), "type float64"),
         (np.zeros((1, 2, 3, 3), bool), "type bool"),
+        (np.full((1, 2, 3, 3), "NaT", "m8[s]"), "type timedelta64"),
     ],
 )
 def test_wrong_shape_or_type(array, message):

@@ -102,7 +102,13 @@ def test_smallest_width():
     facets = np.zeros((1, 3, 3), np.float32)
     facets[0, 1] = 60
     widths = (16, 24, 32)
-    assert smallest_width([facets], Fraction(1, 1000), widths) == 16
-    assert smallest_width([facets * 10], Fraction(1, 1000), widths) == 24
-    assert smallest_width([facets * 1e4], Fraction(1, 1000), widths) == 32
-    assert smallest_width([facets * 1e9], Fraction(1, 1000), widths) == 32
+    assert smallest_width([facets], Fraction(1, 1000), Fraction(1), widths) == 16
+    assert smallest_width([facets * 10], Fraction(1, 1000), Fraction(1), widths) == 24
+    assert smallest_width([facets * 1e4], Fraction(1, 1000), Fraction(1), widths) == 32
+    assert smallest_width([facets * 1e9], Fraction(1, 1000), Fraction(1), widths) == 32
+    assert smallest_width([facets], Fraction(1, 1000), Fraction(100), widths) == 24
+
+
+def test_what_reading_moved_is_covered():
+    grid = Grid(Fraction(1), (Fraction(0), Fraction(0), Fraction(0)), 8)
+    assert margin_for(Fraction(3), grid, Fraction(1, 10**20)) == 5

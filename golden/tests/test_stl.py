@@ -1,4 +1,5 @@
 import struct
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ def test_binary_and_ascii(tmp_path):
     path = tmp_path / "mesh.stl"
     for content in (binary(FACETS), binary(FACETS, b"solid cube"), ascii_text(FACETS).encode()):
         path.write_bytes(content)
-        assert (read_stl(path) == FACETS).all()
+        assert (read_stl(path).facets.astype(np.float32) == FACETS).all()
 
 
 @pytest.mark.parametrize(
@@ -41,9 +42,12 @@ def test_binary_and_ascii(tmp_path):
         (binary(FACETS) + b"x", "185 bytes"),
         (binary(FACETS[:0]), "no facets"),
         (b"solid\nendsolid\n", "no facets"),
-        (ascii_text(FACETS)[:150].encode(), "truncated or malformed"),
-        (ascii_text(FACETS).replace("endsolid made by a test", "").encode(), "no endsolid"),
-        (ascii_text(FACETS).replace("      vertex 0 1 0\n", "").encode(), "5 vertices"),
+        (ascii_text(FACETS).split("endloop")[0].encode(), "the file ends within it"),
+        (ascii_text(FACETS).replace("endsolid made by a test", "").encode(), "1 solids begin, 0 end"),
+        (
+            ascii_text(FACETS).replace("      vertex 0 1 0\n", "").encode(),
+            "'endloop' where 'vertex' was expected",
+        ),
         (b"\x89PNG not a mesh at all, but long enough to be one, as files go." * 3, "not an STL"),
     ],
 )
@@ -66,11 +70,51 @@ def test_not_finite_names_the_facet(tmp_path, value):
         read_stl(path)
 
 
-def test_malformed_numbers(tmp_path):
+@pytest.mark.parametrize("number", ["one", "1,5", "1_0", "nan", "1e", "0x1"])
+def test_malformed_numbers_name_the_facet(tmp_path, number):
     path = tmp_path / "words.stl"
-    path.write_text(ascii_text(FACETS).replace("vertex 1 0 0", "vertex one 0 0"))
-    with pytest.raises(InputError, match=r"words\.stl"):
+    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
+    with pytest.raises(InputError, match=rf"words\.stl: facet 1: '{number}' is not a finite"):
         read_stl(path)
+
+
+def test_overflowing_decimals_are_not_finite(tmp_path):
+    path = tmp_path / "huge.stl"
+    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", "vertex 1e999 0 1"))
+    with pytest.raises(InputError, match="facet 1, vertex 1, coordinate x: inf"):
+        read_stl(path)
+
+
+VARIANTS = {
+    "several solids": lambda text: text + text.replace("made by a test", "facet vertex endsolid"),
+    "upper case": str.upper,
+    "tabs": lambda text: text.replace("  ", "\t"),
+    "double spaces": lambda text: text.replace("facet normal", "facet  normal").replace("outer ", "outer   "),
+    "DOS line ends": lambda text: text.replace("\n", "\r\n"),
+    "old Mac line ends": lambda text: text.replace("\n", "\r"),
+    "byte order mark": lambda text: "\ufeff" + text,
+    "strange normals": lambda text: text.replace("normal 0 0 1", "normal -nan(ind) nan inf"),
+    "no name": lambda text: text.replace(" made by a test", ""),
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_ascii_variants(tmp_path, variant):
+    path = tmp_path / "variant.stl"
+    path.write_bytes(VARIANTS[variant](ascii_text(FACETS)).encode())
+    facets = read_stl(path).facets
+    expected = np.concatenate([FACETS, FACETS]) if variant == "several solids" else FACETS
+    assert (facets.astype(np.float32) == expected).all()
+
+
+def test_decimals_are_not_rounded_to_float32(tmp_path):
+    path = tmp_path / "fine.stl"
+    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", "vertex 40000.0019 0 1"))
+    mesh = read_stl(path)
+    error = abs(Fraction(float(mesh.facets[1, 1, 0])) - Fraction("40000.0019"))
+    assert 0 < error <= mesh.rounding < Fraction(1, 10**10)
+    path.write_bytes(binary(FACETS))
+    assert read_stl(path).rounding == 0
 
 
 def test_missing_file(tmp_path):

@@ -5,6 +5,8 @@ from random import Random
 import numpy as np
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sequencer
 
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import check_pairs
 from triaxis.verif.agents.source_bus import SOURCE_BUS, SOURCE_SIGNALS, SourceBus
 from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
 from triaxis.verif.batches import PairBatch
@@ -35,6 +37,10 @@ class SourceDriver(uvm_driver):
             self.bus.set_pace(item.pace, self.random)
             tags = (self.next_tag + np.arange(len(item.pairs), dtype=np.int64)) & mask
             self.next_tag += len(item.pairs)
+            # What does not fit would wrap: the fault of the testbench that this one replaces.
+            check_pairs(item.pairs, configuration.width, "stimulus")
+            if item.margins.min(initial=0) < 0 or item.margins.max(initial=0) > configuration.max_margin:
+                raise InputError(f"stimulus: margins must be 0..{configuration.max_margin}")
             data = pack_data(item.pairs, configuration.width)
             user = pack_user(item.margins, tags, configuration)
             for index, beat in enumerate(zip(data, user, strict=True)):

@@ -45,6 +45,7 @@ class StreamMonitor(BusMonitor):
         self._signals = signals
         self._to_batch = to_batch
         self._beats = Beats()
+        self.moved = 0
         self._edge = RisingEdge(clock)
         super().__init__(dut, bus, clock, reset_n=reset_n, callback=publish)
 
@@ -76,6 +77,7 @@ class StreamMonitor(BusMonitor):
             self._beats.data.append(int(pins.tdata.value))
             self._beats.user.append(int(pins.tuser.value))
             self._beats.waits.append(wait)
+            self.moved += 1
             wait = 0
             if len(self._beats.data) == _BATCH:
                 self.flush()

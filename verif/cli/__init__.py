@@ -5,6 +5,7 @@ Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; 
 """
 
 import argparse
+import os
 import sys
 from typing import NoReturn
 
@@ -42,13 +43,24 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        code = options.run(options)
+        sys.stdout.flush()
+        return code
     except (InputError, CoreError, CertificateError) as error:
-        print(f"triaxis: error: {error}", file=sys.stderr)
-        return ERROR
+        message = str(error)
     except KeyboardInterrupt:
         print("triaxis: interrupted", file=sys.stderr)
         return INTERRUPTED
     except MemoryError:
-        print("triaxis: error: out of memory: use a smaller input", file=sys.stderr)
-        return ERROR
+        message = "out of memory: use a smaller input"
+    except OSError as error:
+        # Whoever read our output is gone, or the disk is full: say no more on stdout.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        message = f"{error.filename or 'output'}: {error.strerror or error}"
+    # No failure of our own may look like an answer: `check` says "near" with exit code 1.
+    except Exception as error:
+        if os.environ.get("TRIAXIS_DEBUG"):
+            raise
+        message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
+    print(f"triaxis: error: {' '.join(message.split())}", file=sys.stderr)
+    return ERROR

@@ -1,6 +1,7 @@
 """``triaxis check``: do two STL meshes come within a clearance of each other?"""
 
 import argparse
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,18 +11,32 @@ from triaxis.golden.pairs import check_width
 from triaxis.golden.stl import read_stl
 from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.engine import RtlEngine, configuration_for
-from triaxis.verif.meshcheck import MeshPair, MeshResult, check_meshes, exact_distance, prepare
+from triaxis.verif.meshcheck import (
+    MeshPair,
+    MeshResult,
+    check_meshes,
+    exact_distance,
+    one_box_holds_the_other,
+    prepare,
+)
 
 CLEAR, NEAR = 0, 1
 _LISTED = 10
+_DIGITS = 60
 
 
 def _number(text: str) -> Fraction:
     """Parse a decimal number exactly."""
     try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError) as error:
-        raise argparse.ArgumentTypeError(f"{text}: not a finite decimal number") from error
+        number = Decimal(text)
+    except InvalidOperation as error:
+        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number") from error
+    if not number.is_finite():
+        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number")
+    # Keeps the exact fraction, and everything computed from it, of a reasonable size.
+    if abs(number.adjusted()) > _DIGITS or len(number.as_tuple().digits) > _DIGITS:
+        raise argparse.ArgumentTypeError(f"{text:.40}: beyond {_DIGITS} digits")
+    return Fraction(number)
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -29,9 +44,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "check",
         help="decide whether two STL meshes come within a clearance",
-        description="Decide whether any facet of A comes within the clearance of any facet of B. The "
+        description="Decide whether any facet of A comes within the clearance (Chebyshev distance) of any "
+        "facet of B. Surfaces only: a mesh wholly inside the other touches none of its facets. The "
         "margin covers the rounding to the grid, so a pair within the clearance is never missed; "
-        "a false alarm is less than three steps of the resolution beyond it.",
+        "a false alarm is less than four steps of the resolution beyond it.",
         epilog="Exit codes: 0 clear, 1 near, 2 error.",
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
@@ -88,6 +104,8 @@ def _print(options: argparse.Namespace, meshes: MeshPair, result: MeshResult) ->
     clearance = f"{float(options.clearance):g}"
     if not result.near_count:
         print(f"CLEAR: no facets come within {clearance}")
+        if one_box_holds_the_other(meshes):
+            print("note: one mesh's box holds the other's; only surfaces are compared, not insides")
         return
     print(f"NEAR: {result.near_count} facet pairs come within {clearance} (or within the rounding of it)")
     for i, j in result.near:

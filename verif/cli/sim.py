@@ -6,6 +6,8 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.verif.sequences.seed_vectors import seed_vectors
 from triaxis.verif.simulation import run as simulate
 from triaxis.verif.simulation import run_settings
 from triaxis.verif.testnames import REPLAY, TESTS, check_test_name
@@ -39,14 +41,15 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"pairs {options.pairs}: must be at least 1")
     if options.seed < 0:
         raise InputError(f"seed {options.seed}: must not be negative")
+    configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
     replay = ""
     if options.replay is not None:
-        if not options.replay.is_file():
-            raise InputError(f"{options.replay}: no such file")
+        read_failing_pairs(options.replay, configuration)
         replay = str(options.replay.resolve())
-    configuration = parse_configuration(options.config)
+    if options.test == "SeedVectorsTest":
+        seed_vectors(configuration.width)
     settings = run_settings(options.test, configuration, options.seed, options.pairs, replay)
     result = simulate(settings)
     if result.passed and result.counts:

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge_in_parallel
-from triaxis.golden.pairs import check_margin, check_width, read_pairs, write_verdicts
+from triaxis.golden.pairs import check_margin, check_output, check_width, read_pairs, write_verdicts
 from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.engine import RtlEngine, configuration_for
 
@@ -38,10 +37,7 @@ def run(options: argparse.Namespace) -> int:
     """Decide the pairs and write the verdicts."""
     check_width(options.width)
     check_margin(options.margin, options.width)
-    if not options.out.parent.is_dir():
-        raise InputError(f"{options.out}: no such folder: {options.out.parent}; create it first")
-    if options.out.is_dir():
-        raise InputError(f"{options.out}: is a folder: name a file")
+    check_output(options.out, options.pairs)
     pairs = read_pairs(options.pairs, options.width)
     margins = np.full(len(pairs), options.margin, np.int64)
     with progress_bar(f"{options.engine} verdicts", len(pairs)) as progress:

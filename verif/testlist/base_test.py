@@ -17,6 +17,10 @@ from triaxis.verif.settings import from_environment
 
 _PERIOD_NS = 10
 _RESET_CYCLES = 3
+# Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
+_PATIENCE_CYCLES = 5000
+# Clocks in which a result too many would show: more than any latency.
+_SURPLUS_CYCLES = 64
 # Clocks that the last results may take once nothing stalls them: far above latency and queue.
 _DRAIN_CYCLES = 2000
 
@@ -39,8 +43,10 @@ class CoreTest(uvm_test):
         self.raise_objection()
         Clock(self.dut.clk_i, _PERIOD_NS, "ns").start()
         await self.reset(_RESET_CYCLES)
+        watchdog = cocotb.start_soon(self.watch())
         await self.stimulus()
         await self.drain()
+        watchdog.cancel()
         self.drop_objection()
 
     def check_phase(self) -> None:
@@ -62,6 +68,15 @@ class CoreTest(uvm_test):
         self.dut.rst_ni.value = 1
         await ClockCycles(self.dut.clk_i, 1)
 
+    async def watch(self) -> None:
+        """Fail the test where nothing moves any more: a hung core would keep it waiting for ever."""
+        monitors = (self.env.source.monitor.bus, self.env.sink.monitor.bus)
+        before = -1
+        while (moved := sum(monitor.moved for monitor in monitors)) != before:
+            before = moved
+            await ClockCycles(self.dut.clk_i, _PATIENCE_CYCLES)
+        raise AssertionError(f"no beat moved in {_PATIENCE_CYCLES} clocks: the core hangs")
+
     async def drain(self) -> None:
         """Wait for the last result, without stalls; what is missing then is for the scoreboard."""
         self.env.sink.ready.pace = FULL_SPEED
@@ -70,6 +85,5 @@ class CoreTest(uvm_test):
             self.env.flush()
             if self.env.scoreboard.matcher.outstanding == 0:
                 break
-        # A result too many would come now.
-        await ClockCycles(self.dut.clk_i, 2)
+        await ClockCycles(self.dut.clk_i, _SURPLUS_CYCLES)
         self.env.flush()

@@ -7,6 +7,7 @@ import numpy as np
 from cocotb.triggers import ClockCycles
 
 from triaxis.verif.agents.items import Pace
+from triaxis.verif.failing_pairs import read_failing_pairs
 from triaxis.verif.scenes import mesh_pairs
 from triaxis.verif.sequences import families
 from triaxis.verif.sequences.pair_sequence import ArraySequence, FamilySequence
@@ -135,5 +136,5 @@ class ReplayTest(CoreTest):
 
     async def stimulus(self) -> None:
         """Send the pairs in the file."""
-        with np.load(Path(self.settings.replay)) as file:
-            await self.send(ArraySequence(file["pairs"], file["margins"]))
+        pairs, margins = read_failing_pairs(Path(self.settings.replay), self.settings.configuration)
+        await self.send(ArraySequence(pairs, margins))

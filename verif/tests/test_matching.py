@@ -120,6 +120,15 @@ def test_reset_discards_what_is_in_flight(traffic):
     assert (matcher.failed, matcher.checked, matcher.discarded, matcher.resets) == (0, 35, 15, 1)
 
 
+def test_a_core_that_stops_answering_is_not_excused_by_a_reset(traffic):
+    matcher = Matcher(CONFIGURATION)
+    matcher.feed_pairs(traffic.sent(slice(0, 80)))
+    matcher.feed_results(traffic.returned(slice(0, 40)))
+    matcher.reset_pairs()
+    matcher.reset_results()
+    assert "40 pairs unanswered at a reset" in matcher.failures[0].message
+
+
 def test_a_result_that_survives_a_reset_fails(traffic):
     matcher = Matcher(CONFIGURATION)
     matcher.feed_pairs(traffic.sent(slice(0, 40)))
