@@ -37,13 +37,20 @@ class Grid:
         return self.resolution / 2
 
 
+def check_resolution(resolution: Fraction) -> None:
+    """Raise InputError unless the resolution is positive and of a size that float32 knows."""
+    if not _FINEST <= resolution <= _COARSEST:
+        # Not more of it than fits a line, and nothing that a float could not hold.
+        shown = "0" if resolution == 0 else "negative" if resolution < 0 else "out of range"
+        raise InputError(f"resolution: {shown}: must be 1e-30..1e30, in the files' unit")
+
+
 def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
     """Return the grid whose origin is the multiple of the resolution nearest the meshes' centre.
 
     Raises InputError where the resolution is not a positive number of a size that float32 knows.
     """
-    if not _FINEST <= resolution <= _COARSEST:
-        raise InputError(f"resolution {resolution!s:.40}: must be 1e-30..1e30, in the files' unit")
+    check_resolution(resolution)
     low = np.min([mesh.min((0, 1)) for mesh in meshes], 0)
     high = np.max([mesh.max((0, 1)) for mesh in meshes], 0)
     centre = [(Fraction(float(a)) + Fraction(float(b))) / 2 for a, b in zip(low, high, strict=True)]
@@ -55,6 +62,7 @@ def smallest_width(
     meshes: list[Facets], resolution: Fraction, clearance: Fraction, widths: tuple[int, ...]
 ) -> int:
     """Return the first width whose centred grid holds the meshes and the margin, or else the last."""
+    check_resolution(resolution)
     for width in widths:
         if clearance / resolution + 3 > 1 << width:
             continue

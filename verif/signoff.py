@@ -17,7 +17,7 @@ import numpy.typing as npt
 from triaxis.coverage.core_model import CORE_MODEL
 from triaxis.coverage.covergroup import PointReport, load, merge, report
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.pairs import Pairs, Verdicts
+from triaxis.golden.pairs import Pairs, Verdicts, coordinate_range
 from triaxis.golden.stl import read_stl
 from triaxis.verif.build import library, rtl_hash, simulation
 from triaxis.verif.configuration import Configuration
@@ -26,14 +26,18 @@ from triaxis.verif.engine import RtlEngine, configuration_for
 from triaxis.verif.meshcheck import check_meshes, prepare
 from triaxis.verif.paths import BUILD, ROOT
 from triaxis.verif.scenes import write_scenes, write_stl
+from triaxis.verif.sequences.families import mixed_pairs
 from triaxis.verif.sequences.seed_vectors import seed_normals, seed_vectors
 from triaxis.verif.settings import RunSettings
 from triaxis.verif.simulation import RunResult, run, run_settings
 from triaxis.verif.toolchain import verilator
 
 FOLDER = BUILD / "signoff"
+RESULT = FOLDER / "signoff.json"
 # A result is only worth its name with this many pairs checked.
 LEAST_PAIRS = 200_000
+SEED_VECTORS = 15
+_DETECTOR_PAIRS = 3_000
 _JOBS = min(2, os.cpu_count() or 1)
 
 # Pairs of each test, in the builds with margins at every width. The counts follow what each family
@@ -87,14 +91,33 @@ class SceneResult:
 
 
 @dataclass(frozen=True)
+class DetectorResult:
+    """The combinational wrapper: seed vectors that it finds clear, and random pairs it gets wrong."""
+
+    seed_vectors_clear: int
+    pairs: int
+    wrong: int
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What was signed off: taken before the first run, and compared after the last."""
+
+    rtl_hash: str
+    git_commit: str | None
+    git_clean: bool | None
+
+
+@dataclass(frozen=True)
 class SignoffResult:
     """Everything that the sign-off found; ``real_meshes`` is None where none were there."""
 
     runs: list[RunResult]
     scenes: list[SceneResult]
     real_meshes: list[SceneResult] | None
-    seed_vectors_clear: int
+    detector: DetectorResult
     coverage: list[PointReport]
+    provenance: Provenance
     seconds: float
 
     @property
@@ -112,11 +135,30 @@ class SignoffResult:
             for s in self.scenes + (self.real_meshes or [])
             if not s.passed
         ]
+        if not self.scenes:
+            found.append("no scene was checked")
         if self.checked < LEAST_PAIRS:
             found.append(f"{self.checked} pairs checked, at least {LEAST_PAIRS} are wanted")
-        if self.seed_vectors_clear != 15:
-            found.append(f"{self.seed_vectors_clear} of 15 seed vectors clear in CollisionDetector")
+        if self.detector.seed_vectors_clear != SEED_VECTORS:
+            found.append(f"{self.detector.seed_vectors_clear} of {SEED_VECTORS} seed vectors clear")
+        if self.detector.wrong or not self.detector.pairs:
+            found.append(f"CollisionDetector: {self.detector.wrong} of {self.detector.pairs} pairs wrong")
+        found += [
+            f"coverpoint {point.name}: {point.hit} of {point.total} bins hit"
+            for point in self.coverage
+            if point.missing
+        ]
+        if not self.coverage:
+            found.append("no coverage was collected")
+        if provenance() != self.provenance:
+            found.append("the RTL or the checkout changed during the run")
         return found
+
+
+def _settings(test: str, configuration: Configuration, seed: int, pairs: int) -> RunSettings:
+    """Return a run in a folder of the sign-off's own, so that no other run disturbs it."""
+    folder = FOLDER / "runs" / f"{test}-{configuration.name}"
+    return run_settings(test, configuration, seed, pairs, folder=folder)
 
 
 def plan(seed: int) -> list[RunSettings]:
@@ -124,23 +166,26 @@ def plan(seed: int) -> list[RunSettings]:
     runs: list[RunSettings] = []
     for width in (8, 16, 24, 32):
         configuration = Configuration(width, width)
-        runs += [run_settings(t, configuration, seed, n) for t, n in _FULL.items()]
+        runs += [_settings(t, configuration, seed, n) for t, n in _FULL.items()]
         if width >= 16:
-            runs.append(run_settings("SeedVectorsTest", configuration, seed, 15))
-    runs.append(run_settings("SeedVectorsTest", Configuration(16, 0), seed, 15))
+            runs.append(_settings("SeedVectorsTest", configuration, seed, SEED_VECTORS))
+    runs.append(_settings("SeedVectorsTest", Configuration(16, 0), seed, SEED_VECTORS))
     for configuration in (
         Configuration(16, 0),
         Configuration(16, 0, edge_box=False),
         Configuration(16, 0, gating=False),
         Configuration(13, 4, tag_bits=1),
     ):
-        runs += [run_settings(t, configuration, seed, n) for t, n in _OTHER.items()]
+        runs += [_settings(t, configuration, seed, n) for t, n in _OTHER.items()]
     return runs
 
 
 def signoff(seed: int, progress: Callable[[int], None], steps: Callable[[int], None]) -> SignoffResult:
     """Run everything; ``steps`` is told how many steps there are, ``progress`` of each done."""
     start = time.monotonic()
+    # An old result must not outlive a run that ends early.
+    RESULT.unlink(missing_ok=True)
+    before = provenance()
     runs = plan(seed)
     configurations = list({r.config: r.configuration for r in runs}.values())
     libraries = [configuration_for(24, 1)]
@@ -165,12 +210,29 @@ def signoff(seed: int, progress: Callable[[int], None], steps: Callable[[int], N
         run_results = list(pool.map(one_run, runs))
     made, real = _scenes(), _real_meshes()
     progress(1)
-    pairs = seed_vectors(WIDTH)
-    clear = int((~detect(pairs, seed_normals())).sum())
+    detector = _detector(seed)
     progress(1)
-    files = [r.coverage for r in run_results if r.coverage.exists()]
-    counts = merge(CORE_MODEL, (load(file, CORE_MODEL) for file in files))
-    return SignoffResult(run_results, made, real, clear, report(CORE_MODEL, counts), time.monotonic() - start)
+    # A run that passed has written its coverage: a missing file is an error here.
+    counts = merge(CORE_MODEL, (load(r.coverage, CORE_MODEL) for r in run_results if r.passed))
+    seconds = time.monotonic() - start
+    return SignoffResult(run_results, made, real, detector, report(CORE_MODEL, counts), before, seconds)
+
+
+def provenance() -> Provenance:
+    """Return what stands in the checkout now."""
+    changed = _git("status", "--porcelain")
+    return Provenance(rtl_hash(), _git("rev-parse", "HEAD"), None if changed is None else not changed)
+
+
+def _detector(seed: int) -> DetectorResult:
+    """Check the wrapper on the seed vectors and on random pairs with random normals handed in."""
+    clear = int((~detect(seed_vectors(WIDTH), seed_normals())).sum())
+    rng = np.random.default_rng([seed, WIDTH])
+    low, high = coordinate_range(WIDTH)
+    pairs = mixed_pairs(rng, _DETECTOR_PAIRS, WIDTH)
+    normals = rng.integers(low, high + 1, (_DETECTOR_PAIRS, 2, 3))
+    near = judge_pairs(pairs, np.zeros(_DETECTOR_PAIRS, np.int64))["near"]
+    return DetectorResult(clear, len(pairs), int((detect(pairs, normals) != near).sum()))
 
 
 def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fraction) -> SceneResult:
@@ -233,9 +295,9 @@ def _real_meshes() -> list[SceneResult] | None:
     ]
     for z_mm, near in ((0, False), (-250, True)):
         name = f"carousel against head at Z = {z_mm} mm"
-        head = read_stl(data / "vmc/head.stl") + np.array([0, 0, 4 + 0.1 * z_mm], np.float32)
+        head = read_stl(data / "vmc/head.stl").facets + np.array([0, 0, 4 + 0.1 * z_mm])
         moved = folder / f"head_{abs(z_mm)}.stl"
-        write_stl(moved, head)
+        write_stl(moved, head.astype(np.float32))
         results.append(_check_files(name, data / "vmc/carousel.stl", moved, near, Fraction(1, 20)))
     return results
 
@@ -253,15 +315,12 @@ def _git(*arguments: str) -> str | None:
 
 def write_json(result: SignoffResult, seed: int) -> Path:
     """Write the result as build/signoff/signoff.json, whole or not at all."""
-    changed = _git("status", "--porcelain")
     content = {
         "passed": not result.problems,
         "problems": result.problems,
         "seed": seed,
         "seconds": round(result.seconds, 1),
-        "rtl_hash": rtl_hash(),
-        "git_commit": _git("rev-parse", "HEAD"),
-        "git_clean": None if changed is None else not changed,
+        **asdict(result.provenance),
         "verilator": str(verilator()),
         "python": platform.python_version(),
         "command": f"triaxis signoff --seed {seed}",
@@ -280,12 +339,11 @@ def write_json(result: SignoffResult, seed: int) -> Path:
         ],
         "scenes": [asdict(s) for s in result.scenes],
         "real_meshes": None if result.real_meshes is None else [asdict(s) for s in result.real_meshes],
-        "seed_vectors_clear": result.seed_vectors_clear,
+        "detector": asdict(result.detector),
         "coverage": {p.name: {"hit": p.hit, "total": p.total} for p in result.coverage},
     }
     FOLDER.mkdir(parents=True, exist_ok=True)
-    path = FOLDER / "signoff.json"
-    partial = path.with_suffix(".partial")
+    partial = RESULT.with_suffix(".partial")
     partial.write_text(json.dumps(content, indent=2) + "\n")
-    partial.replace(path)
-    return path
+    partial.replace(RESULT)
+    return RESULT

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from triaxis.coverage.text import coverage_lines
 from triaxis.golden.errors import InputError
-from triaxis.verif.signoff import SceneResult, SignoffResult, signoff, write_json
+from triaxis.verif.signoff import SEED_VECTORS, SceneResult, SignoffResult, signoff, write_json
 from triaxis.verif.simulation import RunResult
 from triaxis.verif.toolchain import verilator
 
@@ -59,7 +59,11 @@ def _print(result: SignoffResult) -> None:
     console.print(_scenes_table(result.scenes + (result.real_meshes or [])))
     if result.real_meshes is None:
         print("real meshes: skipped, none found (set TRIAXIS_DATA to a folder with vmc/*.stl)")
-    print(f"seed vectors clear in CollisionDetector: {result.seed_vectors_clear} of 15")
+    detector = result.detector
+    print(
+        f"CollisionDetector: {detector.seed_vectors_clear} of {SEED_VECTORS} seed vectors clear; "
+        f"{detector.wrong} of {detector.pairs} random pairs wrong"
+    )
     print("functional coverage, bins hit:")
     for line in coverage_lines(result.coverage):
         print(f"  {line}")

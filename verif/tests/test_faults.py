@@ -71,9 +71,31 @@ FAULTS = (
         "StallsTest", "a result changed while it waited", about_pairs=False,
     ),
     Fault(
+        "margins move for decided pairs", "triaxis_boxes.sv",
+        "        operand_margin_o <= margin;\n      end\n", "      end\n      operand_margin_o <= margin;\n",
+        "FarTest", "a margin moved", about_pairs=False, config="w16_m16",
+    ),
+    Fault(
+        "an eighth of the queue", "triaxis_core.sv",
+        "2 ** $clog2(core_latency(W, M))", "2 ** $clog2(core_latency(W, M)) / 8",
+        "RandomTest", "not ready although", about_pairs=False,
+    ),
+    Fault(
+        "a clock too early", "triaxis_core.sv",
+        "localparam int unsigned Latency = datapath_latency(W, M);",
+        "localparam int unsigned Latency = datapath_latency(W, M) - 1;",
+        "RandomTest", "a result is due and not there", about_pairs=False,
+    ),
+    Fault(
+        "hangs", "triaxis_core.sv",
+        "&& (in_flight_q != count_t'(Depth))",
+        "&& (in_flight_q != count_t'(Depth)) && (tag != 16'd700)",
+        "StallsTest", "the core hangs", about_pairs=False,
+    ),
+    Fault(
         "loses results now and then", "triaxis_core.sv",
         ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
-        "RandomTest", "where 77 was due",
+        "ResetsTest", "was due",
     ),
 )  # fmt: skip
 

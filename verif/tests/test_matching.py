@@ -131,7 +131,7 @@ def test_a_core_that_stops_answering_is_not_excused_by_a_reset(traffic):
 
 def test_a_result_that_survives_a_reset_fails(traffic):
     matcher = Matcher(CONFIGURATION)
-    matcher.feed_pairs(traffic.sent(slice(0, 40)))
+    matcher.feed_pairs(traffic.sent(slice(0, 20)))
     matcher.reset_pairs()
     matcher.reset_results()
     matcher.feed_results(traffic.returned(slice(0, 1)))
