@@ -3,6 +3,7 @@
 import os
 import signal
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -90,6 +91,12 @@ def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
     return verdicts
 
 
+def _ignore_interrupts() -> None:
+    """Let a worker finish its chunk; PPL's loader unblocks the signal and handles it itself."""
+    default_solver()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 def _judge_chunk(chunk: tuple[Pairs, npt.NDArray[np.int64]]) -> Verdicts:
     return judge_pairs(*chunk)
 
@@ -107,14 +114,17 @@ def judge_in_parallel(
             results.append(judge_pairs(pairs[chunk], margins[chunk]))
             report(len(results[-1]))
     else:
-        # Workers inherit the blocked signal: an interrupt is for this process, which ends them.
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
         try:
-            pool = get_context("spawn").Pool(workers)
-        finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        with pool:
-            for result in pool.imap(_judge_chunk, [(pairs[c], margins[c]) for c in chunks]):
+            # Workers start here, and inherit the blocked signal: an interrupt is for this process.
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                judged = pool.map(_judge_chunk, [(pairs[c], margins[c]) for c in chunks])
+            finally:
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            for result in judged:
                 results.append(result)
                 report(len(result))
+        finally:
+            pool.shutdown(cancel_futures=True)
     return np.concatenate(results) if results else np.zeros(0, VERDICT)

@@ -6,8 +6,9 @@ Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; 
 
 import argparse
 import os
+import re
 import sys
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
@@ -21,6 +22,11 @@ _COMMANDS = (verdict, check, scenes, sim, signoff, fpga_report)
 
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong with the arguments in one line."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # Older versions of argparse take -1e-3 for an option, and complain of a missing value.
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def error(self, message: str) -> NoReturn:
         self.exit(ERROR, f"{self.prog}: error: {message} (see {self.prog} --help)\n")

@@ -108,7 +108,8 @@ def test_check_never_misses_and_alarms_only_in_the_band(meshes):
 
 def test_check_refuses_bad_input(meshes, tmp_path):
     a, b = meshes
-    assert "must not be negative" in refused("check", a, b, "--clearance", "-0.5")
+    for clearance in ("-0.5", "-1e-3"):
+        assert "must not be negative" in refused("check", a, b, "--clearance", clearance)
     line = refused("check", a, b, "--resolution", "0.0001", "--width", "16")
     assert "facet" in line
     assert "does not fit 16 bits at resolution 0.0001" in line
