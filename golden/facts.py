@@ -5,6 +5,9 @@ of A and B are intervals; ``up`` = min(c.B) - max(c.A) is the gap where B lies a
 min(c.A) - max(c.B) where below, and excess = max(up, down) - margin * |c|1. The axis separates where its
 excess is positive. Excesses of an axis are multiples of g, the greatest common divisor of its
 components, so +g and -g are the smallest steps on either side of the decision.
+
+up + down is less than 0 by the lengths of the two intervals. So both are 0 only where all six vertices
+fall together, on a zero or a flat axis; elsewhere a level axis is level on one side only.
 """
 
 from dataclasses import dataclass, fields
@@ -24,12 +27,14 @@ class Facts:
     """Facts of N pairs, each field of shape (N,).
 
     above, below: axes that separate by more than the margin, B above A or below it.
-    level: axes that are not zero, not flat, and whose excess is 0: the pair is exactly at the margin.
+    level: axes that are not zero, not flat, and whose excess is 0: a near pair with one is exactly at the
+    margin.
     clear_step, near_step: axes that are not zero and not flat, and whose excess is +g, -g.
     flat: axes that are not zero and on which all six vertices fall together.
     support_a, support_b: vertices of A and of B (bit v is vertex v) that are outermost towards the
-    other triangle on every level axis; 7 where no axis is level. With margin 0, for a near pair, they
-    span the smallest faces of A and B that hold all the points where the two touch.
+    other triangle on every level axis: of A the highest and of B the lowest where B is above, the other
+    way round where below; 7 where no axis is level. With margin 0, for a near pair, they span the smallest
+    faces of A and B that hold all the points where the two touch.
     rank_a, rank_b: 0 point, 1 segment, 2 triangle.
     order_a, order_b: which of the six permutations sorts the vertices by (x, y, z): 0..5, numbered as
     itertools.permutations(range(3)) lists them, the first that fits where vertices coincide.

@@ -11,12 +11,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.paths import BUILD, DUT, rtl_sources
+from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
 from triaxis.verif.toolchain import verilator
 
 # No signal is public: Verilator's default for cocotb costs most of the speed.
 _SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast"]
+# Verilator's own -Os comes before this on the compiler's command line.
+_FAST_CODE = "-O2 -march=native -std=c++20"
+_BURST_TOP = "triaxis_burst_tb"
 
 
 def content_hash(files: Sequence[Path], *more: str) -> str:
@@ -88,18 +92,21 @@ def _library(
     parameters: Mapping[str, int],
     harness: Path,
     defines: Sequence[str],
+    dut: Path = DUT,
 ) -> Path:
     """Return a shared library of a Verilated module and its C++ harness, built where needed."""
     command = [
         "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
         "--top-module", top, "--prefix", prefix,
         *(f"-G{parameter}={value}" for parameter, value in parameters.items()),
-        f"-I{DUT}",
-        "-CFLAGS", " ".join(["-fPIC -O3 -march=native -std=c++20", *defines]),
+        f"-I{dut}",
+        "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]),
         "-LDFLAGS", "-shared",
     ]  # fmt: skip
-    sources = [*rtl_sources(), harness]
-    key = content_hash([*sources, DUT / "triaxis_stage.svh"], str(verilator()), *command)
+    sources = [*(dut / source.name for source in rtl_sources()), harness]
+    # The folder of the RTL stands for its contents, wherever it is.
+    arguments = [argument for argument in command if argument != f"-I{dut}"]
+    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
 
@@ -111,15 +118,20 @@ def _library(
     return built(folder, make) / file
 
 
-def library(configuration: Configuration) -> Path:
-    """Return the shared library of the core in that configuration; see engine.py."""
+def library(configuration: Configuration, dut: Path = DUT) -> Path:
+    """Return the shared library of the core in that configuration; see engine.py.
+
+    ``dut`` may be another folder of RTL with the same files: mutants and faults.
+    """
     defines = [
         f"-DWIDTH={configuration.width}",
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DTAG_BITS={configuration.tag_bits}",
     ]
     harness = Path(__file__).with_name("harness.cpp")
-    return _library(configuration.name, "triaxis_core", "Vcore", configuration.parameters, harness, defines)
+    return _library(
+        configuration.name, "triaxis_core", "Vcore", configuration.parameters, harness, defines, dut
+    )
 
 
 def detector_library(width: int) -> Path:
@@ -166,5 +178,54 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
             )
         except (SystemExit, RuntimeError, subprocess.CalledProcessError) as error:
             raise _build_error(configuration.name, partial / "build.log") from error
+
+    return built(folder, make)
+
+
+def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: bool = True) -> Path:
+    """Return the folder of the simulator executable for bursts, built where needed.
+
+    ``dut`` may be another folder of RTL with the same files: mutants and faults. ``assertions``: with
+    the checks of verif/sva/.
+    """
+    from cocotb_tools.config import libs_dir
+
+    burst, sva = VERIF / "burst", VERIF / "sva"
+    sources = [
+        burst / "burst_tb.vlt",
+        *(dut / source.name for source in rtl_sources()),
+        *sorted(burst.glob("*.sv")),
+        *(sorted(sva.glob("*.sv")) if assertions else ()),
+        *sorted(burst.glob("*.cpp")),
+    ]
+    defines = [
+        f"-DWIDTH={configuration.width}",
+        f"-DMARGIN_BITS={configuration.margin_bits}",
+        f"-DTAG_BITS={configuration.tag_bits}",
+        f"-DPERIOD_PS={1000 * PERIOD_NS}",
+        "-DVL_TIME_CONTEXT",
+    ]
+    libraries = f"-rdynamic -Wl,-rpath,{libs_dir} -L{libs_dir} -lcocotbvpi_verilator"
+    command = [
+        "--cc", "--exe", "--build", "-j", "2", "--vpi", "--no-public-flat-rw", *_SPEED,
+        "--assert" if assertions else "--no-assert", "-Wno-fatal", "--timescale", "1ns/1ps",
+        "--top-module", _BURST_TOP, "--prefix", "Vtop",
+        *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
+        "-CFLAGS", " ".join([_FAST_CODE, f"-I{burst}", *defines]),
+    ]  # fmt: skip
+    hashed = [*sources, burst / "burst_bfm.h", dut / "triaxis_stage.svh"]
+    key = content_hash(hashed, str(verilator()), *command)
+    kind = "" if assertions else "_no_assertions"
+    folder = BUILD / "burst" / f"{configuration.name}{kind}-{key[:12]}"
+
+    def make(partial: Path) -> None:
+        # cocotb's runner looks for an executable of the top module's name.
+        output = ["--Mdir", str(partial / "obj"), "-o", str(partial / _BURST_TOP)]
+        places = [f"-I{dut}", "-LDFLAGS", libraries]
+        run_tool(
+            [str(verilator().executable), *command, *places, *output, *map(str, sources)],
+            partial,
+            f"{configuration.name} for bursts",
+        )
 
     return built(folder, make)

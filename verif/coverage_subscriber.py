@@ -4,41 +4,34 @@ from pathlib import Path
 
 from pyuvm import uvm_subscriber
 
-from triaxis.coverage.core_model import CORE_MODEL, CoreSample
-from triaxis.coverage.covergroup import Counts
-from triaxis.golden.axes import separating
+from triaxis.coverage.core_coverage import CoreCoverage
+from triaxis.coverage.core_sample import CoreSample
 from triaxis.verif.handles import settings_of
-from triaxis.verif.matching import AXES_WITHOUT_EDGE_BOX, CheckedBatch
 from triaxis.verif.settings import coverage_file
+
+# In a soak every so many batches one is sampled.
+_SOAK_EVERY = 8
 
 
 class CoverageSubscriber(uvm_subscriber):
-    """Counts bins of the core's coverage model, and writes them at the end."""
+    """Counts bins of the coverage model of the core's configuration, and writes them at the end.
+
+    Samples come from the checker's thread, in order; the phases run when it has ended.
+    """
 
     def build_phase(self) -> None:
         """Start with empty counts."""
         self.settings = settings_of(self)
-        self.counts = Counts.empty(CORE_MODEL)
+        self.coverage = CoreCoverage(*self.settings.configuration.covered)
+        self.every = _SOAK_EVERY if self.settings.soak else 1
+        self.batches = 0
 
-    def write(self, tt: CheckedBatch) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+    def write(self, tt: CoreSample) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Sample a batch."""
-        configuration = self.settings.configuration
-        separates = separating(tt.pairs, tt.margins)
-        if not configuration.edge_box:
-            # Axes that this core does not have decide nothing.
-            separates[:, AXES_WITHOUT_EDGE_BOX:] = False
-        sample = CoreSample(
-            tt.pairs,
-            tt.margins,
-            tt.expected["near"],
-            separates,
-            tt.waits_in,
-            tt.waits_out,
-            configuration.width,
-            configuration.max_margin,
-        )
-        self.counts.sample(CORE_MODEL, sample)
+        if self.batches % self.every == 0:
+            self.coverage.sample(tt)
+        self.batches += 1
 
     def report_phase(self) -> None:
         """Write the counts."""
-        self.counts.save(coverage_file(Path(self.settings.folder)))
+        self.coverage.counts.save(coverage_file(Path(self.settings.folder)))

@@ -2,6 +2,8 @@
 
 import ctypes
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +11,7 @@ import numpy.typing as npt
 from triaxis.golden.pairs import VERDICT, Pairs, Verdicts
 from triaxis.verif.build import library
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.paths import DUT
 from triaxis.verif.result import decode
 
 _CHUNK = 1 << 16
@@ -21,20 +24,23 @@ class CoreError(RuntimeError):
 class RtlEngine:
     """The core in one configuration, built on first use."""
 
-    def __init__(self, configuration: Configuration) -> None:
-        """Build the core where needed, and load it."""
+    def __init__(self, configuration: Configuration, dut: Path = DUT) -> None:
+        """Build the core where needed, and load it. ``dut``: another folder of RTL with the same files."""
         self.configuration = configuration
-        self._run = ctypes.CDLL(str(library(configuration))).triaxis_run
+        self._run = ctypes.CDLL(str(library(configuration, dut))).triaxis_run
         self._run.restype = ctypes.c_int64
         self._run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
 
-    def words(self, pairs: Pairs, margins: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.uint16], int]:
+    def words(
+        self, pairs: npt.NDArray[np.integer[Any]], margins: npt.NDArray[np.integer[Any]]
+    ) -> tuple[npt.NDArray[np.uint16], int]:
         """Return the result words of pairs (N, 2, 3, 3) at margins (N,), and the clock cycles.
 
-        Coordinates and margins must be in range: see `triaxis.golden.pairs.check_pairs`.
+        Coordinates and margins must be in range: see `triaxis.golden.pairs.check_pairs`. Arrays of int32
+        and uint32 are taken without a copy.
         """
-        pairs = np.ascontiguousarray(pairs, np.int64)
-        unsigned = np.ascontiguousarray(margins, np.uint64)
+        pairs = np.ascontiguousarray(pairs, np.int32)
+        unsigned = np.ascontiguousarray(margins, np.uint32)
         results = np.zeros(len(pairs), np.uint16)
         cycles = self._run(pairs.ctypes.data, unsigned.ctypes.data, len(pairs), results.ctypes.data)
         if cycles < 0:

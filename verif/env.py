@@ -20,12 +20,13 @@ class CoreEnv(uvm_env):
         self.coverage = create(CoverageSubscriber, "coverage", self)
 
     def connect_phase(self) -> None:
-        """Connect monitors to the scoreboard, and the scoreboard to coverage."""
+        """Connect monitors to the scoreboard, the scoreboard to coverage, and stalls to the sink."""
         self.source.monitor.ap.connect(self.scoreboard.pairs_export)
         self.sink.monitor.ap.connect(self.scoreboard.results_export)
+        self.source.driver.stalls_ap.connect(self.sink.ready.analysis_export)
         self.scoreboard.checked_port.connect(self.coverage.analysis_export)
 
     def flush(self) -> None:
         """Publish what the monitors still hold."""
-        self.source.monitor.bus.flush()
-        self.sink.monitor.bus.flush()
+        self.source.monitor.flush()
+        self.sink.monitor.flush()

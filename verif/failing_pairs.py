@@ -1,6 +1,8 @@
 """The file of failing pairs that the scoreboard writes and ReplayTest sends again.
 
-A NumPy ``.npz`` archive with ``pairs``, integers of shape (N, 2, 3, 3), and ``margins`` of shape (N,).
+A NumPy ``.npz`` archive with ``pairs``, integers of shape (N, 2, 3, 3), and ``margins`` of shape (N,);
+also ``context`` (N, C, 2, 3, 3), ``context_margins`` (N, C) and ``context_counts`` (N,): the last
+``context_counts[n]`` of the C rows were sent before pair n, in that order.
 """
 
 from collections.abc import Sequence
@@ -11,12 +13,34 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, check_pairs
+from triaxis.verif.batches import Integers
+from triaxis.verif.checking import Failure
 from triaxis.verif.configuration import Configuration
 
 
-def write_failing_pairs(path: Path, pairs: Sequence[Pairs], margins: Sequence[int]) -> None:
-    """Write pairs (2, 3, 3) each, and their margins."""
-    np.savez(path, pairs=np.array(pairs, np.int64), margins=np.array(margins, np.int64))
+def write_failing_pairs(path: Path, failures: Sequence[Failure]) -> None:
+    """Write failures that are about pairs, each with the pairs that came before it."""
+    contexts = [_context(failure) for failure in failures]
+    counts = [len(margins) for _, margins in contexts]
+    context = np.zeros((len(failures), max(counts), 2, 3, 3), np.int64)
+    context_margins = np.zeros((len(failures), max(counts)), np.int64)
+    for row, (pairs, margins) in enumerate(contexts):
+        context[row, max(counts) - len(margins) :] = pairs
+        context_margins[row, max(counts) - len(margins) :] = margins
+    np.savez(
+        path,
+        pairs=np.array([failure.pair for failure in failures], np.int64),
+        margins=np.array([failure.margin for failure in failures], np.int64),
+        context=context,
+        context_margins=context_margins,
+        context_counts=np.array(counts, np.int64),
+    )
+
+
+def _context(failure: Failure) -> tuple[Integers, Integers]:
+    if failure.context is None or failure.context_margins is None:
+        return np.zeros((0, 2, 3, 3), np.int64), np.zeros(0, np.int64)
+    return failure.context, failure.context_margins
 
 
 def read_failing_pairs(path: Path, configuration: Configuration) -> tuple[Pairs, npt.NDArray[np.int64]]:

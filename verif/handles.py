@@ -5,11 +5,12 @@ from typing import Any, Protocol, TypeVar, cast
 from cocotb.handle import LogicArrayObject, LogicObject
 from pyuvm import ConfigDB, uvm_component
 
+from triaxis.verif.agents.burst_bfm import BurstBfm
 from triaxis.verif.settings import RunSettings
 
 Component = TypeVar("Component", bound=uvm_component)
 
-_SETTINGS, _DUT = "SETTINGS", "DUT"
+_SETTINGS, _DUT, _BFM = "SETTINGS", "DUT", "BFM"
 
 
 class StreamPins(Protocol):
@@ -21,10 +22,11 @@ class StreamPins(Protocol):
     tuser: LogicArrayObject
 
 
-def publish(settings: RunSettings, dut: Any) -> None:
-    """Put the settings and the core's handle where every component finds them."""
+def publish(settings: RunSettings, dut: Any, bfm: BurstBfm | None) -> None:
+    """Put the settings, the top level's handle and the burst model where every component finds them."""
     ConfigDB().set(None, "*", _SETTINGS, settings)
     ConfigDB().set(None, "*", _DUT, dut)
+    ConfigDB().set(None, "*", _BFM, bfm)
 
 
 def settings_of(component: uvm_component) -> RunSettings:
@@ -40,3 +42,8 @@ def dut_of(component: uvm_component) -> Any:
 def create(kind: type[Component], name: str, parent: uvm_component) -> Component:
     """Create a component by the factory, so that overrides apply."""
     return cast(Component, kind.create(name, parent))
+
+
+def bfm_of(component: uvm_component) -> BurstBfm:
+    """Return the bus-functional model; there is one where the run is for bursts."""
+    return cast(BurstBfm, ConfigDB().get(component, "", _BFM))

@@ -20,10 +20,10 @@ static_assert(TAG_BITS + MARGIN_BITS <= 64, "the harness keeps TUSER in 64 bits"
 // Cycles without a result after which the core is taken to hang: far above any latency.
 constexpr uint64_t kPatience = 1000;
 
-void Pack(const int64_t* pair, uint32_t* words) {
+void Pack(const int32_t* pair, uint32_t* words) {
     std::memset(words, 0, 4 * kWords);
     for (int i = 0; i < kCoordinates; ++i) {
-        const uint64_t bits = static_cast<uint64_t>(pair[i]) & kCoordinateMask;
+        const uint64_t bits = static_cast<uint64_t>(int64_t{pair[i]}) & kCoordinateMask;
         const int word = i * WIDTH / 32;
         const int shift = i * WIDTH % 32;
         words[word] |= static_cast<uint32_t>(bits << shift);
@@ -31,6 +31,7 @@ void Pack(const int64_t* pair, uint32_t* words) {
     }
 }
 
+// Inputs that were changed since the last call settle before the edge, in the same evaluation.
 void Clock(Vcore& core) {
     core.clk_i = 1;
     core.eval();
@@ -42,7 +43,7 @@ void Clock(Vcore& core) {
 
 // Runs n pairs (18 coordinates each) with their margins. results receives TDATA. Returns the number
 // of clock cycles, or a negative number: -1 the core hangs, -2 a tag comes back wrong.
-extern "C" int64_t triaxis_run(const int64_t* pairs, const uint64_t* margins, int64_t n,
+extern "C" int64_t triaxis_run(const int32_t* pairs, const uint32_t* margins, int64_t n,
                                uint16_t* results) {
     VerilatedContext context;
     Vcore core{&context};
@@ -68,11 +69,11 @@ extern "C" int64_t triaxis_run(const int64_t* pairs, const uint64_t* margins, in
             Pack(pairs + kCoordinates * sent, words);
             std::memcpy(&core.s_axis_tdata_i, words, sizeof words);
             const uint64_t tag = static_cast<uint64_t>(sent) & kTagMask;
-            const uint64_t user = (tag << MARGIN_BITS) | (MARGIN_BITS ? margins[sent] : 0);
+            const uint64_t user = (tag << MARGIN_BITS) | (MARGIN_BITS ? margins[sent] : 0u);
             std::memcpy(&core.s_axis_tuser_i, &user, sizeof core.s_axis_tuser_i);
             loaded = sent;
         }
-        core.eval();
+        // Both handshake outputs come from registers: they do not wait for the inputs to settle.
         const bool accepted = core.s_axis_tvalid_i && core.s_axis_tready_o;
         const bool delivered = core.m_axis_tvalid_o;
         if (delivered) {

@@ -1,17 +1,24 @@
-"""The scoreboard: every accepted pair must be answered once, in order, as the golden model says."""
+"""The scoreboard: every accepted pair must be answered once, in order, and exactly."""
 
 import json
+import time
+from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
 from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.checking import Checker
 from triaxis.verif.failing_pairs import write_failing_pairs
 from triaxis.verif.handles import settings_of
 from triaxis.verif.matching import Matcher
 from triaxis.verif.settings import failure_file, result_file
+
+# Batches that may wait for the checker; then the simulation waits for it. So memory stays bounded.
+_WAITING = 4
 
 
 class _Export(uvm_analysis_export):
@@ -27,15 +34,34 @@ class _Export(uvm_analysis_export):
 
 
 class Scoreboard(uvm_scoreboard):
-    """Compares; fails the test in check_phase, writing what failed and how to replay it."""
+    """Matches in the simulator's thread and checks in one of its own, beside the simulation.
+
+    Fails the test in check_phase, writing what failed and how to replay it. What was checked is published
+    on ``checked_port`` as CoreSample, from the checker's thread and in order.
+    """
 
     def build_phase(self) -> None:
-        """Make the exports, the port for what was checked, and the matcher."""
+        """Make the exports, the port for what was checked, the matcher and the checker."""
         self.settings = settings_of(self)
         self.pairs_export = _Export("pairs_export", self, self._write_pairs)
         self.results_export = _Export("results_export", self, self._write_results)
         self.checked_port = uvm_analysis_port("checked_port", self)
-        self.matcher = Matcher(self.settings.configuration, self.checked_port.write)
+        self.checker = Checker(
+            self.settings.configuration, self.settings.share, self.settings.seed, self.checked_port.write
+        )
+        self.matcher = Matcher(self._enqueue)
+        self._thread = ThreadPoolExecutor(1, "checker")
+        self._waiting: deque[Future[None]] = deque()
+        self.seconds = 0.0
+
+    def start_of_simulation_phase(self) -> None:
+        """Start the clock on the wall."""
+        self._start = time.perf_counter()
+
+    @property
+    def failed(self) -> int:
+        """Return how many failures there are so far."""
+        return self.matcher.failed + self.checker.failed
 
     def _write_pairs(self, datum: PairBatch | ResetSeen) -> None:
         if isinstance(datum, ResetSeen):
@@ -49,33 +75,45 @@ class Scoreboard(uvm_scoreboard):
         else:
             self.matcher.feed_results(datum)
 
+    def _enqueue(self, pairs: PairBatch, results: ResultBatch) -> None:
+        while len(self._waiting) >= _WAITING:
+            # An error in the checker comes out here.
+            self._waiting.popleft().result()
+        self._waiting.append(self._thread.submit(self.checker.check, pairs, results))
+
     def extract_phase(self) -> None:
-        """Close the run."""
+        """Close the run: wait for the checker."""
         self.matcher.finish()
+        while self._waiting:
+            self._waiting.popleft().result()
+        self._thread.shutdown()
+        self.seconds = time.perf_counter() - self._start
 
     def check_phase(self) -> None:
         """Write the counts, and fail where anything did."""
-        matcher, folder = self.matcher, Path(self.settings.folder)
+        matcher, checker, folder = self.matcher, self.checker, Path(self.settings.folder)
         counts = {
             "accepted": matcher.accepted,
             "returned": matcher.returned,
-            "checked": matcher.checked,
-            "clear_claims_rechecked": matcher.clear_claims,
+            "checked": checker.checked,
+            "clear_claims_rechecked": checker.clear_claims,
+            "judged_by_golden_model": checker.judged,
             "discarded_by_reset": matcher.discarded,
             "resets": matcher.resets,
-            "failed": matcher.failed,
+            "failed": self.failed,
+            # From the reset to the end of the last check; without the start of the simulator.
+            "seconds": self.seconds,
         }
         result_file(folder).write_text(json.dumps(counts, indent=2) + "\n")
-        if not matcher.failed:
-            return
-        for failure in matcher.failures:
+        failures = matcher.failures + checker.failures
+        for failure in failures:
             at = "" if failure.pair is None else f": margin {failure.margin}, {failure.pair.tolist()}"
             self.logger.error(f"{failure.message}{at}")
-        pairs = [failure for failure in matcher.failures if failure.pair is not None]
-        if pairs:
-            write_failing_pairs(
-                failure_file(folder),
-                [failure.pair for failure in pairs if failure.pair is not None],
-                [failure.margin for failure in pairs],
-            )
-        raise AssertionError(f"{matcher.failed} failures, first: {matcher.failures[0].message}")
+        about_pairs = [failure for failure in failures if failure.pair is not None]
+        if about_pairs:
+            write_failing_pairs(failure_file(folder), about_pairs)
+        # One that was dropped and one too many make up for each other in the checks of the matcher.
+        if checker.checked != matcher.matched or checker.checked + matcher.discarded > matcher.accepted:
+            raise AssertionError(f"{checker.checked} pairs checked, {matcher.matched} matched")
+        if failures:
+            raise AssertionError(f"{self.failed} failures, first: {failures[0].message}")

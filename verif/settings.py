@@ -6,13 +6,20 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.verif.golden_sample import Share
 
 _VARIABLE = "TRIAXIS_RUN"
+PIN, BURST = "pin", "burst"
 
 
 @dataclass(frozen=True)
 class RunSettings:
-    """One run: a test by name, its seed, the build, how many pairs, where results go."""
+    """One run: a test by name, its seed, the build, how many pairs, where results go.
+
+    ``agent``: "pin" or "burst". ``judged_one_in``: the share of pairs that the golden model judges
+    beside the bulk checker; 1: all. ``soak``: see `Soak` in README: coverage and the golden model take
+    a part of the batches.
+    """
 
     test: str
     seed: int
@@ -20,6 +27,14 @@ class RunSettings:
     pairs: int
     folder: str
     replay: str = ""
+    agent: str = PIN
+    judged_one_in: int = 1
+    soak: bool = False
+
+    @property
+    def share(self) -> Share:
+        """Return what the golden model judges."""
+        return Share(self.judged_one_in)
 
     @property
     def configuration(self) -> Configuration:
@@ -31,9 +46,10 @@ class RunSettings:
         """Return the command that repeats exactly this run."""
         if self.replay:
             return f".venv/bin/triaxis sim ReplayTest --config {self.config} --replay {self.replay}"
+        agent = "" if self.agent == PIN else f" --agent {self.agent}"
         return (
             f".venv/bin/triaxis sim {self.test} --seed {self.seed} --config {self.config} "
-            f"--pairs {self.pairs}"
+            f"--pairs {self.pairs}{agent}"
         )
 
     def to_environment(self) -> dict[str, str]:

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
-from triaxis.verif.build import simulation
+from triaxis.verif.build import burst_simulation, simulation
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.counterexample.explaining import explain_failures
+from triaxis.verif.counterexample.regressions import REGRESSIONS
 from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.settings import RunSettings, coverage_file, failure_file, result_file
+from triaxis.verif.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
 
 # How often an error line of the log is repeated to the user.
 _SHOWN = 5
@@ -26,9 +28,10 @@ class RunResult:
     settings: RunSettings
     passed: bool
     seconds: float
-    counts: dict[str, int] | None
+    counts: dict[str, float] | None
     errors: tuple[str, ...]
     log: Path
+    counterexamples: tuple[str, ...] = ()
 
     @property
     def coverage(self) -> Path:
@@ -48,6 +51,7 @@ class RunResult:
         lines.append(f"  log:    {self.log}")
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
+        lines += [f"  {line}" for line in self.counterexamples]
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
 
@@ -59,10 +63,15 @@ def run_settings(
     pairs: int,
     replay: str = "",
     folder: Path | None = None,
+    agent: str = PIN,
+    judged_one_in: int = 1,
+    soak: bool = False,
 ) -> RunSettings:
     """Return the settings of a run, in its usual folder unless another is named."""
-    usual = BUILD / "runs" / f"{test}-{configuration.name}-{seed}"
-    return RunSettings(test, seed, configuration.name, pairs, str(folder or usual), replay)
+    usual = BUILD / "runs" / f"{test}-{configuration.name}-{agent}-{seed}"
+    return RunSettings(
+        test, seed, configuration.name, pairs, str(folder or usual), replay, agent, judged_one_in, soak
+    )
 
 
 def _errors(log: Path) -> tuple[str, ...]:
@@ -78,11 +87,16 @@ def _errors(log: Path) -> tuple[str, ...]:
     return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
 
 
-def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
-    """Build where needed, simulate, and say how it went. Never raises for a failing test."""
+def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResult:
+    """Build where needed, simulate, and say how it went. Never raises for a failing test.
+
+    ``shrink``: make failing pairs small, which builds the bare core; what comes out of the RTL of this
+    checkout is kept as a regression case.
+    """
     from cocotb_tools.runner import get_runner
 
-    build = simulation(settings.configuration, dut)
+    in_bursts = settings.agent == BURST
+    build = (burst_simulation if in_bursts else simulation)(settings.configuration, dut)
     folder = Path(settings.folder)
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
     replay = Path(settings.replay).read_bytes() if settings.replay else None
@@ -98,7 +112,7 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
     # The runner raises, or exits, where a test fails: the results file tells it better.
     with contextlib.suppress(SystemExit, RuntimeError):
         runner.test(
-            hdl_toplevel="triaxis_core",
+            hdl_toplevel="triaxis_burst_tb" if in_bursts else "triaxis_core",
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testlist.entry",
             test_filter=f"{settings.test}$",
@@ -118,7 +132,11 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
     if result_file(folder).exists():
         counts = json.loads(result_file(folder).read_text())
     passed = _passed(results) and counts is not None and counts["failed"] == 0
-    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+    found: tuple[str, ...] = ()
+    if not passed and shrink:
+        store = REGRESSIONS if dut == DUT else None
+        found = explain_failures(folder, settings.configuration, dut, store)
+    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, found)
 
 
 def _passed(results: Path) -> bool:

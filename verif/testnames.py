@@ -3,20 +3,28 @@
 from triaxis.golden.errors import InputError
 
 REPLAY = "ReplayTest"
+REGRESSIONS = "RegressionsTest"
 
 TESTS = (
     "SeedVectorsTest",
     "RandomTest",
     "DegenerateTest",
     "CoplanarTest",
-    "ExtremesTest",
+    "PenetratingTest",
+    "SliversTest",
     "TouchingTest",
+    "NearMissTest",
+    "ExtremesTest",
     "TinyTest",
     "FarTest",
+    "MixedTest",
+    "VolumeTest",
     "OrdersTest",
+    "MetamorphicTest",
     "MeshTest",
     "StallsTest",
     "ResetsTest",
+    REGRESSIONS,
     REPLAY,
 )
 

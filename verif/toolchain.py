@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.native import cxx
 from triaxis.verif.paths import BUILD
 
 OLDEST_VERILATOR = (5, 36)
@@ -107,8 +108,3 @@ def verilator() -> Verilator:
             raise InputError(f"{tool}: not found: install it (Debian: apt-get install {package})")
     name = os.environ.get("VERILATOR", "")
     return _from_system(name) if name else _from_package()
-
-
-def cxx() -> str:
-    """Return the name of the C++ compiler: $CXX, or c++."""
-    return os.environ.get("CXX") or "c++"

@@ -1,12 +1,11 @@
-"""The sequence item: a burst of pairs with the pace at which they are offered."""
+"""The sequence item: a burst of pairs, with the paces at which they are offered and answers taken."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from pyuvm import uvm_sequence_item
-
-from triaxis.golden.pairs import Pairs
 
 
 @dataclass(frozen=True)
@@ -19,22 +18,42 @@ class Pace:
     on: int = 1
     off: int = 0
 
+    @property
+    def duty(self) -> float:
+        """Return the mean share of the cycles that are on."""
+        return 1.0 if not self.off else (self.on + 1) / (self.on + 1 + self.off)
+
+    def runs(self, rng: np.random.Generator, count: int) -> npt.NDArray[np.uint16]:
+        """Return ``count`` runs on and off, alternating: (2 count,); empty where there is no pause."""
+        if not self.off:
+            return np.zeros(0, np.uint16)
+        runs = np.stack([rng.integers(1, self.on + 1, count), rng.integers(0, self.off + 1, count)], 1)
+        return runs.astype(np.uint16).ravel()
+
 
 FULL_SPEED = Pace()
 
 
 class BurstItem(uvm_sequence_item):
-    """Pairs (N, 2, 3, 3) at margins (N,), offered at a pace."""
+    """Pairs (N, 2, 3, 3) at margins (N,), offered with gaps.
+
+    ``stalls``: the pace at which results are taken from then on; None leaves it as it is. ``tags``
+    (N,): those of the pairs; None: the driver numbers them consecutively.
+    """
 
     def __init__(
         self,
-        pairs: Pairs,
-        margins: npt.NDArray[np.int64],
-        pace: Pace = FULL_SPEED,
+        pairs: npt.NDArray[np.integer[Any]],
+        margins: npt.NDArray[np.integer[Any]],
+        gaps: Pace = FULL_SPEED,
+        stalls: Pace | None = None,
+        tags: npt.NDArray[np.integer[Any]] | None = None,
         name: str = "burst",
     ) -> None:
-        """Hold the arrays; the driver gives the tags."""
+        """Hold the arrays."""
         super().__init__(name)
         self.pairs = pairs
         self.margins = margins
-        self.pace = pace
+        self.gaps = gaps
+        self.stalls = stalls
+        self.tags = tags

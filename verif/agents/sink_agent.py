@@ -6,9 +6,9 @@ from random import Random
 import numpy as np
 from cocotb.handle import LogicObject
 from cocotb_bus.drivers import BitDriver
-from pyuvm import uvm_agent, uvm_analysis_port, uvm_component, uvm_monitor
+from pyuvm import uvm_agent, uvm_analysis_port, uvm_monitor, uvm_subscriber
 
-from triaxis.verif.agents.items import FULL_SPEED
+from triaxis.verif.agents.items import FULL_SPEED, Pace
 from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
 from triaxis.verif.batches import ResultBatch
 from triaxis.verif.handles import create, dut_of, settings_of
@@ -22,13 +22,17 @@ SINK_SIGNALS = {
 }
 
 
-class ReadyDriver(uvm_component):
-    """Drives tready at a pace that may be changed at any time."""
+class ReadyDriver(uvm_subscriber):
+    """Drives tready at a pace that may be changed at any time, also by writing to it."""
 
     def build_phase(self) -> None:
         """Start always ready."""
         self.pace = FULL_SPEED
         self.random = Random(f"sink {settings_of(self).seed}")
+
+    def write(self, tt: Pace) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Take results at this pace from now on."""
+        self.pace = tt
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pin."""
@@ -54,6 +58,15 @@ class SinkMonitor(uvm_monitor):
         self.bus = StreamMonitor(
             dut, SINK_BUS, SINK_SIGNALS, dut.clk_i, dut.rst_ni, self._to_batch, self.ap.write
         )
+
+    @property
+    def moved(self) -> int:
+        """Return how many results were seen."""
+        return self.bus.moved
+
+    def flush(self) -> None:
+        """Publish what was seen so far."""
+        self.bus.flush()
 
     @staticmethod
     def _to_batch(beats: Beats) -> ResultBatch:

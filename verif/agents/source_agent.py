@@ -3,10 +3,12 @@
 from random import Random
 
 import numpy as np
+import numpy.typing as npt
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sequencer
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_pairs
+from triaxis.verif.agents.items import BurstItem
 from triaxis.verif.agents.source_bus import SOURCE_BUS, SOURCE_SIGNALS, SourceBus
 from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
 from triaxis.verif.batches import PairBatch
@@ -15,11 +17,12 @@ from triaxis.verif.packing import pack_data, pack_user, unpack_data, unpack_user
 
 
 class SourceDriver(uvm_driver):
-    """Drives bursts beat by beat, with consecutive tags."""
+    """Drives bursts beat by beat; publishes the stalls that items ask for."""
 
     def build_phase(self) -> None:
         """Fetch the settings."""
         self.settings = settings_of(self)
+        self.stalls_ap = uvm_analysis_port("stalls_ap", self)
         self.random = Random(f"source {self.settings.seed}")
         self.next_tag = 0
 
@@ -30,24 +33,38 @@ class SourceDriver(uvm_driver):
 
     async def run_phase(self) -> None:
         """Drive items as they come."""
-        configuration = self.settings.configuration
-        mask = (1 << configuration.tag_bits) - 1
         while True:
-            item = await self.seq_item_port.get_next_item()
-            self.bus.set_pace(item.pace, self.random)
-            tags = (self.next_tag + np.arange(len(item.pairs), dtype=np.int64)) & mask
-            self.next_tag += len(item.pairs)
-            # What does not fit would wrap: the fault of the testbench that this one replaces.
-            check_pairs(item.pairs, configuration.width, "stimulus")
-            if item.margins.min(initial=0) < 0 or item.margins.max(initial=0) > configuration.max_margin:
-                raise InputError(f"stimulus: margins must be 0..{configuration.max_margin}")
-            data = pack_data(item.pairs, configuration.width)
-            user = pack_user(item.margins, tags, configuration)
-            for index, beat in enumerate(zip(data, user, strict=True)):
-                await self.bus.send(beat, sync=index == 0)
-            # The next item, if there is one now, overwrites this before the next edge.
-            self.bus.idle()
+            item: BurstItem = await self.seq_item_port.get_next_item()
+            self.check(item)
+            if item.stalls is not None:
+                self.stalls_ap.write(item.stalls)
+            await self.drive(item, self.tags_of(item))
             self.seq_item_port.item_done()
+
+    def check(self, item: BurstItem) -> None:
+        """Raise InputError for what does not fit: it would wrap, the fault of the replaced testbench."""
+        configuration = self.settings.configuration
+        check_pairs(item.pairs, configuration.width, "stimulus")
+        if item.margins.min(initial=0) < 0 or item.margins.max(initial=0) > configuration.max_margin:
+            raise InputError(f"stimulus: margins must be 0..{configuration.max_margin}")
+
+    def tags_of(self, item: BurstItem) -> npt.NDArray[np.int64]:
+        """Return the tags (N,) of an item's pairs."""
+        count = len(item.pairs)
+        tags = self.next_tag + np.arange(count) if item.tags is None else item.tags.astype(np.int64)
+        self.next_tag += count
+        return tags & ((1 << self.settings.configuration.tag_bits) - 1)
+
+    async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
+        """Offer the pairs until the last is accepted."""
+        configuration = self.settings.configuration
+        self.bus.set_pace(item.gaps, self.random)
+        data = pack_data(item.pairs.astype(np.int64), configuration.width)
+        user = pack_user(item.margins, tags, configuration)
+        for index, beat in enumerate(zip(data, user, strict=True)):
+            await self.bus.send(beat, sync=index == 0)
+        # The next item, if there is one now, overwrites this before the next edge.
+        self.bus.idle()
 
 
 class SourceMonitor(uvm_monitor):
@@ -64,6 +81,15 @@ class SourceMonitor(uvm_monitor):
         self.bus = StreamMonitor(
             dut, SOURCE_BUS, SOURCE_SIGNALS, dut.clk_i, dut.rst_ni, self._to_batch, self.ap.write
         )
+
+    @property
+    def moved(self) -> int:
+        """Return how many pairs were seen."""
+        return self.bus.moved
+
+    def flush(self) -> None:
+        """Publish what was seen so far."""
+        self.bus.flush()
 
     def _to_batch(self, beats: Beats) -> PairBatch:
         margins, tags = unpack_user(beats.user, self.configuration)

@@ -12,12 +12,22 @@ from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.verif.cli import check, fpga_report, scenes, signoff, sim, verdict
+from triaxis.verif.cli import (
+    check,
+    code_coverage,
+    exhaustive,
+    fpga_report,
+    scenes,
+    shrink,
+    signoff,
+    sim,
+    verdict,
+)
 from triaxis.verif.engine import CoreError
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
-_COMMANDS = (verdict, check, scenes, sim, signoff, fpga_report)
+_COMMANDS = (verdict, check, scenes, sim, signoff, exhaustive, shrink, code_coverage, fpga_report)
 
 
 class _Parser(argparse.ArgumentParser):

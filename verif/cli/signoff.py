@@ -7,9 +7,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from triaxis.coverage.text import coverage_lines
+from triaxis.coverage.terminal import coverage_lines, summary_line
 from triaxis.golden.errors import InputError
-from triaxis.verif.signoff import SEED_VECTORS, SceneResult, SignoffResult, signoff, write_json
+from triaxis.verif.signoff.detector_check import SEED_VECTORS
+from triaxis.verif.signoff.plan import VOLUME
+from triaxis.verif.signoff.result import SignoffResult, write_json
+from triaxis.verif.signoff.run import signoff
+from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult
 from triaxis.verif.toolchain import verilator
 
@@ -25,6 +29,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         epilog="Exit codes: 0 passed, 1 failed, 2 error.",
     )
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
+    parser.add_argument(
+        "--pairs", type=int, default=VOLUME, help=f"pairs of the volume runs ({VOLUME}): fewer fail"
+    )
     parser.set_defaults(run=run)
 
 
@@ -32,6 +39,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the sign-off and print the summary."""
     if options.seed < 0:
         raise InputError(f"seed {options.seed}: must not be negative")
+    if options.pairs < 1000:
+        raise InputError(f"pairs {options.pairs}: must be at least 1000")
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
     console = Console(stderr=True)
     columns = (
@@ -46,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
             options.seed,
             lambda done: bar.advance(task, done),
             lambda total: bar.update(task, total=total),
+            options.pairs,
         )
     path = write_json(result, options.seed)
     _print(result)
@@ -64,9 +74,10 @@ def _print(result: SignoffResult) -> None:
         f"CollisionDetector: {detector.seed_vectors_clear} of {SEED_VECTORS} seed vectors clear; "
         f"{detector.wrong} of {detector.pairs} random pairs wrong"
     )
-    print("functional coverage, bins hit:")
-    for line in coverage_lines(result.coverage):
-        print(f"  {line}")
+    print(f"functional coverage: {summary_line(result.coverage)}")
+    for model in result.coverage:
+        for line in coverage_lines(model, everything=False):
+            print(f"  {line}")
     for failed in (r for r in result.runs if not r.passed):
         print(failed.explain())
     for problem in result.problems:

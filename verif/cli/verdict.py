@@ -1,10 +1,11 @@
-"""``triaxis verdict``: verdicts on a file of pairs, by the core or by the golden model."""
+"""``triaxis verdict``: verdicts on a file of pairs, by the core, the bulk checker or the golden model."""
 
 import argparse
 from pathlib import Path
 
 import numpy as np
 
+from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
 from triaxis.golden.pairs import check_margin, check_output, check_width, read_pairs, write_verdicts
 from triaxis.verif.cli.progress import progress_bar
@@ -23,7 +24,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "pairs", type=Path, metavar="PAIRS.npy",
         help="integers of shape (N, 2, 3, 3): pair; A then B; vertex; coordinate",
     )  # fmt: skip
-    parser.add_argument("--engine", choices=("rtl", "golden"), required=True, help="who decides")
+    parser.add_argument("--engine", choices=("rtl", "bulk", "golden"), required=True, help="who decides")
     parser.add_argument("--width", type=int, default=16, metavar="W", help="coordinate bits, 8..32 (16)")
     parser.add_argument("--margin", type=int, default=0, metavar="M", help="margin in LSB (0)")
     parser.add_argument(
@@ -44,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
         if options.engine == "rtl":
             engine = RtlEngine(configuration_for(options.width, options.margin))
             verdicts = engine.verdicts(pairs, margins, progress)
+        elif options.engine == "bulk":
+            verdicts = bulk_verdicts(pairs, margins, progress)
         else:
             verdicts = judge_in_parallel(pairs, margins, progress)
     write_verdicts(options.out, verdicts)

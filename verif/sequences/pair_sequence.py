@@ -1,33 +1,57 @@
 """The sequences: what a test sends to the input agent."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import numpy.typing as npt
 from pyuvm import uvm_sequence
 
-from triaxis.golden.pairs import Pairs
 from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
-from triaxis.verif.sequences.families import Family, random_margins
-from triaxis.verif.settings import RunSettings
+from triaxis.verif.batches import Integers
+from triaxis.verif.sequences.stimulus import Family, Stimulus, divided, joined
+from triaxis.verif.settings import BURST, RunSettings
 
-# Pairs in one item.
-BURST = 1024
+# Pairs in one item, for each agent. The pin agent has a Python step for each pair anyway; the burst agent
+# has a fixed cost an item, and the caches of the machine set the upper end.
+ITEM_PAIRS = {BURST: 1 << 15}
+_PIN_PAIRS = 1 << 10
+
+
+def item_pairs(settings: RunSettings) -> int:
+    """Return how many pairs go into an item."""
+    return ITEM_PAIRS.get(settings.agent, _PIN_PAIRS)
+
+
+class ItemSequence(uvm_sequence):
+    """Sends one item."""
+
+    def __init__(self, item: BurstItem) -> None:
+        """Hold the item."""
+        super().__init__("item")
+        self.item = item
+
+    async def body(self) -> None:
+        """Send it."""
+        await self.start_item(self.item)
+        await self.finish_item(self.item)
 
 
 class ArraySequence(uvm_sequence):
-    """Sends given pairs at given margins."""
+    """Sends given pairs (N, 2, 3, 3) at given margins (N,)."""
 
-    def __init__(self, pairs: Pairs, margins: npt.NDArray[np.int64], pace: Pace = FULL_SPEED) -> None:
+    def __init__(
+        self, settings: RunSettings, pairs: Integers, margins: Integers, gaps: Pace = FULL_SPEED
+    ) -> None:
         """Hold the arrays."""
         super().__init__("array")
-        self.pairs, self.margins, self.pace = pairs, margins, pace
+        self.settings, self.pairs, self.margins, self.gaps = settings, pairs, margins, gaps
 
     def bursts(self) -> Iterator[BurstItem]:
         """Cut the arrays into items."""
-        for start in range(0, len(self.pairs), BURST):
-            chunk = slice(start, start + BURST)
-            yield BurstItem(self.pairs[chunk], self.margins[chunk], self.pace)
+        step = item_pairs(self.settings)
+        for start in range(0, len(self.pairs), step):
+            chunk = slice(start, start + step)
+            yield BurstItem(self.pairs[chunk], self.margins[chunk], self.gaps)
 
     async def body(self) -> None:
         """Send the items."""
@@ -36,26 +60,46 @@ class ArraySequence(uvm_sequence):
             await self.finish_item(item)
 
 
-class FamilySequence(ArraySequence):
-    """Sends pairs of a family, at random margins, made burst by burst."""
+class StimulusSequence(ArraySequence):
+    """Sends stimulus as it is made: the next item in a thread, while the present one is sent."""
 
     def __init__(
         self,
-        family: Family,
+        make: Callable[[int], Stimulus],
         settings: RunSettings,
-        rng: np.random.Generator,
         count: int,
-        pace: Pace = FULL_SPEED,
+        gaps: Pace = FULL_SPEED,
     ) -> None:
-        """Make nothing yet."""
-        super().__init__(np.empty((0, 2, 3, 3), np.int64), np.empty(0, np.int64), pace)
-        self.family, self.settings, self.rng, self.count = family, settings, rng, count
+        """Make nothing yet. ``make`` gives so many pairs with their margins; it is the sequence's own."""
+        super().__init__(settings, np.empty((0, 2, 3, 3), np.int32), np.empty(0, np.int64), gaps)
+        self.make, self.count = make, count
 
     def bursts(self) -> Iterator[BurstItem]:
         """Make the items as they are wanted."""
-        configuration = self.settings.configuration
-        for start in range(0, self.count, BURST):
-            count = min(BURST, self.count - start)
-            pairs = self.family(self.rng, count, configuration.width)
-            margins = random_margins(self.rng, pairs, configuration.max_margin)
-            yield BurstItem(pairs, margins, self.pace)
+        step = item_pairs(self.settings)
+        counts = [min(step, self.count - start) for start in range(0, self.count, step)]
+        with ThreadPoolExecutor(1, "stimulus") as thread:
+            ahead = thread.submit(self.make, counts[0])
+            for count in [*counts[1:], 0]:
+                made = ahead.result()
+                if count:
+                    ahead = thread.submit(self.make, count)
+                yield BurstItem(made.pairs, made.margins, self.gaps)
+
+
+def of_families(
+    families: Sequence[Family], settings: RunSettings, rng: np.random.Generator
+) -> Callable[[int], Stimulus]:
+    """Return the maker of stimulus of these families, in equal shares in each item."""
+    configuration = settings.configuration
+
+    def make(count: int) -> Stimulus:
+        shares = divided(count, [1] * len(families))
+        return joined(
+            [
+                family(rng, share, configuration.width, configuration.max_margin)
+                for family, share in zip(families, shares, strict=True)
+            ]
+        )
+
+    return make

@@ -6,23 +6,25 @@ from typing import Any
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles
-from pyuvm import uvm_report_server, uvm_test
+from cocotb.triggers import RisingEdge, Timer
+from pyuvm import uvm_report_server, uvm_sequence, uvm_test
 
-from triaxis.verif.agents.items import FULL_SPEED
+from triaxis.verif.agents.burst_agent import use_bursts
+from triaxis.verif.agents.burst_bfm import BurstBfm
+from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.env import CoreEnv
 from triaxis.verif.handles import create, publish
-from triaxis.verif.sequences.pair_sequence import ArraySequence
-from triaxis.verif.settings import from_environment
+from triaxis.verif.sequences.pair_sequence import ItemSequence
+from triaxis.verif.settings import BURST, from_environment
 
-_PERIOD_NS = 10
 _RESET_CYCLES = 3
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
 _PATIENCE_CYCLES = 5000
 # Clocks in which a result too many would show: more than any latency.
 _SURPLUS_CYCLES = 64
-# Clocks that the last results may take once nothing stalls them: far above latency and queue.
-_DRAIN_CYCLES = 2000
+# Clocks that the last results may take once nothing stalls them, in steps: far above latency and queue.
+_DRAIN_STEPS, _DRAIN_CYCLES = 50, 40
 
 
 class CoreTest(uvm_test):
@@ -34,14 +36,22 @@ class CoreTest(uvm_test):
         self.settings = from_environment()
         # A generator of the test's own name, so that tests of one seed differ.
         self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
-        publish(self.settings, self.dut)
+        self.in_bursts = self.settings.agent == BURST
+        publish(self.settings, self.dut, BurstBfm(self.dut) if self.in_bursts else None)
+        if self.in_bursts:
+            use_bursts()
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
         self.env = create(CoreEnv, "env", self)
 
     async def run_phase(self) -> None:
         """Run the test."""
         self.raise_objection()
-        Clock(self.dut.clk_i, _PERIOD_NS, "ns").start()
+        # The burst simulation makes its own clock.
+        if not self.in_bursts:
+            Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
+        # From here on a little after the edge: what happens between clocks happens between edges.
+        await RisingEdge(self.dut.clk_i)
+        await Timer(1, "ns")
         await self.reset(_RESET_CYCLES)
         watchdog = cocotb.start_soon(self.watch())
         await self.stimulus()
@@ -57,33 +67,50 @@ class CoreTest(uvm_test):
         """Send what the test is about."""
         raise NotImplementedError
 
-    async def send(self, sequence: ArraySequence) -> None:
+    async def send(self, sequence: uvm_sequence) -> None:
         """Run a sequence on the input agent."""
         await sequence.start(self.env.source.sequencer)
+
+    async def send_item(self, item: BurstItem) -> None:
+        """Send one item on the input agent."""
+        await self.send(ItemSequence(item))
+
+    async def clocks(self, count: int) -> None:
+        """Wait for some clocks. Bursts go on meanwhile, which they would not for each edge."""
+        await Timer(count * PERIOD_NS, "ns")
 
     async def reset(self, cycles: int) -> None:
         """Hold the core in reset for some clocks."""
         self.dut.rst_ni.value = 0
-        await ClockCycles(self.dut.clk_i, cycles)
+        await self.clocks(cycles)
         self.dut.rst_ni.value = 1
-        await ClockCycles(self.dut.clk_i, 1)
+        await self.clocks(1)
+
+    def set_stalls(self, pace: Pace) -> None:
+        """Take results at this pace from now on."""
+        self.env.sink.ready.write(pace)
 
     async def watch(self) -> None:
-        """Fail the test where nothing moves any more: a hung core would keep it waiting for ever."""
-        monitors = (self.env.source.monitor.bus, self.env.sink.monitor.bus)
+        """Fail the test where nothing moves any more: a hung core would keep it waiting for ever.
+
+        A burst has a budget of its own instead: what its monitors saw is fetched at its end.
+        """
+        if self.in_bursts:
+            return
+        monitors = (self.env.source.monitor, self.env.sink.monitor)
         before = -1
         while (moved := sum(monitor.moved for monitor in monitors)) != before:
             before = moved
-            await ClockCycles(self.dut.clk_i, _PATIENCE_CYCLES)
+            await self.clocks(_PATIENCE_CYCLES)
         raise AssertionError(f"no beat moved in {_PATIENCE_CYCLES} clocks: the core hangs")
 
     async def drain(self) -> None:
         """Wait for the last result, without stalls; what is missing then is for the scoreboard."""
-        self.env.sink.ready.pace = FULL_SPEED
-        for _ in range(_DRAIN_CYCLES):
-            await ClockCycles(self.dut.clk_i, 1)
+        self.set_stalls(FULL_SPEED)
+        for _ in range(_DRAIN_STEPS):
+            await self.clocks(_DRAIN_CYCLES)
             self.env.flush()
             if self.env.scoreboard.matcher.outstanding == 0:
                 break
-        await ClockCycles(self.dut.clk_i, _SURPLUS_CYCLES)
+        await self.clocks(_SURPLUS_CYCLES)
         self.env.flush()

@@ -7,6 +7,8 @@ that runs is registered, here and not where it is defined.
 import pyuvm
 
 from triaxis.verif.settings import from_environment
-from triaxis.verif.testlist import tests
+from triaxis.verif.testlist import bench_tests, tests
 
-SELECTED = pyuvm.test()(getattr(tests, from_environment().test))
+_NAME = from_environment().test
+
+SELECTED = pyuvm.test()(getattr(tests, _NAME, None) or getattr(bench_tests, _NAME))

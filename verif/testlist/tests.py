@@ -4,67 +4,135 @@ from pathlib import Path
 
 import cocotb
 import numpy as np
-from cocotb.triggers import ClockCycles
 
-from triaxis.verif.agents.items import Pace
+from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.counterexample.regressions import load_regressions
 from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.verif.metamorphic import GROUPS
+from triaxis.verif.metamorphic_check import MetamorphicCheck
 from triaxis.verif.scenes import mesh_pairs
-from triaxis.verif.sequences import families
-from triaxis.verif.sequences.pair_sequence import ArraySequence, FamilySequence
+from triaxis.verif.sequences.families import (
+    FAMILIES,
+    TOUCHING,
+    mixed,
+    mixture,
+)
+from triaxis.verif.sequences.margins import at_any_margin
+from triaxis.verif.sequences.pair_sequence import (
+    ArraySequence,
+    StimulusSequence,
+    item_pairs,
+    of_families,
+)
 from triaxis.verif.sequences.seed_vectors import seed_vectors
+from triaxis.verif.sequences.stimulus import Stimulus
+from triaxis.verif.sequences.symmetry import all_orders
 from triaxis.verif.testlist.base_test import CoreTest
 
 
 class FamilyTest(CoreTest):
-    """Sends one family of pairs at full speed."""
+    """Sends families of pairs, by name, at full speed and in equal shares."""
 
-    family: families.Family
+    families: tuple[str, ...]
 
     async def stimulus(self) -> None:
-        """Send the family."""
-        await self.send(FamilySequence(type(self).family, self.settings, self.rng, self.settings.pairs))
+        """Send the families."""
+        make = of_families([FAMILIES[name] for name in self.families], self.settings, self.rng)
+        await self.send(StimulusSequence(make, self.settings, self.settings.pairs))
 
 
 class RandomTest(FamilyTest):
-    """General pairs at all scales."""
+    """General pairs at all scales, some that share vertices."""
 
-    family = families.random_pairs
+    families = ("random", "shared")
 
 
 class DegenerateTest(FamilyTest):
     """Every combination of point, segment and triangle."""
 
-    family = families.degenerate_pairs
+    families = ("degenerate",)
 
 
 class CoplanarTest(FamilyTest):
-    """Pairs in one plane, axis-aligned and tilted."""
+    """Pairs in one plane, axis-aligned and tilted, and those that nearly are; one in the other."""
 
-    family = families.coplanar_pairs
+    families = ("coplanar", "coplanar near-miss", "contained")
+
+
+class PenetratingTest(FamilyTest):
+    """Edges through faces."""
+
+    families = ("penetrating",)
+
+
+class SliversTest(FamilyTest):
+    """Triangles as thin as the width allows."""
+
+    families = ("slivers",)
+
+
+class TouchingTest(FamilyTest):
+    """Contact of every pair of features, and misses by one step."""
+
+    families = tuple(f"touching {name}" for name in TOUCHING)
+
+
+class NearMissTest(FamilyTest):
+    """Lattice near-misses of every kind of axis: the hardest decisions (DESIGN, section 7)."""
+
+    families = tuple(name for name in FAMILIES if name.startswith("near-miss"))
 
 
 class ExtremesTest(FamilyTest):
     """Coordinates at the limits of the range."""
 
-    family = families.extreme_pairs
-
-
-class TouchingTest(FamilyTest):
-    """Shared vertices, edges and points, and misses by one step."""
-
-    family = families.touching_pairs
+    families = ("extremes",)
 
 
 class TinyTest(FamilyTest):
     """Coordinates of a few steps: coincidences of every kind."""
 
-    family = families.tiny_pairs
+    families = ("tiny",)
 
 
 class FarTest(FamilyTest):
     """Pairs that their boxes decide, which the operand gate must pass over."""
 
-    family = families.far_pairs
+    families = ("far",)
+
+
+class MixedTest(FamilyTest):
+    """All families."""
+
+    families = tuple(FAMILIES)
+
+
+class VolumeTest(CoreTest):
+    """The mixture of all families, without end; now and then with gaps and stalls."""
+
+    # Of so many items one comes in small pieces, at every pair of these paces in turn.
+    paced_every = 32
+    paces = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(40, 40))
+    piece = 200
+
+    async def stimulus(self) -> None:
+        """Send the mixture."""
+        configuration = self.settings.configuration
+        make = mixture(self.rng, configuration.width, configuration.max_margin).burst
+        step = item_pairs(self.settings)
+        whole = self.paced_every * step
+        for start in range(0, self.settings.pairs, whole):
+            count = min(whole, self.settings.pairs - start)
+            await self.send(StimulusSequence(make, self.settings, count))
+            await self.send_paced(make(len(self.paces) ** 2 * self.piece))
+
+    async def send_paced(self, stimulus: Stimulus) -> None:
+        """Send pieces, one at each combination of paces."""
+        combinations = [(gaps, stalls) for gaps in self.paces for stalls in self.paces]
+        for number, (gaps, stalls) in enumerate(combinations):
+            part = stimulus[slice(number * self.piece, (number + 1) * self.piece)]
+            await self.send_item(BurstItem(part.pairs, part.margins, gaps, stalls))
+        self.set_stalls(FULL_SPEED)
 
 
 class SeedVectorsTest(CoreTest):
@@ -73,7 +141,7 @@ class SeedVectorsTest(CoreTest):
     async def stimulus(self) -> None:
         """Send them at margin 0."""
         pairs = seed_vectors(self.settings.configuration.width)
-        await self.send(ArraySequence(pairs, np.zeros(len(pairs), np.int64)))
+        await self.send(ArraySequence(self.settings, pairs, np.zeros(len(pairs), np.int64)))
 
 
 class OrdersTest(CoreTest):
@@ -83,34 +151,64 @@ class OrdersTest(CoreTest):
         """Send whole sets of orders, each set at one margin."""
         configuration = self.settings.configuration
         count = max(1, self.settings.pairs // 72)
-        pairs = families.mixed_pairs(self.rng, count, configuration.width)
-        margins = families.random_margins(self.rng, pairs, configuration.max_margin)
-        await self.send(ArraySequence(families.all_orders(pairs), np.repeat(margins, 72)))
+        base = mixed(self.rng, count, configuration.width, configuration.max_margin)
+        await self.send(ArraySequence(self.settings, all_orders(base.pairs), np.repeat(base.margins, 72)))
+
+
+class MetamorphicTest(CoreTest):
+    """Orders, symmetries of the cube and translations of pairs, which must be answered alike.
+
+    This check needs no golden model: it is made of the core's answers alone.
+    """
+
+    def build_phase(self) -> None:
+        """Add the check to the environment."""
+        super().build_phase()
+        self.check = MetamorphicCheck("metamorphic_check", self)
+
+    def connect_phase(self) -> None:
+        """Let it see the answers."""
+        self.env.scoreboard.checked_port.connect(self.check.analysis_export)
+
+    async def stimulus(self) -> None:
+        """Send groups of variants, one kind of group after the other."""
+        configuration = self.settings.configuration
+        supply = mixture(self.rng, configuration.width, configuration.max_margin)
+        for group in GROUPS:
+            left = max(1, self.settings.pairs // (len(GROUPS) * group.size))
+            while left:
+                bases = min(left, max(1, item_pairs(self.settings) // group.size))
+                base = supply.burst(bases)
+                pairs = group.make(self.rng, base.pairs, configuration.width)
+                self.check.expect(group, bases)
+                await self.send(ArraySequence(self.settings, pairs, np.repeat(base.margins, group.size)))
+                left -= bases
 
 
 class MeshTest(CoreTest):
     """Facet pairs of real solids that come close: tool holder and end mill, vise and workpiece."""
 
     async def stimulus(self) -> None:
-        """Send facet pairs, the near ones first, at random margins."""
+        """Send facet pairs, the near ones first, at margins of every kind."""
         configuration = self.settings.configuration
         pairs = mesh_pairs(self.rng, self.settings.pairs, configuration.width)
-        margins = families.random_margins(self.rng, pairs, configuration.max_margin)
-        await self.send(ArraySequence(pairs, margins))
+        margins = at_any_margin(self.rng, pairs, configuration.max_margin)
+        await self.send(ArraySequence(self.settings, pairs, margins))
 
 
 class StallsTest(CoreTest):
     """Gaps in the input and back-pressure on the output, in all mixtures of pace."""
 
-    paces = (Pace(1, 0), Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(40, 40), Pace(3, 60))
+    paces = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(40, 40), Pace(3, 60))
 
     async def stimulus(self) -> None:
         """Send mixed pairs at every pair of paces."""
         count = max(1, self.settings.pairs // len(self.paces) ** 2)
-        for ready in self.paces:
-            self.env.sink.ready.pace = ready
-            for valid in self.paces:
-                await self.send(FamilySequence(families.mixed_pairs, self.settings, self.rng, count, valid))
+        configuration = self.settings.configuration
+        for stalls in self.paces:
+            for gaps in self.paces:
+                made = mixed(self.rng, count, configuration.width, configuration.max_margin)
+                await self.send_item(BurstItem(made.pairs, made.margins, gaps, stalls))
 
 
 class ResetsTest(CoreTest):
@@ -118,17 +216,27 @@ class ResetsTest(CoreTest):
 
     async def stimulus(self) -> None:
         """Send mixed pairs while resets strike; end with undisturbed traffic."""
-        self.env.sink.ready.pace = Pace(6, 6)
+        self.set_stalls(Pace(6, 6))
+        # The traffic draws in a thread of its own.
+        moments = np.random.default_rng([self.settings.seed, *b"resets"])
+        make = of_families([mixed], self.settings, self.rng)
         traffic = cocotb.start_soon(
-            self.send(
-                FamilySequence(families.mixed_pairs, self.settings, self.rng, self.settings.pairs, Pace(9, 4))
-            )
+            self.send(StimulusSequence(make, self.settings, self.settings.pairs, Pace(9, 4)))
         )
         while not traffic.done():
-            await ClockCycles(self.dut.clk_i, int(self.rng.integers(1, 200)))
+            await self.clocks(int(moments.integers(1, 200)))
             if not traffic.done():
-                await self.reset(int(self.rng.integers(1, 4)))
-        await self.send(FamilySequence(families.mixed_pairs, self.settings, self.rng, 64))
+                await self.reset(int(moments.integers(1, 4)))
+        await self.send(StimulusSequence(make, self.settings, 64))
+
+
+class RegressionsTest(CoreTest):
+    """Counterexamples that were found before and kept: see verif/regressions/."""
+
+    async def stimulus(self) -> None:
+        """Send those that fit the configuration."""
+        pairs, margins = load_regressions(self.settings.configuration)
+        await self.send(ArraySequence(self.settings, pairs, margins))
 
 
 class ReplayTest(CoreTest):
@@ -137,4 +245,4 @@ class ReplayTest(CoreTest):
     async def stimulus(self) -> None:
         """Send the pairs in the file."""
         pairs, margins = read_failing_pairs(Path(self.settings.replay), self.settings.configuration)
-        await self.send(ArraySequence(pairs, margins))
+        await self.send(ArraySequence(self.settings, pairs, margins))

@@ -47,22 +47,24 @@ def test_help(command):
     assert "usage: triaxis" in triaxis(*command, "--help")[0]
 
 
-def test_verdicts_of_both_engines_are_equal(tmp_path, rng):
+def test_verdicts_of_all_engines_are_equal(tmp_path, rng):
     np.save(tmp_path / "pairs.npy", mixed_pairs(rng, 3000, 16).astype(np.int32))
     for margin in (0, 7):
-        for engine in ("rtl", "golden"):
+        found = {}
+        for engine in ("rtl", "bulk", "golden"):
             out = tmp_path / f"{engine}.npy"
             triaxis("verdict", tmp_path / "pairs.npy", "--engine", engine, "--margin", margin, "--out", out)
-        rtl, golden = np.load(tmp_path / "rtl.npy"), np.load(tmp_path / "golden.npy")
-        assert rtl.dtype == golden.dtype == VERDICT
-        assert rtl.shape == (3000,)
-        assert (rtl == golden).all()
-        assert (rtl["near"] == (rtl["axis"] == -1)).all()
+            found[engine] = np.load(out)
+            assert found[engine].dtype == VERDICT
+            assert found[engine].shape == (3000,)
+        assert (found["rtl"] == found["golden"]).all()
+        assert (found["bulk"] == found["golden"]).all()
+        assert (found["rtl"]["near"] == (found["rtl"]["axis"] == -1)).all()
 
 
 def test_no_pairs_is_no_error(tmp_path):
     np.save(tmp_path / "none.npy", np.zeros((0, 2, 3, 3), np.int64))
-    for engine in ("rtl", "golden"):
+    for engine in ("rtl", "bulk", "golden"):
         triaxis("verdict", tmp_path / "none.npy", "--engine", engine, "--out", tmp_path / "out.npy")
         assert np.load(tmp_path / "out.npy").shape == (0,)
 

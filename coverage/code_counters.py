@@ -1,0 +1,123 @@
+"""Verilator's code coverage counters of one model, read from the file that a run writes.
+
+The file is coverage.dat: a line ``C '<key>' <count>`` for each bin, the key being names and values
+between \\x01 and \\x02. Our models count each instance by itself, and end the file with a line of
+their own, so that one cut short is noticed.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+
+FIRST_LINE = "# SystemC::Coverage-3"
+LAST_LINE = "# end"
+RISE, FALL = ":0->1", ":1->0"
+
+_BIN = re.compile(
+    r"C '\x01f\x02([^\x01]+)\x01l\x02(\d+)\x01n\x02(\d+)\x01t\x02(\w+)"
+    r"\x01page\x02[^\x01]*\x01o\x02([^\x01]+)(?:\x01S\x02[^\x01]*)?"
+    r"\x01h\x02([^\x01']+)' (\d+)"
+)
+_KINDS = {"line": "line", "branch": "branch", "expr": "expression"}
+# Verilator counts the ways of an else-if chain as lines.
+_WAYS = ("if", "elsif", "else", "case", "default")
+
+# A bin that is no toggle: file, line, column, type, what, instance.
+_PointKey = tuple[str, int, int, str, str, str]
+
+
+@dataclass(slots=True)
+class Toggle:
+    """How often one bit of a signal rose and fell, and where the signal is declared.
+
+    None where there is no such counter.
+    """
+
+    file: str
+    line: int
+    rises: int | None = None
+    falls: int | None = None
+
+
+@dataclass(slots=True)
+class Point:
+    """One bin that is no toggle, and how often it was hit."""
+
+    kind: str
+    file: str
+    line: int
+    instance: str
+    what: str
+    count: int
+
+
+@dataclass
+class Counters:
+    """The counters of one model: toggles by instance and bit, and all other bins by themselves."""
+
+    toggles: dict[tuple[str, str], Toggle] = field(default_factory=dict)
+    points: dict[_PointKey, Point] = field(default_factory=dict)
+
+    def count_toggle(self, instance: str, bit: str, file: str, line: int, edge: str, count: int) -> None:
+        """Add to the counter of one edge of one bit."""
+        toggle = self.toggles.get((instance, bit))
+        if toggle is None:
+            toggle = self.toggles[instance, bit] = Toggle(file, line)
+        if edge == RISE:
+            toggle.rises = (toggle.rises or 0) + count
+        else:
+            toggle.falls = (toggle.falls or 0) + count
+
+    def count_point(self, key: _PointKey, count: int) -> None:
+        """Add to the counter of a bin that is no toggle."""
+        point = self.points.get(key)
+        if point is None:
+            file, line, _, kind, what, instance = key
+            kind = "branch" if what in _WAYS else _KINDS[kind]
+            point = self.points[key] = Point(kind, file, line, instance, what, 0)
+        point.count += count
+
+    def add(self, other: "Counters") -> None:
+        """Add the counts of another run of the same model."""
+        for (instance, bit), toggle in other.toggles.items():
+            for edge, count in ((RISE, toggle.rises), (FALL, toggle.falls)):
+                if count is not None:
+                    self.count_toggle(instance, bit, toggle.file, toggle.line, edge, count)
+        for key, point in other.points.items():
+            self.count_point(key, point.count)
+
+
+def read_counters(path: Path) -> Counters:
+    """Read the counters that a run wrote; raise InputError where the file is damaged or cut short."""
+    try:
+        lines = path.read_text().splitlines()
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: damaged: not text") from error
+    if not lines or lines[0] != FIRST_LINE:
+        raise InputError(f"{path}: not a coverage file: line 1 must read {FIRST_LINE}")
+    if lines[-1] != LAST_LINE or len(lines) == 2:
+        raise InputError(f"{path}: cut short after line {len(lines)}: run again")
+    counters = Counters()
+    for number, line in enumerate(lines[1:-1], 2):
+        match = _BIN.fullmatch(line)
+        if match is None or not _count(counters, match):
+            raise InputError(f"{path}: line {number}: damaged, or written by another Verilator")
+    return counters
+
+
+def _count(counters: Counters, match: re.Match[str]) -> bool:
+    """Add one line; return whether it is a bin of a known type."""
+    file, line, column, kind, what, instance, count = match.groups()
+    name = file[file.rfind("/") + 1 :]
+    if kind == "toggle":
+        bit, edge = what[:-5], what[-5:]
+        counters.count_toggle(instance, bit, name, int(line), edge, int(count))
+        return edge in (RISE, FALL)
+    if kind not in _KINDS:
+        return False
+    counters.count_point((name, int(line), int(column), kind, what, instance), int(count))
+    return True

@@ -1,0 +1,182 @@
+"""What the core must have been seen doing: one coverage model for each build of it.
+
+What a build cannot reach is no part of its model, so goals are met build by build.
+"""
+
+from functools import cache
+from pathlib import Path
+
+from triaxis.coverage import core_points as points
+from triaxis.coverage import core_proofs as proofs
+from triaxis.coverage.core_points import AxisPoints, Point, axis_points, margin_end, margin_point
+from triaxis.coverage.core_sample import Build, CoreSample, CoreView
+from triaxis.coverage.counts import Counts
+from triaxis.coverage.cover_model import CoverItem, CoverModel
+
+Item = CoverItem[CoreView]
+
+_HERE = Path(__file__).parent
+# Code that decides what a count means: counts of another version of it are refused.
+_SOURCES = tuple(
+    _HERE / name for name in ("core_coverage.py", "core_points.py", "core_sample.py", "sampling.py")
+)
+# One hit of an axis as the claim may be luck: it is the answer that users rely on.
+_CLAIMS = 10
+
+
+def core_model(
+    width: int, margin_bits: int, edge_box: bool = True, gating: bool = True
+) -> CoverModel[CoreView]:
+    """Return the coverage model of a build; raise InputError where there is no such core."""
+    return _model(Build(width, margin_bits, edge_box, gating))
+
+
+class CoreCoverage:
+    """Collects the coverage of one build of the core."""
+
+    def __init__(self, width: int, margin_bits: int, edge_box: bool = True, gating: bool = True) -> None:
+        """Start with zero counts; raise InputError where there is no such core."""
+        self._build = Build(width, margin_bits, edge_box, gating)
+        self.model = _model(self._build)
+        self.counts = Counts.empty(self.model)
+
+    def sample(self, sample: CoreSample) -> None:
+        """Count N checked pairs. 16384 and more are fastest: a call takes about a millisecond at least."""
+        self.counts.sample(self.model, CoreView(self._build, sample))
+
+
+@cache
+def _model(build: Build) -> CoverModel[CoreView]:
+    axes = axis_points(build)
+    margin = (points.MARGIN_SIGN,) if build.margin_bits else ()
+    items = (
+        *_answers(build, axes),
+        *_axes(build, axes, margin),
+        *_geometry(build, margin),
+        *_orders(),
+        *_protocol(),
+    )
+    return CoverModel(f"core_{build.name}", items, _SOURCES)
+
+
+def _answers(build: Build, axes: AxisPoints) -> list[Item]:
+    items = [
+        Item("answer", "what the core answered, against the golden model", (points.ANSWER,), proofs.answer()),
+        Item("claim", "the verdict, with the axis that the core claims", (axes.claim,), at_least=_CLAIMS),
+        Item("flags", "who decided x flags answered", (points.DECISION, points.FLAGS), proofs.flags(build)),
+    ]
+    if not build.edge_box:
+        items.append(
+            Item(
+                "blind",
+                "axes that the core lacks x coplanar",
+                (points.BLIND, points.COPLANAR),
+                proofs.blind(),
+            )
+        )
+    return items
+
+
+def _axes(build: Build, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Item]:
+    items = [
+        Item(
+            "sole_axis",
+            "the only axis that separates x side x ranks",
+            (axes.sole, points.SIDE, points.RANK_A, points.RANK_B, *margin),
+            proofs.sole_axis(build),
+        ),
+        Item(
+            "sole_axis_size", "the only axis that separates x size of the numbers", (axes.sole, points.SIZE)
+        ),
+        Item(
+            "clear_step",
+            "the only axis that separates, by the smallest step x side x size",
+            (axes.sole_step, points.SIDE, points.LARGE, *margin),
+        ),
+        Item(
+            "level",
+            "axes exactly at the margin, of near pairs x size",
+            (axes.level, points.LARGE, *margin),
+        ),
+        Item(
+            "near_step",
+            "axes short of separating by the smallest step, of near pairs x size",
+            (axes.near_step, points.LARGE, *margin),
+        ),
+        Item("flat", "axes on which all vertices of a near pair fall together, margin 0", (axes.flat,)),
+    ]
+    if build.margin_bits:
+        sizes = margin_point(build)
+        items += [
+            Item("margin_kind", "margin x kind of the claim", (sizes, points.KIND)),
+            Item("margin_axis", "the only axis that separates x margin", (axes.sole, sizes)),
+            Item(
+                "largest_margin",
+                "whether the margin is the largest x who decided",
+                (margin_end(build), points.DECISION),
+                proofs.largest_margin(build),
+            ),
+        ]
+    return items
+
+
+def _geometry(build: Build, margin: tuple[Point, ...]) -> list[Item]:
+    ranks = (points.RANK_A, points.RANK_B, *margin)
+    return [
+        Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), proofs.relation()),
+        Item(
+            "contact",
+            "vertices of A x of B that span what touches, of two triangles",
+            (points.CONTACT_A, points.CONTACT_B, *margin),
+            proofs.contact(),
+        ),
+        Item(
+            "contact_features",
+            "feature of A x of B that touches x coplanar, of two triangles",
+            (points.FEATURE_A, points.FEATURE_B, points.COPLANAR, *margin),
+            proofs.contact_features(),
+        ),
+        Item(
+            "decision",
+            "who decided x coplanar x ranks",
+            (points.DECISION, points.COPLANAR, *ranks),
+            proofs.decision(build),
+        ),
+        Item("size", "size of the numbers x who decided", (points.SIZE, points.DECISION)),
+    ]
+
+
+def _orders() -> list[Item]:
+    return [
+        Item(
+            "triangle_orders",
+            "which order of the vertices sorts A x B x verdict, of two triangles",
+            (points.TRIANGLE_ORDER_A, points.TRIANGLE_ORDER_B, points.VERDICT),
+        ),
+        Item(
+            "segment_order_a",
+            "which order of the vertices sorts A x verdict, A a segment",
+            (points.SEGMENT_ORDER_A, points.VERDICT),
+        ),
+        Item(
+            "segment_order_b",
+            "which order of the vertices sorts B x verdict, B a segment",
+            (points.SEGMENT_ORDER_B, points.VERDICT),
+        ),
+    ]
+
+
+def _protocol() -> list[Item]:
+    return [
+        Item(
+            "succession",
+            "who decided the pair before x this pair: operand gating switches between them",
+            (points.PREVIOUS, points.DECISION),
+        ),
+        Item(
+            "waits",
+            "clocks that a pair was offered before it was taken x its result",
+            (points.WAITS_IN, points.WAITS_OUT),
+        ),
+        Item("runs", "pairs in a row that waited on neither side", (points.RUNS,)),
+    ]

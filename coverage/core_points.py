@@ -1,0 +1,171 @@
+"""The coverpoints of the core's model: names of bins, and which array of the view holds their codes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from triaxis.coverage.core_sample import Build, Codes, CoreView, classes
+from triaxis.coverage.cover_model import Coverpoint, MaskPoint
+from triaxis.golden.axes import axis_name
+
+Point = Coverpoint[CoreView]
+
+# Runs of unstalled pairs: one deeper than the result queue, and one much longer than the pipeline.
+_RUNS = (2, 8, 33, 1025)
+_WAITS = ("none", "1", "2 to 7", "8 or more")
+_VERTEX_SETS = ("1", "2", "1+2", "3", "1+3", "2+3", "1+2+3")
+_FEATURES = ("vertex", "edge", "face")
+# Vertices sorted by (x, y, z), as golden.facts numbers orders.
+_ORDERS = ("123", "132", "213", "231", "312", "321")
+_RANKS = ("point", "segment", "triangle")
+
+
+def _ranks(triangle: str) -> tuple[str, ...]:
+    return tuple(f"{triangle} {rank}" for rank in _RANKS)
+
+
+def _order(order: Codes, rank: Codes, wanted: int) -> Codes:
+    """Return the order where the rank is as wanted, 6 elsewhere."""
+    other = (rank != wanted).view(np.uint8) * np.uint8(6)
+    return np.maximum(order, other)
+
+
+def _order_point(triangle: str, rank: int) -> Point:
+    field_order, field_rank = f"order_{triangle.lower()}", f"rank_{triangle.lower()}"
+
+    def codes(view: CoreView) -> Codes:
+        return _order(getattr(view.facts, field_order), getattr(view.facts, field_rank), rank)
+
+    bins = tuple(f"{triangle} {order}" for order in _ORDERS)
+    return Coverpoint(f"{_RANKS[rank]} order {triangle}", bins, codes, partial=True)
+
+
+RANK_A = Point("rank A", _ranks("A"), lambda v: v.facts.rank_a)
+RANK_B = Point("rank B", _ranks("B"), lambda v: v.facts.rank_b)
+COPLANAR = Point("coplanar", ("not coplanar", "coplanar"), lambda v: v.facts.coplanar)
+VERDICT = Point("verdict", ("clear", "near"), lambda v: v.near)
+DECISION = Point("decision", ("clear by box", "clear by other axis", "near"), lambda v: v.decision)
+PREVIOUS = Point(
+    "decision before", ("after box", "after other axis", "after near"), lambda v: v.previous, partial=True
+)
+SIDE = Point("side", ("B above A", "B below A"), lambda v: v.side)
+MARGIN_SIGN = Point("margin sign", ("m = 0", "m > 0"), lambda v: v.margin_positive)
+SIZE = Point("size", ("below 8", "below 2^(W/2)", "large", "both limits"), lambda v: v.size)
+LARGE = Point("large", ("below 2^(W/2)", "large"), lambda v: v.size >> np.uint8(1))
+RELATION = Point(
+    "relation",
+    ("clear", "touching", "A in B", "B in A", "identical", "coplanar overlap", "penetrating"),
+    lambda v: v.relation,
+)
+CONTACT_A = Point(
+    "contact A", tuple(f"A {s}" for s in _VERTEX_SETS), lambda v: v.support(v.facts.support_a), partial=True
+)
+CONTACT_B = Point(
+    "contact B", tuple(f"B {s}" for s in _VERTEX_SETS), lambda v: v.support(v.facts.support_b), partial=True
+)
+FEATURE_A = Point(
+    "feature A", tuple(f"A {f}" for f in _FEATURES), lambda v: v.features(v.facts.support_a), partial=True
+)
+FEATURE_B = Point(
+    "feature B", tuple(f"B {f}" for f in _FEATURES), lambda v: v.features(v.facts.support_b), partial=True
+)
+TRIANGLE_ORDER_A, TRIANGLE_ORDER_B = _order_point("A", 2), _order_point("B", 2)
+SEGMENT_ORDER_A, SEGMENT_ORDER_B = _order_point("A", 1), _order_point("B", 1)
+ANSWER = Point(
+    "answer",
+    (
+        "clear, wrongly",
+        "near, wrongly",
+        "clear, by the lowest axis",
+        "near",
+        "clear, by another axis or with spare bits",
+        "near, with spare bits or an axis",
+    ),
+    lambda v: v.answer,
+)
+FLAGS = Point(
+    "flags",
+    tuple(
+        ", ".join(n for bit, n in enumerate(("coplanar", "A degenerate", "B degenerate")) if code >> bit & 1)
+        or "no flag"
+        for code in range(8)
+    ),
+    lambda v: v.answered_flags,
+)
+WAITS_IN = Point("waits in", tuple(f"in {w}" for w in _WAITS), lambda v: classes(v.sample.waits_in, 1, 2, 8))
+WAITS_OUT = Point(
+    "waits out", tuple(f"out {w}" for w in _WAITS), lambda v: classes(v.sample.waits_out, 1, 2, 8)
+)
+RUNS = Point(
+    "runs", ("1", "2 to 7", "8 to 32", "33 to 1024", "more than 1024"), lambda v: classes(v.runs, *_RUNS)
+)
+BLIND = Point("blind", ("by its axes", "near, though a missing axis separates"), lambda v: v.blind)
+# The kind of each claim, 0 near, 1 + axis otherwise.
+_KIND_OF_CLAIM = np.repeat(np.arange(5, dtype=np.uint8), [1, 3, 2, 9, 18])
+# Builds with margins have all axes: every claim has a kind.
+KIND = Point(
+    "kind", ("near", "box", "normal", "edge x edge", "edge x box"), lambda v: _KIND_OF_CLAIM.take(v.claim)
+)
+
+
+@dataclass(frozen=True)
+class AxisPoints:
+    """The points whose bins are the axes of a build; a pair may fall into none of them."""
+
+    claim: Point
+    first: Point
+    sole: Point
+    sole_step: Point
+    level: MaskPoint[CoreView]
+    near_step: MaskPoint[CoreView]
+    flat: MaskPoint[CoreView]
+
+
+def axis_points(build: Build) -> AxisPoints:
+    """Return the points whose bins are the axes of a build."""
+    axes = tuple(f"{n:02d} {axis_name(n)}" for n in range(build.axes))
+    return AxisPoints(
+        Point("claim", ("near", *axes), lambda v: v.claim, partial=True),
+        Point("first of several axes", axes, lambda v: v.first_of_several, partial=True),
+        Point("sole axis", axes, lambda v: v.sole, partial=True),
+        Point("sole axis by one step", axes, lambda v: v.sole_step, partial=True),
+        MaskPoint("level axes of near pairs", axes, lambda v: v.near_only(v.facts.level)),
+        MaskPoint("axes by one step of near pairs", axes, lambda v: v.near_only(v.facts.near_step)),
+        MaskPoint("flat axes of near pairs", axes, lambda v: v.flat_at_zero),
+    )
+
+
+@dataclass(frozen=True)
+class MarginClass:
+    """A bin of margins: name, and the smallest."""
+
+    name: str
+    start: int
+
+
+def margin_classes(build: Build) -> tuple[MarginClass, ...]:
+    """Return the bins of margins that a build has: from 0 to a quarter of the range and more."""
+    # From a quarter on every axis can still be the one that separates, whatever W and M.
+    large = 1 << max(build.margin_bits - 2, 0)
+    classes = [MarginClass("m = 0", 0), MarginClass("m = 1", 1)]
+    if build.margin_bits > 1:
+        classes.append(MarginClass("m from 2", 2))
+    if build.margin_bits > 3:
+        classes.append(MarginClass("m from 8", 8))
+    if large > 8:
+        classes.append(MarginClass(f"m from {large}", large))
+    return tuple(classes)
+
+
+def margin_point(build: Build) -> Point:
+    """Return the point of margins."""
+    bins = margin_classes(build)
+    starts = [c.start for c in bins[1:]]
+    return Point("margin", tuple(c.name for c in bins), lambda v: classes(v.sample.margins, *starts))
+
+
+def margin_end(build: Build) -> Point:
+    """Return the point of margins at the end of the range."""
+    largest = build.largest_margin
+    bins = ("smaller margin", f"m = {largest}, the largest")
+    return Point("largest margin", bins, lambda v: classes(v.sample.margins, largest))

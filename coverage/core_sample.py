@@ -1,0 +1,332 @@
+"""A sample of the core's coverage model: N checked pairs as arrays, and what follows from them.
+
+Everything here costs a few nanoseconds a pair, so arrays are bytes wherever they can be.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.axes import BOX_AXES, NUM_AXES
+from triaxis.golden.errors import InputError
+from triaxis.golden.facts import Facts, Mask
+from triaxis.golden.pairs import check_width
+
+Codes = npt.NDArray[np.uint8]
+
+# The axes before the 18 edge x box axes.
+SPACE_AXES = 14
+# The result word, see README: bit 0 near; 1..3 flags; 12..8 the claim; others 0.
+_CLAIM_SHIFT, _CLAIM_BITS, _FLAG_SHIFT, _RESERVED = 8, 0x1F, 1, 0xE0F0
+
+
+@dataclass(frozen=True)
+class Build:
+    """The parameters of the core that decide what can happen in it."""
+
+    width: int
+    margin_bits: int
+    edge_box: bool
+    gating: bool
+
+    def __post_init__(self) -> None:
+        """Raise InputError for a core that cannot be built."""
+        check_width(self.width)
+        if not 0 <= self.margin_bits <= (self.width if self.edge_box else 0):
+            raise InputError(
+                f"margin bits {self.margin_bits}: must be 0..{self.width}, and 0 without the edge x box axes"
+            )
+
+    @property
+    def name(self) -> str:
+        """Return a short name: w16_m0, w16_m0_no_edge_box_ungated, .."""
+        parts = [f"w{self.width}", f"m{self.margin_bits}"]
+        parts += [] if self.edge_box else ["no_edge_box"]
+        parts += [] if self.gating else ["ungated"]
+        return "_".join(parts)
+
+    @property
+    def axes(self) -> int:
+        """Return how many axes the core has: the first of the 32."""
+        return NUM_AXES if self.edge_box else SPACE_AXES
+
+    @property
+    def largest_margin(self) -> int:
+        """Return the largest margin that the core can be given."""
+        return (1 << self.margin_bits) - 1
+
+
+class Decision(IntEnum):
+    """How a pair is decided."""
+
+    BOX = 0
+    OTHER = 1
+    NEAR = 2
+
+
+class Relation(IntEnum):
+    """How two triangles lie, as closed sets; with a margin, "touching" is being exactly that far apart."""
+
+    CLEAR = 0
+    TOUCHING = 1
+    A_IN_B = 2
+    B_IN_A = 3
+    IDENTICAL = 4
+    COPLANAR = 5
+    PENETRATING = 6
+
+
+@dataclass(frozen=True)
+class CoreSample:
+    """N checked pairs in the order in which the core took them, all arrays of shape (N,).
+
+    ``facts``: what the bulk checker says, over all 32 axes. ``margins``: in LSB. ``words``: TDATA of the
+    results, bits as README lists them. ``waits_in``, ``waits_out``: clocks that a pair was offered to
+    the core before it was taken, and a result by it; any integer type, narrow ones are faster. They may
+    saturate, at 8 or more.
+    """
+
+    facts: Facts
+    margins: npt.NDArray[np.integer]
+    words: npt.NDArray[np.uint16]
+    waits_in: npt.NDArray[np.integer]
+    waits_out: npt.NDArray[np.integer]
+
+    def __post_init__(self) -> None:
+        """Refuse arrays of different lengths."""
+        lengths = {len(a) for a in (self.facts, self.margins, self.words, self.waits_in, self.waits_out)}
+        if len(lengths) > 1:
+            raise ValueError(f"arrays of one sample have different lengths: {sorted(lengths)}")
+
+
+class CoreView:
+    """A sample as a core of that build sees it.
+
+    Without the edge x box axes those axes decide nothing: `above`, `below`, `level`, `clear_step` and
+    `near_step` are masked to the axes of the build, here and nowhere else. What the triangles are
+    to each other, `relation` and `supports`, is geometry and taken from all 32 axes.
+    """
+
+    def __init__(self, build: Build, sample: CoreSample) -> None:
+        """Compute nothing yet."""
+        self.build = build
+        self.sample = sample
+        self.facts = sample.facts
+
+    def _of_build(self, mask: Mask) -> Mask:
+        return mask if self.build.edge_box else mask & np.uint32((1 << SPACE_AXES) - 1)
+
+    @cached_property
+    def below(self) -> Mask:
+        """Return the axes on which B lies below A."""
+        return self._of_build(self.facts.below)
+
+    @cached_property
+    def separating(self) -> Mask:
+        """Return the axes that separate."""
+        return self._of_build(self.facts.separating)
+
+    @cached_property
+    def near(self) -> Codes:
+        """Return 1 where no axis separates."""
+        return (self.separating == 0).view(np.uint8)
+
+    @cached_property
+    def decision(self) -> Codes:
+        """Return how pairs are decided: see `Decision`."""
+        boxes = np.uint32((1 << BOX_AXES) - 1)
+        return (self.separating & boxes == 0).view(np.uint8) + self.near
+
+    @cached_property
+    def lowest(self) -> Codes:
+        """Return the lowest-numbered separating axis; 0 where none separates."""
+        mask = self.separating
+        return _bit_number(mask & (~mask + np.uint32(1))) * (1 - self.near)
+
+    @cached_property
+    def several(self) -> Codes:
+        """Return 1 where more than one axis separates."""
+        mask = self.separating
+        return (mask & (mask - np.uint32(1)) != 0).view(np.uint8)
+
+    def _axis_where(self, condition: Codes, axis: Codes) -> Codes:
+        """Return the axis where the condition is 1, the number of axes where it is 0."""
+        # n | 255 is 255, cut down to the number of axes: no branch, no gather.
+        return np.minimum(axis | (condition - np.uint8(1)), np.uint8(self.build.axes))
+
+    @cached_property
+    def sole(self) -> Codes:
+        """Return the only axis that separates; the number of axes where there is not exactly one."""
+        return self._axis_where(1 - (self.several | self.near), self.lowest)
+
+    @cached_property
+    def first_of_several(self) -> Codes:
+        """Return the lowest of the axes that separate; the number of axes where there are not several."""
+        return self._axis_where(self.several, self.lowest)
+
+    @cached_property
+    def sole_step(self) -> Codes:
+        """Return the sole axis where it separates by the smallest step, as `sole` does."""
+        stepped = (self.facts.clear_step & self.separating != 0).view(np.uint8)
+        return self._axis_where(stepped, self.sole)
+
+    @cached_property
+    def side(self) -> Codes:
+        """Return 0 where B is above A on every separating axis or none separates, otherwise 1."""
+        return (self.below != 0).view(np.uint8)
+
+    def near_only(self, mask: Mask) -> Mask:
+        """Return the mask where pairs are near, 0 elsewhere: there an error on any axis shows."""
+        return self._of_build(mask) * self.near
+
+    @cached_property
+    def flat_at_zero(self) -> Mask:
+        """Return the flat axes of near pairs at margin 0: both gaps are 0, and neither separates."""
+        return self.near_only(self.facts.flat) * (1 - self.margin_positive)
+
+    @cached_property
+    def touching(self) -> Codes:
+        """Return 1 where pairs are exactly as far apart as the margin."""
+        facts = self.facts
+        return ((facts.separating == 0) & (facts.level != 0)).view(np.uint8)
+
+    @cached_property
+    def relation(self) -> Codes:
+        """Return how the triangles lie: see `Relation`."""
+        facts = self.facts
+        key = (facts.separating == 0).view(np.uint8) * np.uint8(8)
+        key += facts.coplanar * np.uint8(4)
+        key += facts.a_in_b * np.uint8(2)
+        key += facts.b_in_a
+        key |= self.touching << np.uint8(4)
+        return _RELATIONS.take(key)
+
+    @cached_property
+    def triangles(self) -> Codes:
+        """Return 1 where neither is degenerate."""
+        return self.facts.rank_a & self.facts.rank_b & np.uint8(2)
+
+    @cached_property
+    def contact(self) -> Codes:
+        """Return 1 for two proper triangles that touch."""
+        return self.touching & (self.triangles >> np.uint8(1))
+
+    def support(self, support: Codes) -> Codes:
+        """Return the set of touching vertices less one, 0..6; 7 where not two triangles touch."""
+        return np.minimum((support - np.uint8(1)) | (self.contact - np.uint8(1)), np.uint8(7))
+
+    def features(self, support: Codes) -> Codes:
+        """Return 0 vertex, 1 edge, 2 face: what touches; 3 where not two triangles touch."""
+        count = np.bitwise_count(support) - np.uint8(1)
+        return np.minimum(count | (self.contact - np.uint8(1)), np.uint8(3))
+
+    @cached_property
+    def margin_positive(self) -> Codes:
+        """Return 1 where the margin is not 0."""
+        return (self.sample.margins != 0).view(np.uint8)
+
+    @cached_property
+    def size(self) -> Codes:
+        """Return 0 tiny, 1 small, 2 large, 3 reaching both limits: the numbers of a pair."""
+        low, high = self.facts.low, self.facts.high
+        limit = np.int32((1 << (self.build.width - 1)) - 1)
+        # ~x = -1 - x: no overflow at the lowest 32-bit number; |low| is at most 1 more.
+        code = _beyond(low, high, 8) + _beyond(low, high, 1 << (self.build.width // 2))
+        both = ((low == ~limit) & (high == limit)).view(np.uint8)
+        return np.maximum(code, both * np.uint8(3))
+
+    @cached_property
+    def answered_near(self) -> Codes:
+        """Return 1 where the core says near."""
+        return self.sample.words.astype(np.uint8) & np.uint8(1)
+
+    @cached_property
+    def answered_axis(self) -> Codes:
+        """Return the claim of the core."""
+        return (self.sample.words >> np.uint16(_CLAIM_SHIFT)).astype(np.uint8) & np.uint8(_CLAIM_BITS)
+
+    @cached_property
+    def answered_flags(self) -> Codes:
+        """Return the flags that the core gives: bit 0 coplanar, 1 A degenerate, 2 B degenerate."""
+        return (self.sample.words.astype(np.uint8) >> np.uint8(_FLAG_SHIFT)) & np.uint8(7)
+
+    @cached_property
+    def claim(self) -> Codes:
+        """Return 0 where the core says near, 1 + its claim otherwise; 1 + axes for one that it lacks."""
+        claimed = (self.answered_axis + np.uint8(1)) * (1 - self.answered_near)
+        return np.minimum(claimed, np.uint8(self.build.axes + 1))
+
+    @cached_property
+    def answer(self) -> Codes:
+        """Return 1 for near, plus 2 where that is right, 4 where it is but the axis or spare bits are not."""
+        reserved = self.sample.words & np.uint16(_RESERVED) != 0
+        wrong = ((self.answered_axis != self.lowest) | reserved).view(np.uint8)
+        agrees = (self.answered_near == self.near).view(np.uint8)
+        return self.answered_near + agrees * (wrong + np.uint8(1)) * np.uint8(2)
+
+    @cached_property
+    def blind(self) -> Codes:
+        """Return 1 where only axes that this core lacks separate."""
+        return self.near * (self.facts.separating != 0).view(np.uint8)
+
+    @cached_property
+    def previous(self) -> Codes:
+        """Return the decision of the pair before; 3 for the first of the sample."""
+        before = np.empty_like(self.decision)
+        before[:1] = 3
+        before[1:] = self.decision[:-1]
+        return before
+
+    @cached_property
+    def runs(self) -> npt.NDArray[np.intp]:
+        """Return the lengths of the longest runs of pairs that waited on neither side: any number of them."""
+        # What runs on beyond the sample is cut there: a length is never overstated.
+        waited = (self.sample.waits_in != 0) | (self.sample.waits_out != 0)
+        ends = np.concatenate([[-1], np.flatnonzero(waited), [len(waited)]])
+        lengths = np.diff(ends) - 1
+        return lengths[lengths > 0]
+
+
+def _relations() -> Codes:
+    """Return the relation for each key of `CoreView.relation`: touching, near, coplanar, A in B, B in A."""
+    table = np.zeros(32, np.uint8)
+    for key in range(32):
+        touching, near, coplanar, a_in_b, b_in_a = (bool(key >> bit & 1) for bit in (4, 3, 2, 1, 0))
+        if not near:
+            table[key] = Relation.CLEAR
+        elif touching:
+            table[key] = Relation.TOUCHING
+        elif a_in_b or b_in_a:
+            both = Relation.IDENTICAL if b_in_a else Relation.A_IN_B
+            table[key] = both if a_in_b else Relation.B_IN_A
+        else:
+            table[key] = Relation.COPLANAR if coplanar else Relation.PENETRATING
+    return table
+
+
+_RELATIONS = _relations()
+
+
+def _bit_number(powers: Mask) -> Codes:
+    """Return the logarithms of powers of two, and something for 0.
+
+    A float32 holds every power of two below 2^32 exactly, and its exponent is the logarithm plus 127.
+    """
+    exponents = powers.astype(np.float32).view(np.uint32) >> np.uint32(23)
+    return exponents.astype(np.uint8) - np.uint8(127)
+
+
+def _beyond(low: npt.NDArray[np.int32], high: npt.NDArray[np.int32], limit: int) -> Codes:
+    """Return 1 where a number between low and high is at least ``limit`` in size."""
+    return ((low <= np.int32(-limit)) | (high >= np.int32(limit))).view(np.uint8)
+
+
+def classes(values: npt.NDArray[np.integer], *starts: int) -> Codes:
+    """Return how many of the ascending ``starts`` each value reaches."""
+    code = (values >= starts[0]).view(np.uint8)
+    for start in starts[1:]:
+        code = code + (values >= start).view(np.uint8)
+    return code

@@ -1,0 +1,125 @@
+"""Counts of a model's bins: sampled, merged, and kept in files."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from triaxis.coverage.cover_model import CoverModel, Sample
+from triaxis.coverage.sampling import Hits, Sampler
+from triaxis.golden.errors import InputError
+
+_FORMAT = "triaxis coverage 1"
+
+
+@dataclass
+class Counts:
+    """How often each bin of a model was hit. Merging is addition, so neither order nor grouping matter."""
+
+    model: str
+    model_hash: str
+    hits: dict[str, Hits]
+
+    @staticmethod
+    def empty(model: CoverModel[Any]) -> "Counts":
+        """Return zero counts."""
+        return Counts(
+            model.name, model.hash, {item.name: np.zeros(item.size, np.int64) for item in model.items}
+        )
+
+    def sample(self, model: CoverModel[Sample], sample: Sample) -> None:
+        """Count a sample of that model."""
+        sampler = Sampler(sample)
+        for item in model.items:
+            self.hits[item.name] += sampler.hits(item)
+
+    def add(self, other: "Counts") -> None:
+        """Add counts of the same model; raise InputError where they are of another."""
+        if (other.model, other.model_hash) != (self.model, self.model_hash):
+            raise InputError(
+                f"counts of coverage model {other.model}: cannot be merged with those of another "
+                f"definition, {self.model}; run again"
+            )
+        for name, hits in other.hits.items():
+            self.hits[name] += hits
+
+    def save(self, path: Path) -> None:
+        """Write the counts as JSON, whole or not at all; raise InputError where that cannot be done."""
+        write_counts(path, [self])
+
+
+def merge(model: CoverModel[Any], counts: Iterable[Counts]) -> Counts:
+    """Return the sum of counts of one model."""
+    total = Counts.empty(model)
+    for one in counts:
+        total.add(one)
+    return total
+
+
+def load(path: Path, model: CoverModel[Any]) -> Counts:
+    """Read counts of one model; raise InputError where the file is not whole, or of another model."""
+    found = read_counts(path, [model])
+    if len(found) != 1:
+        raise InputError(f"{path}: counts of {len(found)} models where those of {model.name} were due")
+    return found[0]
+
+
+def write_counts(path: Path, counts: Iterable[Counts]) -> None:
+    """Write counts of several models into one file, whole or not at all."""
+    models = [
+        {
+            "model": c.model,
+            "hash": c.model_hash,
+            "hits": {name: hits.tolist() for name, hits in c.hits.items()},
+        }
+        for c in counts
+    ]
+    content = {"format": _FORMAT, "digest": _digest(models), "models": models}
+    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
+    try:
+        partial.write_text(json.dumps(content) + "\n")
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read_counts(path: Path, models: Iterable[CoverModel[Any]]) -> list[Counts]:
+    """Read what `write_counts` wrote; raise InputError where it is damaged, or of none of the models."""
+    known = {model.name: model for model in models}
+    try:
+        content = json.loads(path.read_text())
+        whole = content["format"] == _FORMAT and content["digest"] == _digest(content["models"])
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise InputError(f"{path}: not a coverage file; delete it and run again") from error
+    if not whole:
+        raise InputError(f"{path}: damaged, or of another format; delete it and run again")
+    return [_checked(path, one, known) for one in content["models"]]
+
+
+def _checked(path: Path, content: dict[str, Any], known: dict[str, CoverModel[Any]]) -> Counts:
+    """Return the counts, or raise InputError where they are not of a known model's present definition."""
+    model = known.get(content["model"])
+    if model is None:
+        raise InputError(
+            f"{path}: counts of coverage model {content['model']}, which is not among those asked for"
+        )
+    if content["hash"] != model.hash:
+        raise InputError(
+            f"{path}: counts of another definition of coverage model {model.name}; delete it and run again"
+        )
+    return Counts(
+        model.name, model.hash, {name: np.array(hits, np.int64) for name, hits in content["hits"].items()}
+    )
+
+
+def _digest(models: object) -> str:
+    return hashlib.sha256(json.dumps(models).encode()).hexdigest()

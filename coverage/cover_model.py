@@ -1,0 +1,182 @@
+"""A declarative coverage model: coverpoints with named bins, their crosses, goals and exclusions.
+
+A coverpoint maps a sample, arrays of N transactions, to one small unsigned code for each: the number of
+its bin. Existing Python coverage libraries sample one transaction at a time, tens of microseconds each;
+codes are arrays, computed once and counted by NumPy, see `triaxis.coverage.sampling`.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+Sample = TypeVar("Sample")
+Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
+Mask = npt.NDArray[np.uint32]
+
+# Bits of a mask point, at most.
+MASK_BITS = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Coverpoint(Generic[Sample]):
+    """Named bins, and a function from a sample of N transactions to N codes, 0..len(bins) - 1.
+
+    With ``partial`` a code may also be len(bins): the transaction falls into none of the bins. A point
+    that is covered on its own, in no cross, may give any number of codes.
+    """
+
+    name: str
+    bins: tuple[str, ...]
+    codes: Callable[[Sample], Codes]
+    partial: bool = False
+
+    @property
+    def radix(self) -> int:
+        """Return how many codes there are."""
+        return len(self.bins) + self.partial
+
+
+@dataclass(frozen=True, eq=False)
+class MaskPoint(Generic[Sample]):
+    """Bins of which a transaction hits any number: a function from a sample to N masks, bit n for bin n."""
+
+    name: str
+    bins: tuple[str, ...]
+    masks: Callable[[Sample], Mask]
+
+
+class Kind(Enum):
+    """What a hit of an excluded bin means: nothing, or an error."""
+
+    IGNORE = "ignore"
+    ILLEGAL = "illegal"
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """Bins that do not count: those for whose codes, one argument for each point, ``when`` is true.
+
+    ``reason`` says why, for what cannot happen the proof in a few words; ``test`` names the test that
+    supports it.
+    """
+
+    kind: Kind
+    reason: str
+    test: str
+    when: Callable[..., bool]
+
+
+@dataclass(frozen=True)
+class Bin:
+    """One bin: what to call it, how many hits it needs, and why it does not count, if so."""
+
+    name: str
+    goal: int
+    exclusion: Exclusion | None
+
+
+@dataclass(frozen=True)
+class CoverItem(Generic[Sample]):
+    """What is covered: a coverpoint, or the cross of several.
+
+    A mask point comes first, and there is at most one. Of several exclusions of a bin the first holds.
+    ``at_least``: hits that a bin needs, a number or a function of its codes.
+    """
+
+    name: str
+    meaning: str
+    points: tuple[Coverpoint[Sample] | MaskPoint[Sample], ...]
+    exclusions: tuple[Exclusion, ...] = ()
+    at_least: int | Callable[..., int] = 1
+
+    def __post_init__(self) -> None:
+        """Refuse what could not be sampled."""
+        if not self.points or any(isinstance(point, MaskPoint) for point in self.points[1:]):
+            raise ValueError(f"{self.name}: needs points, and a mask point only as the first")
+        if any(isinstance(p, MaskPoint) and len(p.bins) > MASK_BITS for p in self.points):
+            raise ValueError(f"{self.name}: a mask has {MASK_BITS} bits")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the number of bins of each point."""
+        return tuple(len(point.bins) for point in self.points)
+
+    @property
+    def size(self) -> int:
+        """Return the number of all bins, excluded or not."""
+        return prod(self.shape)
+
+    @cached_property
+    def bins(self) -> tuple[Bin, ...]:
+        """Return all bins, the last point's varying fastest."""
+        return tuple(self._bins())
+
+    @cached_property
+    def goals(self) -> npt.NDArray[np.int64]:
+        """Return the hits that each bin needs: (size,); 0 where it is excluded."""
+        return np.array([0 if b.exclusion else b.goal for b in self.bins], np.int64)
+
+    @cached_property
+    def illegal(self) -> npt.NDArray[np.bool_]:
+        """Return which bins must not be hit: (size,)."""
+        kinds = [b.exclusion.kind if b.exclusion else None for b in self.bins]
+        return np.array([kind is Kind.ILLEGAL for kind in kinds], np.bool_)
+
+    def _bins(self) -> Iterator[Bin]:
+        for codes in product(*map(range, self.shape)):
+            name = " / ".join(point.bins[code] for point, code in zip(self.points, codes, strict=True))
+            goal = self.at_least(*codes) if callable(self.at_least) else self.at_least
+            yield Bin(name, goal, next((e for e in self.exclusions if e.when(*codes)), None))
+
+
+@dataclass(frozen=True)
+class CoverModel(Generic[Sample]):
+    """Items under one name. ``sources``: the files with the code that samples, for the hash."""
+
+    name: str
+    items: tuple[CoverItem[Sample], ...]
+    sources: tuple[Path, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse two items of one name."""
+        names = [item.name for item in self.items]
+        if len(set(names)) < len(names):
+            raise ValueError(f"{self.name}: items share a name")
+
+    @cached_property
+    def hash(self) -> str:
+        """Return a hash of the whole definition and of the sampling code.
+
+        Counts of one model are never taken for another's, nor those of an older sampling for a newer's.
+        """
+        definition = [self.name, [_definition(item) for item in self.items]]
+        digest = hashlib.sha256(json.dumps(definition).encode())
+        for source in self.sources:
+            digest.update(hashlib.sha256(source.read_bytes()).digest())
+        return digest.hexdigest()
+
+
+def _definition(item: CoverItem[Any]) -> list[Any]:
+    return [
+        item.name,
+        item.meaning,
+        [point.name for point in item.points],
+        [
+            [
+                b.name,
+                b.goal,
+                [b.exclusion.kind.value, b.exclusion.reason, b.exclusion.test] if b.exclusion else None,
+            ]
+            for b in item.bins
+        ],
+    ]

@@ -1,0 +1,158 @@
+"""The elaborated design as Verilator describes it: its instances, with parameters and signals.
+
+Coverage counters are only worth something where it is known what has none. Verilator leaves signals
+out without a word (above a width, of some types, with some names), so the signals that should have
+counters are listed here from the elaborated design itself, its ``--json-only`` output.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+
+_Node = dict[str, Any]
+
+_TOP = "TOP"
+_SIGNAL_KINDS = ("PORT", "VAR", "WIRE")
+_PARAMETER_KINDS = ("GPARAM", "LPARAM")
+# Types whose width their keyword says.
+_KEYWORD_WIDTHS = {"int": 32, "integer": 32, "byte": 8, "shortint": 16, "longint": 64}
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One vector or bit: an element of an array, or a member of a structure, is one of its own.
+
+    ``bits`` are its bit numbers, empty for a single bit without a range.
+    """
+
+    instance: str
+    name: str
+    bits: range
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One instance of a module: its path, the numbers among its parameters, its signals.
+
+    ``blocks`` are the labels of the generate blocks in it, without loop indices.
+    """
+
+    path: str
+    module: str
+    parameters: dict[str, int]
+    signals: tuple[Signal, ...]
+    blocks: frozenset[str]
+
+
+def _range(text: str) -> range:
+    """Return the numbers in a range as Verilator writes it: ``15:0`` or ``[0:2]``, ascending."""
+    left, right = (int(number) for number in text.strip("[]").split(":"))
+    return range(min(left, right), max(left, right) + 1)
+
+
+def _constant(node: _Node) -> int | None:
+    """Return the value of a constant such as ``32'sh1f``, None for text and the like."""
+    match = re.fullmatch(r"(?:\d+)?'s?h([0-9a-f]+)", node.get("name", ""))
+    return int(match[1], 16) if match else None
+
+
+@dataclass
+class _Contents:
+    """What a module holds."""
+
+    signals: list[Signal] = field(default_factory=list)
+    parameters: dict[str, int] = field(default_factory=dict)
+    cells: list[tuple[str, str]] = field(default_factory=list)
+    blocks: set[str] = field(default_factory=set)
+
+
+class _Reader:
+    def __init__(self, tree: _Node) -> None:
+        self._modules = {module["addr"]: module for module in tree["modulesp"]}
+        tables = (node for node in tree["miscsp"] if node["type"] == "TYPETABLE")
+        self._types: dict[str, _Node] = {node["addr"]: node for table in tables for node in table["typesp"]}
+        self._add_types(tree["modulesp"])
+
+    def _add_types(self, node: Any) -> None:
+        """Types are also declared inside modules."""
+        if isinstance(node, list):
+            for element in node:
+                self._add_types(element)
+        elif isinstance(node, dict):
+            if str(node.get("type", "")).endswith("DTYPE"):
+                self._types[node["addr"]] = node
+            for value in node.values():
+                if isinstance(value, (list, dict)):
+                    self._add_types(value)
+
+    def elements(self, name: str, address: str) -> Iterator[tuple[str, range]]:
+        """Yield the vectors that a variable of that type consists of, and their bits."""
+        node = self._types[address]
+        match node["type"]:
+            case "BASICDTYPE":
+                if "range" in node and node["keyword"] in ("logic", "bit"):
+                    yield name, _range(node["range"])
+                else:
+                    yield name, range(_KEYWORD_WIDTHS.get(node["keyword"], 0))
+            case "UNPACKARRAYDTYPE":
+                for index in _range(node["declRange"]):
+                    yield from self.elements(f"{name}[{index}]", node["refDTypep"])
+            case "STRUCTDTYPE":
+                for member in node["membersp"]:
+                    yield from self.elements(f"{name}.{member['name']}", member["refDTypep"])
+            case "REFDTYPE" | "PARAMTYPEDTYPE":
+                inner = node.get("refDTypep", "UNLINKED")
+                yield from self.elements(name, node["dtypep"] if inner == "UNLINKED" else inner)
+            case other:
+                raise InputError(f"{name}: type {other}: unknown to the reader of the elaborated design")
+
+    def instances(self, path: str, module: _Node) -> Iterator[Instance]:
+        """Yield the instance and those inside it."""
+        contents = _Contents()
+        self._collect(module["stmtsp"], "", path, contents)
+        yield Instance(
+            path,
+            module["origName"],
+            contents.parameters,
+            tuple(contents.signals),
+            frozenset(contents.blocks),
+        )
+        for name, address in contents.cells:
+            yield from self.instances(f"{path}.{name}", self._modules[address])
+
+    def _collect(self, nodes: list[_Node], prefix: str, path: str, contents: _Contents) -> None:
+        for node in nodes:
+            match node["type"]:
+                case "GENBLOCK":
+                    if not node.get("implied"):
+                        contents.blocks.add(node["name"].partition("[")[0])
+                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", path, contents)
+                case "CELL":
+                    contents.cells.append((prefix + node["name"], node["modp"]))
+                case "VAR" if node["varType"] in _SIGNAL_KINDS:
+                    for name, bits in self.elements(prefix + node["name"], node["dtypep"]):
+                        contents.signals.append(Signal(path, name, bits))
+                case "VAR" if node["varType"] in _PARAMETER_KINDS and not prefix:
+                    value = _constant(node["valuep"][0]) if node.get("valuep") else None
+                    if value is not None:
+                        contents.parameters[node["name"]] = value
+                case _:
+                    pass
+
+
+def read_elaboration(path: Path, top: str) -> dict[str, Instance]:
+    """Return the instances under the module ``top``, by their path, in the order of the design."""
+    try:
+        tree = json.loads(path.read_text())
+        module = next(module for module in tree["modulesp"] if module["origName"] == top)
+        found = list(_Reader(tree).instances(f"{_TOP}.{top}", module))
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+    except (ValueError, KeyError, TypeError, StopIteration) as error:
+        raise InputError(f"{path}: not an elaborated design with a module {top}, or damaged") from error
+    return {instance.path: instance for instance in found}

@@ -1,0 +1,163 @@
+import importlib
+import timeit
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.coverage.core_coverage import CoreCoverage, core_model
+from triaxis.coverage.core_sample import Build, CoreSample
+from triaxis.coverage.report import report
+from triaxis.coverage.tests.core_pairs import grid_pairs, related_pairs, samples, true_words
+from triaxis.golden.bulk import bulk_facts
+
+TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
+BUILDS = [(8, m) for m in (0, 1, 2, 3, 4, 8)]
+BUILDS += [(16, 0), (16, 0, False), (16, 0, True, False), (32, 32)]
+
+
+def hit_bins(coverage, name):
+    item = next(i for i in coverage.model.items if i.name == name)
+    hits = coverage.counts.hits[name].tolist()
+    return {b.name: n for b, n in zip(item.bins, hits, strict=True) if n}
+
+
+def sampled(pairs, margins, words=None, parameters=(16, 16, True, True)):
+    """Coverage of pairs, answered truly unless words are given, without waits."""
+    build = Build(*parameters)
+    facts = bulk_facts(np.array(pairs), np.array(margins))
+    waits = np.zeros(len(facts), np.uint8)
+    coverage = CoreCoverage(*parameters)
+    answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
+    coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits))
+    return coverage
+
+
+def test_models_differ_by_build_and_are_made_once():
+    models = [core_model(*build) for build in BUILDS]
+    assert len({model.name for model in models}) == len({model.hash for model in models}) == len(BUILDS)
+    assert core_model(16, 0) is core_model(16, 0, True, True)
+
+
+@pytest.mark.parametrize("parameters", BUILDS)
+def test_every_exclusion_excludes_something_and_names_a_test_that_exists(parameters):
+    root = Path(__file__).parents[2]
+    for item in core_model(*parameters).items:
+        used = {b.exclusion for b in item.bins}
+        for exclusion in item.exclusions:
+            assert exclusion in used, f"{item.name}: {exclusion.reason}"
+            path, function = exclusion.test.split("::")
+            assert f"def {function}(" in (root / path).read_text()
+        assert any(item.goals > 0)
+
+
+def test_margins_are_in_the_model_only_where_a_build_has_them():
+    without, little = core_model(16, 0), core_model(16, 1)
+    assert not [item.name for item in without.items if "margin" in item.name]
+    assert not [b.name for item in without.items for b in item.bins if "m > 0" in b.name]
+    margins = next(item for item in little.items if item.name == "margin_kind")
+    assert {b.name.split(" / ")[0] for b in margins.bins} == {"m = 0", "m = 1"}
+
+
+def test_a_point_above_a_triangle_is_decided_by_its_normal():
+    point = [[1, 1, 9]] * 3
+    tilted = [[0, 0, 0], [9, 0, 9], [0, 9, 9]]
+    coverage = sampled([[tilted, point], [point, tilted]], [3, 0])
+    assert hit_bins(coverage, "claim") == {"near": 1, "04 normal B": 1}
+    # z > x + y by 7, three times the margin of 3 is 9; without margin the normal alone separates.
+    assert list(hit_bins(coverage, "sole_axis")) == ["04 normal B / B below A / A point / B triangle / m = 0"]
+    assert hit_bins(coverage, "relation") == {
+        "clear / A point / B triangle / m = 0": 1,
+        "penetrating / A triangle / B point / m > 0": 1,
+    }
+    assert hit_bins(coverage, "succession") == {"after near / clear by other axis": 1}
+
+
+def test_touching_features_and_exact_margins():
+    upside = [[0, 0, 4], [6, 0, 5], [0, 6, 5]]
+    vertex = [[0, 0, 0], [-5, -5, 3], [-5, -4, -2]]
+    coverage = sampled([[TRIANGLE, vertex], [TRIANGLE, upside]], [0, 2])
+    assert hit_bins(coverage, "contact")["A 1 / B 1 / m = 0"] == 1
+    assert hit_bins(coverage, "contact_features")["A vertex / B vertex / not coplanar / m = 0"] == 1
+    assert hit_bins(coverage, "relation")["touching / A triangle / B triangle / m = 0"] == 1
+
+
+def test_a_core_without_the_last_axes_sees_only_what_it_can():
+    # Two triangles in the plane z = 0 whose boxes overlap: only edges seen along z separate them.
+    pair = [[[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[9, 9, 0], [9, 2, 0], [3, 9, 0]]]
+    full = sampled([pair], [0], parameters=(16, 0, True, True))
+    less = sampled([pair], [0], parameters=(16, 0, False, True))
+    assert list(hit_bins(full, "claim")) == ["19 A edge 1 x z"]
+    assert list(hit_bins(less, "claim")) == ["near"]
+    assert list(hit_bins(less, "blind")) == ["near, though a missing axis separates / coplanar"]
+    assert not report(less.model, less.counts).items[0].illegal_hits
+
+
+def test_wrong_answers_hit_illegal_bins():
+    clear = [TRIANGLE, [[0, 0, 40], [6, 0, 41], [0, 6, 41]]]
+    near = [TRIANGLE, TRIANGLE]
+    for pair, word, bin_name in (
+        (clear, 0x0001, "near, wrongly"),
+        (near, 0x0000, "clear, wrongly"),
+        (near, 0x0200, "clear, wrongly"),
+        (clear, 0x0300, "clear, by another axis or with spare bits"),
+        (clear, 0x0210, "clear, by another axis or with spare bits"),
+        (clear, 0x0201, "near, wrongly"),
+        (clear, 0x0301, "near, wrongly"),
+        (near, 0x0801, "near, with spare bits or an axis"),
+        (near, 0x8003, "near, with spare bits or an axis"),
+    ):
+        coverage = sampled([pair], [0], [word])
+        found = report(coverage.model, coverage.counts)
+        assert [i.bin for i in found.items[0].illegal_hits] == [bin_name], hex(word)
+        assert any("must answer as the golden model" in line for line in found.problems)
+    right = sampled([clear, near], [0, 0], [0x0200, 0x0003])
+    assert hit_bins(right, "answer") == {"clear, by the lowest axis": 1, "near": 1}
+    gated = sampled([clear], [0], [0x0204])
+    flags = next(i for i in report(gated.model, gated.counts).items if i.name == "flags")
+    assert [i.bin for i in flags.illegal_hits] == ["clear by box / A degenerate"]
+    assert not report(right.model, right.counts).problems[0].endswith("read 0")
+
+
+def test_samples_add_up(rng):
+    build = Build(16, 16, True, True)
+    pairs = related_pairs(rng, 3000, 3)
+    (whole,) = samples(rng, build, pairs, rng.integers(0, 4, len(pairs)))
+    one, two = CoreCoverage(16, 16), CoreCoverage(16, 16)
+    one.sample(whole)
+    for k in (slice(0, 1000), slice(1000, 3000)):
+        facts, margins, words = whole.facts[k], whole.margins[k], whole.words[k]
+        two.sample(CoreSample(facts, margins, words, whole.waits_in[k], whole.waits_out[k]))
+    for item in one.model.items:
+        # Succession and runs look at neighbours, and end with the sample.
+        if item.name not in ("succession", "runs"):
+            assert (one.counts.hits[item.name] == two.counts.hits[item.name]).all(), item.name
+    assert one.counts.hits["succession"].sum() == two.counts.hits["succession"].sum() + 1
+
+
+def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
+    build = Build(8, 0, True, True)
+    (sample,) = samples(rng, build, grid_pairs(rng, 4000, 3), np.zeros(4000, np.int64))
+    sample.facts.rank_a[:] = 0
+    coverage = CoreCoverage(8, 0)
+    coverage.sample(sample)
+    wrong = {item.name for item in report(coverage.model, coverage.counts).items if item.illegal_hits}
+    assert {"sole_axis", "relation", "decision"} <= wrong
+
+
+def test_the_hash_follows_the_sampling_code():
+    model = core_model(16, 0)
+    names = {path.name for path in model.sources}
+    for module in ("core_coverage", "core_points", "core_sample", "sampling"):
+        assert f"{module}.py" in names
+        assert importlib.import_module(f"triaxis.coverage.{module}").__file__ is not None
+
+
+def test_sampling_keeps_its_budget(rng):
+    """About 70 ns a pair where nothing else runs; the limit leaves room for busy machines."""
+    build, count = Build(16, 16, True, True), 1 << 16
+    (sample,) = samples(rng, build, related_pairs(rng, count, 30), rng.integers(0, 9, count))
+    coverage = CoreCoverage(16, 16)
+    seconds = min(timeit.repeat(lambda: coverage.sample(sample), number=1, repeat=20))
+    print(f"{seconds / count * 1e9:.1f} ns a pair")
+    assert seconds / count < 300e-9

@@ -1,0 +1,229 @@
+"""Waivers: bins of code coverage that need not be hit, each with the reason why none can hit them.
+
+A waiver says where it applies (modules, instances, models, a condition on parameters) and what it
+covers there. For toggles it gives the values that a signal can have, ``range`` and ``step``, as
+expressions in the parameters, and from these follows which bits are constant: only they are waived. So
+the proof that a reviewer checks is a bound, not a list of bits, and one waiver holds for every width.
+
+Fields of a waiver (coverage/waivers.toml):
+
+    category    why such bins exist at all: one of CATEGORIES
+    reason      the proof
+    owner       who answers for it
+    expires     the last day on which it counts
+    kind        line, branch, expression, toggle, generate
+    modules     names of modules
+    instances   patterns of paths, one must fit (all)
+    models      patterns of names of models (all)
+    where       a condition on the parameters (always)
+    let         names for expressions, usable in those after it
+    what        patterns of bins, one must fit: not for toggles
+    signals     patterns of signals, one must fit: toggles
+    range       the smallest and the largest value, or
+    bits        the numbers of the constant bits, as in ["4..7", "12"]: toggles
+    step        what every value is a multiple of, a power of two (1): toggles with range
+
+In a pattern ``*`` stands for anything, ``{name}`` for a number that expressions then know by that
+name. Expressions know the parameters of the instance and of all around it, and of the top: W, M,
+L = 2^W - 1 and margin = 2^M - 1, the largest.
+"""
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import date
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from triaxis.coverage.arithmetic import BoundError, evaluate
+from triaxis.golden.errors import InputError
+
+WAIVERS = Path(__file__).with_name("waivers.toml")
+
+CATEGORIES = (
+    "constant by contract",
+    "constant by parameter",
+    "bounded",
+    "split operand",
+    "elaboration guard",
+)
+KINDS = ("line", "branch", "expression", "toggle", "generate")
+_REQUIRED = ("category", "reason", "owner", "expires", "kind", "modules")
+_SHORTEST_REASON = 20
+
+
+@cache
+def _pattern(text: str) -> re.Pattern[str]:
+    """Return the regular expression of a pattern; see the module's docstring."""
+    parts = re.split(r"(\*|\{\w+\})", text)
+    return re.compile("".join(map(_part, parts)), re.DOTALL)
+
+
+def _part(part: str) -> str:
+    if part == "*":
+        return ".*"
+    if part.startswith("{") and part.endswith("}"):
+        return rf"(?P<{part[1:-1]}>\d+)"
+    return re.escape(part)
+
+
+def fit(patterns: tuple[str, ...], text: str) -> dict[str, int] | None:
+    """Return the numbers in ``text`` by name, from the first pattern that fits; None where none does."""
+    for pattern in patterns:
+        if match := _pattern(pattern).fullmatch(text):
+            return {name: int(number) for name, number in match.groupdict().items()}
+    return None
+
+
+@dataclass(frozen=True)
+class Waiver:
+    """One waiver; see the module's docstring. ``number`` counts from 1 in the file."""
+
+    number: int
+    category: str
+    reason: str
+    owner: str
+    expires: date
+    kind: str
+    modules: tuple[str, ...]
+    instances: tuple[str, ...] = ("*",)
+    models: tuple[str, ...] = ("*",)
+    where: str = "1"
+    let: Mapping[str, str] = field(default_factory=dict)
+    what: tuple[str, ...] = ()
+    signals: tuple[str, ...] = ()
+    range: tuple[str, str] | None = None
+    bits: tuple[str, ...] = ()
+    step: str = "1"
+
+    @property
+    def name(self) -> str:
+        """Return how messages call it."""
+        return f"waiver {self.number} ({self.kind}, {', '.join(self.modules)})"
+
+    def _variables(self, known: Mapping[str, int]) -> dict[str, int] | None:
+        """Return the variables with those of ``let``, None where the condition does not hold."""
+        variables = dict(known)
+        if not evaluate(self.where, variables):
+            return None
+        for name, text in self.let.items():
+            variables[name] = evaluate(text, variables)
+        return variables
+
+    def applies(self, model: str, instance: str) -> dict[str, int] | None:
+        """Return the numbers in the instance's path, None where the waiver is not for it."""
+        return None if fit(self.models, model) is None else fit(self.instances, instance)
+
+    def waives(self, what: str, known: Mapping[str, int]) -> bool:
+        """Return whether it covers a bin that is no toggle."""
+        numbers = fit(self.what, what)
+        return numbers is not None and self._variables({**known, **numbers}) is not None
+
+    def constant_bits(self, signal: str, bits: range, known: Mapping[str, int]) -> list[int]:
+        """Return which of the bits of a signal it says are constant; bit 0 for a signal without range."""
+        numbers = fit(self.signals, signal)
+        if numbers is None:
+            return []
+        variables = self._variables({**known, **numbers})
+        if variables is None:
+            return []
+        places = bits or range(1)
+        if self.range is None:
+            listed = set(_listed(self.bits, variables))
+            return [bit for bit in places if bit in listed]
+        low, high, step = (evaluate(text, variables) for text in (*self.range, self.step))
+        if low > high or step < 1 or step & (step - 1):
+            raise BoundError(f"{signal}: range {low}..{high} in steps of {step}")
+        # Over consecutive values bit b changes exactly where value >> b does; below the step it is 0.
+        first = bits.start
+        return [b for b in places if low >> (b - first) == high >> (b - first) or 1 << (b - first) < step]
+
+
+def _listed(texts: tuple[str, ...], variables: Mapping[str, int]) -> Iterator[int]:
+    for text in texts:
+        first, _, last = text.partition("..")
+        yield from range(evaluate(first, variables), evaluate(last or first, variables) + 1)
+
+
+def _texts(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value or not all(isinstance(text, str) for text in value):
+        raise ValueError("must be a list of texts")
+    return tuple(value)
+
+
+def _bounds(value: Any) -> tuple[str, str]:
+    low, high = _texts(value)
+    return low, high
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError("must be a text")
+    return value
+
+
+def _named(value: Any) -> dict[str, str]:
+    if not isinstance(value, dict):
+        raise ValueError("must be a table")
+    return {name: _text(text) for name, text in value.items()}
+
+
+def _day(value: Any) -> date:
+    if not isinstance(value, date):
+        raise ValueError("must be a date")
+    return value
+
+
+_READERS = {
+    **dict.fromkeys(("category", "reason", "owner", "kind", "where", "step"), _text),
+    **dict.fromkeys(("modules", "instances", "models", "what", "signals", "bits"), _texts),
+    "expires": _day,
+    "range": _bounds,
+    "let": _named,
+}
+
+
+def _waiver(number: int, entry: Any, path: Path) -> Waiver:
+    place = f"{path}: waiver {number}"
+    if not isinstance(entry, dict):
+        raise InputError(f"{place}: must be a table")
+    fields: dict[str, Any] = {}
+    for name, value in entry.items():
+        if name not in _READERS:
+            raise InputError(f"{place}: {name}: no such field; one of: {', '.join(_READERS)}")
+        try:
+            fields[name] = _READERS[name](value)
+        except ValueError as error:
+            raise InputError(f"{place}: {name}: {error}") from error
+    for name in _REQUIRED:
+        if name not in fields:
+            raise InputError(f"{place}: {name} is missing")
+    if fields["category"] not in CATEGORIES:
+        raise InputError(f"{place}: category {fields['category']}: one of: {', '.join(CATEGORIES)}")
+    if fields["kind"] not in KINDS:
+        raise InputError(f"{place}: kind {fields['kind']}: one of: {', '.join(KINDS)}")
+    if len(fields["reason"].strip()) < _SHORTEST_REASON:
+        raise InputError(f"{place}: reason: say why no input can hit these bins")
+    toggle = fields["kind"] == "toggle"
+    if toggle != ("signals" in fields) or toggle == ("what" in fields):
+        raise InputError(f"{place}: a toggle waiver has `signals`, any other has `what`")
+    if toggle != (("range" in fields) != ("bits" in fields)) or ("range" in fields and "bits" in fields):
+        raise InputError(f"{place}: a toggle waiver has `range` or `bits`, any other has neither")
+    return Waiver(number, **fields)
+
+
+def read_waivers(path: Path = WAIVERS) -> list[Waiver]:
+    """Read the waivers; raise InputError naming the first that is not well formed."""
+    try:
+        content = tomllib.loads(path.read_text())
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not TOML: {error}") from error
+    unknown = [name for name in content if name != "waiver"]
+    entries = content.get("waiver", [])
+    if unknown or not isinstance(entries, list):
+        raise InputError(f"{path}: must hold [[waiver]] tables and nothing else")
+    return [_waiver(number, entry, path) for number, entry in enumerate(entries, 1)]

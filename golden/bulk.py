@@ -1,0 +1,153 @@
+"""The bulk checker: the facts of many pairs, exactly, at the speed of a simulation.
+
+Native code (bulk.cpp, compiled on first use) that decides the 32 axes by their definition, for all
+coordinates of 32 bits and margins below 2^32. It runs without Python's lock, so a thread can check one
+burst of pairs while the simulation works at the next.
+"""
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.axes import NUM_AXES
+from triaxis.golden.errors import InputError
+from triaxis.golden.facts import Facts
+from triaxis.golden.native import native_library
+from triaxis.golden.pairs import MAX_WIDTH, VERDICT, Verdicts, check_pairs
+
+_FOLDER = Path(__file__).parent
+_LARGEST_MARGIN = (1 << MAX_WIDTH) - 1
+
+# Pairs between two calls of ``progress``.
+_CHUNK = 1 << 16
+
+# The types of the fields of Facts, in the order of FactArrays in bulk.cpp.
+_TYPES = {
+    **dict.fromkeys(("above", "below", "level", "clear_step", "near_step", "flat"), np.uint32),
+    **dict.fromkeys(("support_a", "support_b", "rank_a", "rank_b", "order_a", "order_b"), np.uint8),
+    **dict.fromkeys(("coplanar", "a_in_b", "b_in_a"), np.uint8),
+    **dict.fromkeys(("low", "high"), np.int32),
+}
+
+_Native = Callable[[int | None, int | None, int, Any], None]
+
+
+def load_checker(folder: Path = _FOLDER) -> _Native:
+    """Return the native function, compiled where needed, from the sources in a folder."""
+    function = native_library("bulk", [folder / "bulk.cpp"], sorted(folder.glob("bulk_*.h"))).triaxis_facts
+    function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
+    function.restype = None
+    return function
+
+
+_checker = cache(load_checker)
+
+
+def _as_coordinates(pairs: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
+    """Return the pairs as the native code wants them, not copied where they are that already."""
+    if pairs.dtype != np.int32 or pairs.ndim != 4 or pairs.shape[1:] != (2, 3, 3):
+        pairs = check_pairs(pairs, MAX_WIDTH)
+    return np.ascontiguousarray(pairs, np.int32)
+
+
+def _as_margins(margins: npt.NDArray[Any] | int, count: int) -> npt.NDArray[np.uint32]:
+    """Return the margins as the native code wants them, not copied where they are that already."""
+    array = np.asarray(margins)
+    if array.dtype.kind not in "iu" or array.shape not in ((), (count,)):
+        raise InputError(
+            f"margins: {array.dtype} of shape {array.shape}: must be integers of shape ({count},), one "
+            "for each pair, or a single one"
+        )
+    if array.dtype != np.uint32:
+        wrong = (array < 0) | (array > _LARGEST_MARGIN)
+        if wrong.any():
+            index = int(np.argmax(wrong))
+            raise InputError(f"margins: number {index}: {array.flat[index]}: must be 0..{_LARGEST_MARGIN}")
+    return np.ascontiguousarray(np.broadcast_to(array, count), np.uint32)
+
+
+def bulk_facts(pairs: npt.NDArray[Any], margins: npt.NDArray[Any] | int) -> Facts:
+    """Return the facts of pairs (N, 2, 3, 3) at margins (N,), or at the same one, in LSB.
+
+    Exact for coordinates of 32 bits, signed, and margins of 32 bits, unsigned; other ones raise
+    InputError. Contiguous int32 and uint32 arrays are used as they are, others are checked and copied.
+    """
+    coordinates = _as_coordinates(pairs)
+    count = len(coordinates)
+    limits = _as_margins(margins, count)
+    arrays: dict[str, npt.NDArray[Any]] = {name: np.empty(count, kind) for name, kind in _TYPES.items()}
+    addresses = (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays.values()))
+    _checker()(coordinates.ctypes.data, limits.ctypes.data, count, addresses)
+    return Facts(**arrays)
+
+
+def bulk_verdicts(
+    pairs: npt.NDArray[Any],
+    margins: npt.NDArray[Any] | int,
+    progress: Callable[[int], None] | None = None,
+) -> Verdicts:
+    """Return the verdicts on pairs, as `bulk_facts` takes them; see `VERDICT`.
+
+    ``progress`` is told how many pairs were done.
+    """
+    coordinates = _as_coordinates(pairs)
+    limits = _as_margins(margins, len(coordinates))
+    verdicts = np.zeros(len(coordinates), VERDICT)
+    for start in range(0, len(coordinates), _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        verdicts[chunk] = bulk_facts(coordinates[chunk], limits[chunk]).verdicts
+        if progress:
+            progress(len(verdicts[chunk]))
+    return verdicts
+
+
+def claims_hold(facts: Facts, axis: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Return which claimed axes (N,) separate their pairs; NO_AXIS, and what is no axis, do not."""
+    known = (axis >= 0) & (axis < NUM_AXES)
+    bit = facts.separating >> np.where(known, axis, 0).astype(np.uint32) & np.uint32(1)
+    return known & (bit != 0)
+
+
+@dataclass(frozen=True)
+class BulkCheck:
+    """What is wrong with the answers of a core to N pairs, each mask of shape (N,).
+
+    wrong_near: near is not as the 32 axes have it.
+    false_claim: said to be clear, but the claimed axis does not separate: the certificate is void.
+    wrong_claim: clear, and said to be, but the axis is not the lowest-numbered that separates.
+    """
+
+    facts: Facts
+    wrong_near: npt.NDArray[np.bool_]
+    false_claim: npt.NDArray[np.bool_]
+    wrong_claim: npt.NDArray[np.bool_]
+
+    @property
+    def wrong(self) -> npt.NDArray[np.bool_]:
+        """Return which answers are wrong in any respect."""
+        return self.wrong_near | self.false_claim | self.wrong_claim
+
+
+def bulk_check(
+    pairs: npt.NDArray[Any],
+    margins: npt.NDArray[Any] | int,
+    near: npt.NDArray[np.bool_],
+    axis: npt.NDArray[Any],
+) -> BulkCheck:
+    """Check answers ``near`` (N,) and claimed axes (N,) to pairs, as `bulk_facts` takes them.
+
+    ``axis`` counts only where ``near`` is false.
+    """
+    facts = bulk_facts(pairs, margins)
+    return BulkCheck(
+        facts,
+        near != facts.near,
+        ~near & ~claims_hold(facts, axis),
+        ~near & ~facts.near & (axis != facts.claim),
+    )

@@ -1,0 +1,62 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// As many pairs at a time as a vector register holds doubles: one pair a lane.
+
+#ifndef TRIAXIS_GOLDEN_BULK_LANES_H_
+#define TRIAXIS_GOLDEN_BULK_LANES_H_
+
+#include <cstdint>
+
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
+namespace triaxis::bulk {
+
+#if defined(__AVX512F__)
+inline constexpr int kLanes = 8;
+#elif defined(__AVX__)
+inline constexpr int kLanes = 4;
+#else
+inline constexpr int kLanes = 2;
+#endif
+
+// Numbers, and masks: comparisons of numbers give -1 or 0 in each lane.
+typedef double Reals __attribute__((vector_size(8 * kLanes)));
+typedef int64_t Masks __attribute__((vector_size(8 * kLanes)));
+
+inline Reals AllLanes(double value) { return value - Reals{}; }
+
+inline Reals Min(Reals x, Reals y) { return x < y ? x : y; }
+
+inline Reals Max(Reals x, Reals y) { return x > y ? x : y; }
+
+inline Reals Abs(Reals x) {
+  return (Reals)((Masks)x & INT64_MAX);
+}
+
+// A number with the sign of x.
+inline Reals Sign(Reals x) { return x; }
+
+inline bool Any(Masks mask) {
+#if defined(__AVX512F__)
+  return _mm512_test_epi64_mask((__m512i)mask, (__m512i)mask) != 0;
+#else
+  int64_t any = 0;
+  for (int lane = 0; lane < kLanes; ++lane) any |= mask[lane];
+  return any != 0;
+#endif
+}
+
+// Rounds to a multiple of 2^kBits, for |x| <= 2^(kBits + 50): adding 1.5 * 2^(kBits + 52) leaves no
+// finer bits, and subtracting it again is exact.
+template <int kBits>
+inline Reals Round(Reals x) {
+  constexpr double kShift = 0x1.8p52 * static_cast<double>(uint64_t{1} << kBits);
+  return (x + kShift) - kShift;
+}
+
+}  // namespace triaxis::bulk
+
+#endif  // TRIAXIS_GOLDEN_BULK_LANES_H_

@@ -1,0 +1,89 @@
+"""C++ of ours as shared libraries, compiled on first use and kept in build/native/.
+
+The name of a library ends in a hash of its sources, the flags, the compiler and the processor that it
+was compiled for, so it is compiled again exactly when one of them changes.
+"""
+
+import ctypes
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+
+BUILD = Path(__file__).resolve().parents[1] / "build" / "native"
+
+# Not -ffast-math, ever: the arithmetic rests on correctly rounded operations in the order written. The
+# compiler may fuse a product with a sum: sources here show that their products are exact, or that it does
+# not matter.
+_FLAGS = ("-O3", "-march=native", "-std=c++20", "-fPIC", "-shared")
+
+
+def cxx() -> str:
+    """Return the name of the C++ compiler: $CXX, or c++."""
+    return os.environ.get("CXX") or "c++"
+
+
+@cache
+def _target(compiler: str) -> str:
+    """Return what the compiler says of itself and of this processor: its predefined macros."""
+    if shutil.which(compiler) is None:
+        raise InputError(f"{compiler}: not found: install it (Debian: apt-get install g++), or set CXX")
+    command = [compiler, *_FLAGS[:3], "-dM", "-E", "-x", "c++", os.devnull]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, env=_english())
+    if answer.returncode:
+        first = _first_error(answer.stderr)
+        raise InputError(f"{compiler}: {first}: a compiler for C++20 is needed: install one, or set CXX")
+    return answer.stdout
+
+
+def _english() -> dict[str, str]:
+    return {**os.environ, "LC_ALL": "C"}
+
+
+def _first_error(messages: str) -> str:
+    lines = messages.strip().splitlines()
+    return next((line for line in lines if "error:" in line), lines[0] if lines else "no message").strip()
+
+
+def _key(files: Sequence[Path]) -> str:
+    digest = hashlib.sha256()
+    for text in (_target(cxx()), *_FLAGS):
+        digest.update(text.encode() + b"\0")
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def _compile(name: str, sources: Sequence[Path], output: Path) -> None:
+    """Compile to a temporary name and rename: whoever compiles the same meanwhile does no harm."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+    print(f"compiling {name} (once) ..", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=output.parent) as folder:
+        partial = Path(folder, output.name)
+        command = [cxx(), *_FLAGS, *map(str, sources), "-o", str(partial)]
+        answer = subprocess.run(command, capture_output=True, text=True, check=False, env=_english())
+        if answer.returncode:
+            log = output.with_suffix(".log")
+            log.write_text(f"{' '.join(command)}\n{answer.stderr}")
+            first = _first_error(answer.stderr)
+            raise InputError(f"{name}: {cxx()} fails: {first} (log: {log})")
+        partial.replace(output)
+
+
+def native_library(name: str, sources: Sequence[Path], headers: Sequence[Path] = ()) -> ctypes.CDLL:
+    """Return the shared library of C++ ``sources``, compiled where needed.
+
+    ``headers`` are those of ours that the sources include. Raises InputError where there is no compiler
+    or it fails.
+    """
+    output = BUILD / f"{name}-{_key([*sources, *headers])}.so"
+    if not output.is_file():
+        _compile(name, sources, output)
+    return ctypes.CDLL(str(output))

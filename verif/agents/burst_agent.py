@@ -1,0 +1,113 @@
+"""Drivers and monitors that work on whole bursts, through the bus-functional model.
+
+They take the places of the pin-level ones by factory override (`use_bursts`); agents, sequences and
+scoreboard are the same.
+"""
+
+import numpy as np
+import numpy.typing as npt
+from pyuvm import uvm_factory
+
+from triaxis.verif.agents.items import BurstItem, Pace
+from triaxis.verif.agents.sink_agent import ReadyDriver, SinkMonitor
+from triaxis.verif.agents.source_agent import SourceDriver, SourceMonitor
+from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.handles import bfm_of, settings_of
+
+
+class BurstSourceDriver(SourceDriver):
+    """Hands bursts to the bus-functional model."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm = bfm_of(self)
+        self.rng = np.random.default_rng([self.settings.seed, *b"source"])
+
+    async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
+        """Offer the pairs until the last is accepted; HungBurst where that never comes."""
+        await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
+
+
+class BurstSourceMonitor(SourceMonitor):
+    """Publishes accepted pairs and resets, as the model's input monitor saw them."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm = bfm_of(self)
+        self._moved = 0
+
+    async def run_phase(self) -> None:
+        """Fetch whenever the model asks for it."""
+        while True:
+            await self.bfm.wake
+            self.flush()
+
+    @property
+    def moved(self) -> int:
+        """Return how many pairs were fetched."""
+        return self._moved
+
+    def flush(self) -> None:
+        """Publish what was seen so far."""
+        while True:
+            beats = self.bfm.input_beats()
+            self._moved += len(beats.tags)
+            if len(beats.tags):
+                self.ap.write(PairBatch(beats.pairs, beats.margins, beats.tags, beats.waits))
+            if not beats.reset:
+                return
+            self.ap.write(ResetSeen())
+
+
+class BurstSinkMonitor(SinkMonitor):
+    """Publishes results and resets, as the model's output monitor saw them."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm = bfm_of(self)
+        self._moved = 0
+
+    async def run_phase(self) -> None:
+        """Fetch whenever the model asks for it."""
+        while True:
+            await self.bfm.wake
+            self.flush()
+
+    @property
+    def moved(self) -> int:
+        """Return how many results were fetched."""
+        return self._moved
+
+    def flush(self) -> None:
+        """Publish what was seen so far."""
+        while True:
+            beats = self.bfm.output_beats()
+            self._moved += len(beats.tags)
+            if len(beats.tags):
+                self.ap.write(ResultBatch(beats.words, beats.tags, beats.waits))
+            if not beats.reset:
+                return
+            self.ap.write(ResetSeen())
+
+
+class BurstReadyDriver(ReadyDriver):
+    """Sets the pace at which the model takes results."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm = bfm_of(self)
+        self.rng = np.random.default_rng([settings_of(self).seed, *b"sink"])
+
+    def write(self, tt: Pace) -> None:
+        """Take results at this pace from now on."""
+        super().write(tt)
+        self.bfm.set_sink_pace(tt, self.rng)
+
+
+def use_bursts() -> None:
+    """Make the factory give the burst drivers and monitors in place of the pin-level ones."""
+    factory = uvm_factory()
+    factory.set_type_override_by_type(SourceDriver, BurstSourceDriver)
+    factory.set_type_override_by_type(SourceMonitor, BurstSourceMonitor)
+    factory.set_type_override_by_type(SinkMonitor, BurstSinkMonitor)
+    factory.set_type_override_by_type(ReadyDriver, BurstReadyDriver)

@@ -1,0 +1,121 @@
+"""The bus-functional model of the burst simulation, as Python calls it.
+
+The C++ part, verif/burst/burst_bfm.cpp, lives in the simulator executable, which is this process.
+"""
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from cocotb.triggers import ValueChange
+
+from triaxis.verif.agents.items import FULL_SPEED, Pace
+
+# Runs on and off that are drawn for a pace; the model uses them over and over.
+_RUNS = 2048
+# How much longer than its paces suggest a burst may take, and what comes on top for its ends.
+_BUDGET_FACTOR = 4
+_BUDGET_CYCLES = 10_000
+
+Array = npt.NDArray[Any]
+
+
+class HungBurst(AssertionError):
+    """The core did not accept a burst within its budget of clocks."""
+
+
+@dataclass(frozen=True)
+class InputBeats:
+    """Pairs that the input monitor saw accepted; ``reset``: a reset began right after the last."""
+
+    pairs: npt.NDArray[np.int32]
+    margins: npt.NDArray[np.uint32]
+    tags: npt.NDArray[np.uint32]
+    waits: npt.NDArray[np.uint16]
+    reset: bool
+
+
+@dataclass(frozen=True)
+class OutputBeats:
+    """Results that the output monitor saw taken; ``reset``: a reset began right after the last."""
+
+    words: npt.NDArray[np.uint16]
+    tags: npt.NDArray[np.uint32]
+    waits: npt.NDArray[np.uint16]
+    reset: bool
+
+
+def _address(array: Array) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+class BurstBfm:
+    """The one that knows the C functions; drivers and monitors know only this."""
+
+    def __init__(self, dut: Any) -> None:
+        """Find the functions in this process; ``dut`` is the top level, triaxis_burst_tb."""
+        self.wake = ValueChange(dut.wake_i)
+        self._library = ctypes.CDLL(None)
+        for name in ("burst_accepted", "burst_cycles", "input_available", "output_available"):
+            getattr(self._library, f"triaxis_{name}").restype = ctypes.c_int64
+        self._sink_pace = FULL_SPEED
+
+    def set_sink_pace(self, pace: Pace, rng: np.random.Generator) -> None:
+        """Take results at this pace from the next clock on."""
+        runs = pace.runs(rng, _RUNS)
+        self._sink_pace = pace
+        self._library.triaxis_sink_pace(_address(runs), ctypes.c_int64(len(runs)))
+
+    async def send(
+        self, pairs: Array, margins: Array, tags: Array, gaps: Pace, rng: np.random.Generator
+    ) -> None:
+        """Offer pairs (N, 2, 3, 3) at margins (N,) with tags (N,) until the last is accepted.
+
+        Raises HungBurst where that takes far longer than the paces of both sides explain.
+        """
+        if not len(pairs):
+            return
+        # Held here: C++ keeps pointers to them while the burst is under way.
+        held = (
+            np.ascontiguousarray(pairs, np.int32),
+            np.ascontiguousarray(margins, np.uint32),
+            np.ascontiguousarray(tags, np.uint32),
+        )
+        runs = gaps.runs(rng, _RUNS)
+        duty = min(gaps.duty, self._sink_pace.duty)
+        budget = int(_BUDGET_FACTOR * len(pairs) / duty) + _BUDGET_CYCLES
+        count = ctypes.c_int64(len(pairs))
+        self._library.triaxis_burst_start(
+            *map(_address, held), count, _address(runs), ctypes.c_int64(len(runs)), ctypes.c_int64(budget)
+        )
+        while self._library.triaxis_burst_active():
+            await self.wake
+        accepted = self._library.triaxis_burst_accepted()
+        if accepted < len(pairs):
+            raise HungBurst(
+                f"{accepted} of {len(pairs)} pairs accepted in {budget} clocks, the budget of this burst:"
+                " the core hangs"
+            )
+
+    def input_beats(self) -> InputBeats:
+        """Return what the input monitor has, up to the next reset."""
+        count = self._library.triaxis_input_available()
+        pairs = np.empty((count, 2, 3, 3), np.int32)
+        margins, tags = np.empty(count, np.uint32), np.empty(count, np.uint32)
+        waits = np.empty(count, np.uint16)
+        reset = self._library.triaxis_input_fetch(
+            ctypes.c_int64(count), *map(_address, (pairs, margins, tags, waits))
+        )
+        return InputBeats(pairs, margins, tags, waits, bool(reset))
+
+    def output_beats(self) -> OutputBeats:
+        """Return what the output monitor has, up to the next reset."""
+        count = self._library.triaxis_output_available()
+        words, tags = np.empty(count, np.uint16), np.empty(count, np.uint32)
+        waits = np.empty(count, np.uint16)
+        reset = self._library.triaxis_output_fetch(
+            ctypes.c_int64(count), *map(_address, (words, tags, waits))
+        )
+        return OutputBeats(words, tags, waits, bool(reset))

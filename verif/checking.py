@@ -1,0 +1,146 @@
+"""Checks answers, pair by pair, free of the simulator.
+
+Every answer is compared with the bulk checker and every claimed axis is checked to separate; a sample is
+judged by the golden model too, which shares nothing with the bulk checker.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.coverage.core_sample import CoreSample
+from triaxis.golden.axes import axis_name, axis_vector
+from triaxis.golden.bulk import bulk_facts, claims_hold
+from triaxis.golden.certificate import axis_proves_clear
+from triaxis.golden.facts import Facts
+from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
+from triaxis.verif.batches import Integers, PairBatch, ResultBatch
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.golden_sample import EVERYTHING, GoldenSample, Share
+from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
+
+# Failures described in full; beyond that they are only counted.
+DESCRIBED = 10
+# Pairs that came before a failing one, kept with it: a fault may need them. More than any latency.
+_CONTEXT = 64
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One thing that went wrong; ``pair`` (2, 3, 3) and ``margin`` where it is about a pair.
+
+    ``context`` (K, 2, 3, 3) and ``context_margins`` (K,): the pairs that were accepted just before it.
+    """
+
+    message: str
+    pair: Integers | None = None
+    margin: int = 0
+    context: Integers | None = None
+    context_margins: Integers | None = None
+
+
+class Checker:
+    """Checks matched batches, in order; calls ``on_checked`` for each."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        share: Share = EVERYTHING,
+        seed: int = 0,
+        on_checked: Callable[[CoreSample], None] = lambda _: None,
+    ) -> None:
+        """Start with nothing checked."""
+        self.configuration = configuration
+        self.checked = 0
+        self.clear_claims = 0
+        self.judged = 0
+        self.failed = 0
+        self.failures: list[Failure] = []
+        self._sample = GoldenSample(share, seed)
+        # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
+        default_solver()
+        self._on_checked = on_checked
+        self._before: tuple[Integers, Integers] | None = None
+
+    def check(self, pairs: PairBatch, results: ResultBatch) -> None:
+        """Check results against the pairs that they answer, one to one."""
+        facts = bulk_facts(pairs.pairs, pairs.margins)
+        self._compare(pairs, results, facts)
+        self._recheck_claims(pairs, results, facts)
+        self._judge(pairs, results, facts)
+        self.checked += len(pairs)
+        self._before = self._until(pairs, len(pairs))
+        self._on_checked(CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits))
+
+    def _compare(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
+        expected = expected_words(facts, self.configuration)
+        wrong_tag = pairs.tags != results.tags
+        for i in np.flatnonzero(wrong_tag | (expected != results.words)).tolist():
+            if len(self.failures) >= DESCRIBED:
+                message = ""
+            elif wrong_tag[i]:
+                message = f"tag {results.tags[i]} where {pairs.tags[i]} was due"
+            else:
+                got, due = decode(np.array([results.words[i], expected[i]]))
+                message = f"core says {got} ({results.words[i]:#06x}), exact answer {due}"
+            self._fail(message, pairs, i)
+
+    def _recheck_claims(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
+        """Prove every "clear" from the claimed axis, whatever the right answer is."""
+        clear = results.words & NEAR == 0
+        axis = results.words >> AXIS_SHIFT & AXIS_MASK
+        self.clear_claims += int(clear.sum())
+        for i in np.flatnonzero(clear & ~claims_hold(facts, axis)).tolist():
+            self._fail(f"claimed axis {axis[i]} ({axis_name(int(axis[i]))}) does not separate", pairs, i)
+
+    def _judge(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
+        chosen = self._sample.choose(facts)
+        if not len(chosen):
+            return
+        some, margins = pairs.pairs[chosen].astype(np.int64), pairs.margins[chosen].astype(np.int64)
+        self.judged += len(chosen)
+        try:
+            verdicts = judge_pairs(some, margins)
+        except CertificateError as error:
+            self._fail(f"golden model: {error}", pairs, int(chosen[0]))
+            return
+        for i in chosen[verdicts != facts[chosen].verdicts].tolist():
+            self._fail("bulk checker and golden model disagree", pairs, i)
+        self._prove_claims(some, margins, results.words[chosen], pairs, chosen)
+
+    def _prove_claims(
+        self,
+        some: npt.NDArray[np.int64],
+        margins: npt.NDArray[np.int64],
+        words: npt.NDArray[np.uint16],
+        pairs: PairBatch,
+        chosen: npt.NDArray[np.intp],
+    ) -> None:
+        """Prove claims of sampled pairs by the golden model's own checker of certificates."""
+        for k in np.flatnonzero(words & NEAR == 0).tolist():
+            a, b = some[k].tolist()
+            number = int(words[k]) >> AXIS_SHIFT & AXIS_MASK
+            if not axis_proves_clear(a, b, int(margins[k]), axis_vector(number, a, b)):
+                self._fail(f"claim of axis {number} is no certificate", pairs, int(chosen[k]))
+
+    def _fail(self, message: str, pairs: PairBatch, i: int) -> None:
+        self.failed += 1
+        if len(self.failures) >= DESCRIBED:
+            return
+        context, margins = self._until(pairs, i)
+        self.failures.append(Failure(message, pairs.pairs[i], int(pairs.margins[i]), context, margins))
+
+    def _until(self, pairs: PairBatch, i: int) -> tuple[Integers, Integers]:
+        """Return the last pairs and margins before pair ``i`` of a batch, also of the batch before it."""
+        start = max(0, i - _CONTEXT)
+        here = pairs[start:i]
+        if start or self._before is None:
+            return here.pairs.copy(), here.margins.copy()
+        left = slice(max(0, len(self._before[1]) - (_CONTEXT - i)), None)
+        return (
+            np.concatenate([self._before[0][left], here.pairs]),
+            np.concatenate([self._before[1][left], here.margins]),
+        )

@@ -1,0 +1,243 @@
+"""A run of its own that measures code coverage of dut/: builds with counters, plays, checks, assesses.
+
+Results are checked against the bulk checker: coverage by a core that answers wrongly is worth nothing.
+"""
+
+import json
+import signal
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from datetime import date
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.coverage.code_counters import read_counters
+from triaxis.coverage.code_coverage import (
+    Assessment,
+    ModelCoverage,
+    Total,
+    assess_model,
+    conclude,
+    generate_blocks,
+)
+from triaxis.coverage.elaboration import read_elaboration
+from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.code_coverage_stimulus import disturbed, pairs_with_margins, stimulus
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.instrumented_core import (
+    DELIVERED,
+    InstrumentedCore,
+    InstrumentedDetector,
+    Model,
+    core_model,
+    detector_model,
+    elaborated,
+)
+from triaxis.verif.paths import BUILD, rtl_sources
+from triaxis.verif.toolchain import verilator
+
+RESULT = BUILD / "coverage" / "code.json"
+COUNTERS = BUILD / "coverage" / "counters"
+
+# Together they elaborate every generate block of dut/; the run fails if one is missing.
+CORES = (
+    # 576 bits of TDATA, both operands of the multipliers split, no edge x box axes, no gating.
+    Configuration(32, 0, edge_box=False, gating=False),
+    # Padding above the coordinates, one tag bit, multipliers with their operands swapped.
+    Configuration(18, 18, tag_bits=1),
+    Configuration(16, 16),
+    Configuration(16, 0),
+)
+DETECTOR_WIDTH = 16
+
+# Each bin of the slowest model is hit within about half of this.
+PAIRS = 12_000
+_JOBS = 2
+
+
+@dataclass(frozen=True)
+class Run:
+    """One model: how many pairs it was played, how many were checked and how many were wrong."""
+
+    model: str
+    pairs: int
+    checked: int
+    wrong: int
+    clocks: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CodeCoverage:
+    """All runs, and how they cover the code."""
+
+    runs: list[Run]
+    assessment: Assessment
+    waivers: list[Waiver]
+    seconds: float
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what is wrong, apart from bins that are not covered."""
+        wrong = [f"{r.model}: {r.wrong} of {r.checked} results are wrong" for r in self.runs if r.wrong]
+        idle = [f"{r.model}: no result was checked" for r in self.runs if not r.checked]
+        return [*wrong, *idle, *self.assessment.problems]
+
+    @property
+    def passed(self) -> bool:
+        """Return whether every bin is hit or waived, with right results."""
+        return self.assessment.passed and not self.problems
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One model to play: a configuration of the core, or the wrapper."""
+
+    configuration: Configuration | None
+    seed: int
+    count: int
+    steps: npt.NDArray[np.uint8]
+    waivers: list[Waiver]
+
+    @property
+    def model(self) -> Model:
+        """Return the model."""
+        return core_model(self.configuration) if self.configuration else detector_model(DETECTOR_WIDTH)
+
+    def build(self) -> None:
+        """Build and elaborate the model, where needed."""
+        if self.configuration:
+            InstrumentedCore(self.configuration)
+        else:
+            InstrumentedDetector(DETECTOR_WIDTH)
+        elaborated(self.model)
+
+    def run(self) -> tuple[Run, Assessment]:
+        """Play the model, check its results, and assess its coverage."""
+        start = time.perf_counter()
+        file = COUNTERS / f"{self.model.name}.dat"
+        checked, wrong, clocks = self._play_core(file) if self.configuration else self._play_detector(file)
+        instances = read_elaboration(elaborated(self.model), self.model.top)
+        coverage = ModelCoverage(self.model.name, read_counters(file), instances)
+        assessment = assess_model(coverage, self.waivers)
+        seconds = time.perf_counter() - start
+        return Run(self.model.name, self.count, checked, wrong, clocks, seconds), assessment
+
+    def _play_core(self, file: Path) -> tuple[int, int, int]:
+        """Return how many results were checked, how many were wrong, and the clocks."""
+        assert self.configuration
+        rng = np.random.default_rng([self.seed, self.configuration.width, self.configuration.margin_bits])
+        played_with = stimulus(rng, self.count, self.configuration, self.steps)
+        played = InstrumentedCore(self.configuration).play(played_with, file)
+        delivered = played.states == DELIVERED
+        facts = bulk_facts(played_with.pairs, played_with.margins)
+        wrong = delivered & (played.words != expected_words(facts, self.configuration))
+        return int(delivered.sum()), int(wrong.sum()), played.clocks
+
+    def _play_detector(self, file: Path) -> tuple[int, int, int]:
+        rng = np.random.default_rng([self.seed, DETECTOR_WIDTH])
+        pairs, _ = pairs_with_margins(rng, self.count, DETECTOR_WIDTH, 0)
+        normals = rng.integers(*coordinate_range(DETECTOR_WIDTH), (self.count, 2, 3), endpoint=True)
+        collides = InstrumentedDetector(DETECTOR_WIDTH).play(pairs, normals, file)
+        return self.count, int((collides != bulk_facts(pairs, 0).near).sum()), 0
+
+
+def _run_job(job: _Job) -> tuple[Run, Assessment]:
+    return job.run()
+
+
+def _ignore_interrupts() -> None:
+    """Leave an interrupt to the process that waits for the workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[Run, Assessment]]:
+    """Build in threads, which only wait for compilers; then run in processes, whose work is Python's."""
+    with ThreadPoolExecutor(_JOBS) as threads:
+        for _ in threads.map(_Job.build, jobs):
+            progress(1)
+    done: list[tuple[Run, Assessment]] = []
+    pool = ProcessPoolExecutor(_JOBS, get_context("spawn"), initializer=_ignore_interrupts)
+    try:
+        for outcome in pool.map(_run_job, jobs):
+            done.append(outcome)
+            progress(1)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return done
+
+
+def measure(
+    seed: int,
+    count: int = PAIRS,
+    cores: Sequence[Configuration] = CORES,
+    waivers: Path = WAIVERS,
+    progress: Callable[[int], None] | None = None,
+) -> CodeCoverage:
+    """Measure code coverage with ``count`` pairs on each core and on the wrapper.
+
+    ``progress`` is told of each model twice: when it is built, and when it is done.
+    """
+    start = time.perf_counter()
+    read = read_waivers(waivers)
+    COUNTERS.mkdir(parents=True, exist_ok=True)
+    steps = disturbed(np.random.default_rng(seed))
+    jobs = [_Job(core, seed, count, steps, read) for core in (*cores, None)]
+    done = _run_all(jobs, progress or (lambda _: None))
+    together = Assessment()
+    for _, assessment in done:
+        together.add(assessment)
+    whole = conclude(together, generate_blocks(rtl_sources()), read, date.today())
+    return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start)
+
+
+def _as_json(total: Total) -> dict[str, int | float]:
+    return {**asdict(total), "percent": round(total.percent, 2)}
+
+
+def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
+    """Write the result, whole or not at all."""
+    assessment = result.assessment
+    content = {
+        "passed": result.passed,
+        "totals": {kind: _as_json(total) for kind, total in assessment.totals.items()},
+        "files": {
+            file: {k: _as_json(total) for (f, k), total in sorted(assessment.files.items()) if f == file}
+            for file in sorted({file for file, _ in assessment.files})
+        },
+        "uncovered": [asdict(bin_) for bin_ in assessment.uncovered],
+        "problems": result.problems,
+        "waivers": [
+            {
+                "number": waiver.number,
+                "category": waiver.category,
+                "kind": waiver.kind,
+                "modules": waiver.modules,
+                "reason": waiver.reason.strip(),
+                "owner": waiver.owner,
+                "expires": str(waiver.expires),
+                "bins": assessment.waived[waiver.number],
+            }
+            for waiver in result.waivers
+        ],
+        "runs": [{**asdict(run), "seconds": round(run.seconds, 1)} for run in result.runs],
+        "seed": seed,
+        "seconds": round(result.seconds, 1),
+        "rtl_hash": rtl_hash(),
+        "verilator": str(verilator()),
+        "command": f"triaxis code-coverage --seed {seed}",
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(content, indent=2) + "\n")
+    partial.replace(path)
+    return path

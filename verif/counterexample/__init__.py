@@ -1,0 +1,1 @@
+"""Counterexamples: made small, drawn, and kept as regression cases."""

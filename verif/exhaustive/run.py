@@ -1,0 +1,234 @@
+"""A whole grid on all cores, stopped and continued at will, and the proof that nothing is left out."""
+
+import json
+import os
+import platform
+import signal
+import time
+from collections.abc import Callable, Generator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import default_solver
+from triaxis.verif.build import content_hash, rtl_hash
+from triaxis.verif.checking import Failure
+from triaxis.verif.engine import RtlEngine
+from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
+from triaxis.verif.exhaustive.grid import Grid
+from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save, write_whole
+from triaxis.verif.failing_pairs import write_failing_pairs
+from triaxis.verif.paths import BUILD, ROOT
+from triaxis.verif.toolchain import verilator
+
+FOLDER = BUILD / "exhaustive"
+WORKERS = min(2, os.cpu_count() or 1)
+# Beyond so many mismatches the rest would say nothing new.
+ENOUGH_MISMATCHES = 10_000
+_KEPT = 20
+# Runs that a worker does before it reports: enough to hide the cost of that, and soon done where the user
+# interrupts.
+_RUNS_PER_REPORT = 1 << 16
+_SECONDS_BETWEEN_SAVES = 5.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run that came to its end; ``new``: classes that were not run before it was continued."""
+
+    identity: Identity
+    grid: Grid
+    progress: Progress
+    new: int
+
+    @property
+    def runs_per_second(self) -> float:
+        """Return how fast it was, pauses left out."""
+        return self.progress.result.counts.runs / max(self.progress.seconds, 1e-9)
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what stands against a pass, one line each."""
+        counts = self.progress.result.counts
+        if counts.mismatches:
+            stopped = counts.classes < len(self.grid.classes)
+            where = f"; stopped after {counts.classes} of {len(self.grid.classes)} classes" if stopped else ""
+            return [f"{counts.mismatches} mismatches{where}"]
+        return [
+            f"the runs at margin {margin} stand for {found} ordered pairs, not for {self.grid.ordered_pairs}"
+            for margin, found in zip(MARGINS, counts.ordered, strict=True)
+            if found != self.grid.ordered_pairs
+        ]
+
+
+def identity_of(size: int, seed: int) -> Identity:
+    """Return what a run of this grid and seed is of, as the checkout stands."""
+    checker = [
+        *(path for path in (ROOT / "golden").glob("*.*") if path.suffix in (".py", ".cpp", ".h")),
+        *(ROOT / "verif/exhaustive").glob("*.py"),
+        *(ROOT / "verif" / name for name in ("engine.py", "harness.cpp", "expectation.py", "result.py")),
+        ROOT / "verif/sequences/symmetry.py",
+    ]
+    return Identity(size, seed, CONFIGURATION.name, rtl_hash(), content_hash(sorted(checker)))
+
+
+def run_grid(
+    grid: Grid,
+    identity: Identity,
+    progress: Callable[[int], None] | None = None,
+    folder: Path = FOLDER,
+    workers: int = WORKERS,
+) -> Outcome:
+    """Run what is left of the grid, and write the result; ``progress`` is told how many classes were done.
+
+    Where it is interrupted, the state that it leaves in ``folder`` continues the run.
+    """
+    report = progress or (lambda _: None)
+    # Built here, so that the workers find it.
+    RtlEngine(CONFIGURATION)
+    state = load(folder, identity)
+    report(state.done)
+    before = state.done
+    try:
+        _run_rest(grid, identity, state, report, folder, workers)
+    finally:
+        save(folder, identity, state)
+    outcome = Outcome(identity, grid, state, state.done - before)
+    write_result(outcome, folder)
+    forget(folder, identity)
+    return outcome
+
+
+def _run_rest(
+    grid: Grid,
+    identity: Identity,
+    state: Progress,
+    report: Callable[[int], None],
+    folder: Path,
+    workers: int,
+) -> None:
+    step = max(1, _RUNS_PER_REPORT // (len(MARGINS) * len(grid.triangles)))
+    last = len(grid.classes)
+    tasks = [(identity, start, min(start + step, last)) for start in range(state.done, last, step)]
+    start, saved = time.monotonic() - state.seconds, time.monotonic()
+    with closing(_results(tasks, workers)) as results:
+        for result in results:
+            state.result = _sum([state.result, result])
+            state.seconds = time.monotonic() - start
+            report(result.counts.classes)
+            if time.monotonic() - saved > _SECONDS_BETWEEN_SAVES:
+                save(folder, identity, state)
+                saved = time.monotonic()
+            if state.result.counts.mismatches >= ENOUGH_MISMATCHES:
+                return
+
+
+def _sum(results: list[ClassResult]) -> ClassResult:
+    total = ClassResult()
+    for result in results:
+        total.counts = total.counts + result.counts
+        total.mismatches = (total.mismatches + result.mismatches)[:_KEPT]
+    return total
+
+
+# A run, its first class, and the one after its last.
+_Task = tuple[Identity, int, int]
+
+
+@cache
+def _checker(identity: Identity) -> ClassChecker:
+    checker = ClassChecker(Grid(identity.grid), RtlEngine(CONFIGURATION), bulk_facts, identity.seed)
+    if rtl_hash() != identity.rtl:
+        raise InputError("dut/: changed while the run started: start it again")
+    return checker
+
+
+def _check_classes(task: _Task) -> ClassResult:
+    identity, first, end = task
+    return _sum([_checker(identity).check(number) for number in range(first, end)])
+
+
+def _ignore_interrupts() -> None:
+    """Let a worker finish its task; PPL's loader unblocks the signal and handles it itself."""
+    default_solver()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _results(tasks: list[_Task], workers: int) -> Generator[ClassResult]:
+    """Return the results in the order of the tasks."""
+    if workers < 2 or len(tasks) < 2:
+        yield from map(_check_classes, tasks)
+        return
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
+    try:
+        # Workers start here, and inherit the blocked signal: an interrupt is for this process.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            results = pool.map(_check_classes, tasks)
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        yield from results
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def result_file(folder: Path, size: int) -> Path:
+    """Return where the result of a grid is written."""
+    return folder / f"grid{size}.json"
+
+
+def failing_file(folder: Path, size: int) -> Path:
+    """Return where the first failing pairs are written."""
+    return folder / f"grid{size}_failing_pairs.npz"
+
+
+def replay_command(folder: Path, size: int) -> str:
+    """Return the command that sends the failing pairs again."""
+    path = failing_file(folder, size)
+    return f".venv/bin/triaxis sim ReplayTest --config {CONFIGURATION.name} --replay {path}"
+
+
+def _failure(mismatch: Mismatch) -> Failure:
+    return Failure(
+        mismatch.message,
+        np.array(mismatch.pair, np.int64),
+        mismatch.margin,
+        np.array(mismatch.context, np.int64).reshape(-1, 2, 3, 3),
+        np.array(mismatch.context_margins, np.int64),
+    )
+
+
+def write_result(outcome: Outcome, folder: Path) -> None:
+    """Write the result, and the failing pairs where there are any."""
+    size, result = outcome.grid.size, outcome.progress.result
+    failing = failing_file(folder, size)
+    failing.unlink(missing_ok=True)
+    if result.mismatches:
+        write_failing_pairs(failing, [_failure(mismatch) for mismatch in result.mismatches])
+    content = {
+        "passed": not outcome.problems,
+        "problems": outcome.problems,
+        **asdict(outcome.identity),
+        "command": f"triaxis exhaustive --grid {size} --seed {outcome.identity.seed}",
+        "verilator": str(verilator()),
+        "python": platform.python_version(),
+        "seconds": round(outcome.progress.seconds, 1),
+        "margins": MARGINS,
+        "triangles": len(outcome.grid.triangles),
+        "classes": len(outcome.grid.classes),
+        "ordered_pairs": outcome.grid.ordered_pairs,
+        "counts": asdict(result.counts),
+        "mismatches": [
+            {"message": mismatch.message, "pair": mismatch.pair, "margin": mismatch.margin}
+            for mismatch in result.mismatches
+        ],
+        "replay": replay_command(folder, size) if result.mismatches else None,
+    }
+    write_whole(result_file(folder, size), json.dumps(content, indent=2) + "\n")

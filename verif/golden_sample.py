@@ -1,0 +1,71 @@
+"""Which pairs of a run the golden model judges as well.
+
+The bulk checker checks every pair; the linear program is too slow for that. It gets a random share,
+and the first pairs of every kind of situation that is seen: which axis decides, at which step of the
+decision, between triangles of which ranks, touching with which features. So everything interesting is
+judged in each run, whatever its length.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.facts import Facts
+
+# How many of each kind are judged in a run, from as many batches.
+_FIRST = 2
+_KIND_BITS = 18
+
+
+@dataclass(frozen=True)
+class Share:
+    """How much the golden model judges: one in ``one_in`` at random (1: all), and ``kinds``, those of
+    new kinds, at most ``at_a_time`` in a batch.
+    """
+
+    one_in: int
+    at_a_time: int = 64
+
+
+EVERYTHING = Share(1)
+
+
+def kinds(facts: Facts) -> npt.NDArray[np.uint32]:
+    """Return a number for the kind of situation of each pair: (N,), below 2^18."""
+    decided = facts.claim.astype(np.int64) + 1
+    code = decided.astype(np.uint32)
+    for part, bits in (
+        (facts.rank_a, 2),
+        (facts.rank_b, 2),
+        (facts.level != 0, 1),
+        (facts.clear_step & facts.separating != 0, 1),
+        (facts.near_step != 0, 1),
+        (facts.flat != 0, 1),
+        (np.bitwise_count(facts.support_a), 2),
+        (np.bitwise_count(facts.support_b), 2),
+    ):
+        code = code << np.uint32(bits) | part.astype(np.uint32)
+    return code
+
+
+class GoldenSample:
+    """Chooses pairs, batch by batch; remembers which kinds it has seen."""
+
+    def __init__(self, share: Share, seed: int) -> None:
+        """Start with no kind seen."""
+        self._share = share
+        self._rng = np.random.default_rng([seed, *b"golden"])
+        self._seen = np.zeros(1 << _KIND_BITS, np.uint8)
+
+    def choose(self, facts: Facts) -> npt.NDArray[np.intp]:
+        """Return the indices of the pairs to judge, ascending."""
+        if self._share.one_in == 1:
+            return np.arange(len(facts))
+        code = kinds(facts)
+        wanted = np.flatnonzero(self._seen[code] < _FIRST)
+        # The first of each kind in this batch.
+        new = wanted[np.unique(code[wanted], return_index=True)[1]][: self._share.at_a_time]
+        self._seen[code[new]] += 1
+        random = np.flatnonzero(self._rng.integers(0, self._share.one_in, len(facts), np.uint16) == 0)
+        return np.union1d(new, random)

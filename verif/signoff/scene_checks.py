@@ -1,0 +1,105 @@
+"""Whole meshes through the RTL, compared with the golden model pair by pair."""
+
+import os
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.judge import judge_pairs
+from triaxis.golden.pairs import Pairs, Verdicts
+from triaxis.golden.stl import read_stl
+from triaxis.verif.engine import RtlEngine, configuration_for
+from triaxis.verif.meshcheck import check_meshes, prepare
+from triaxis.verif.paths import ROOT
+from triaxis.verif.scenes import write_scenes, write_stl
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """Two meshes, checked end to end through the RTL.
+
+    ``agrees``: the golden model says the same of every tested pair.
+    """
+
+    name: str
+    expected: str
+    found: str
+    agrees: bool
+    pairs: int
+    skipped: int
+    tested: int
+    near: int
+
+    @property
+    def passed(self) -> bool:
+        """Return whether it came out as expected, and as the golden model says."""
+        return self.agrees and self.found == self.expected
+
+
+def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fraction) -> SceneResult:
+    """Check two STL files by the core, and compare every tested pair with the golden model."""
+    meshes = prepare(read_stl(a), read_stl(b), (str(a), str(b)), Fraction(1, 1000), clearance, width=24)
+    engine = RtlEngine(configuration_for(meshes.grid.width, meshes.margin))
+    agrees = True
+
+    def decide(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
+        nonlocal agrees
+        verdicts = engine.verdicts(pairs, margins)
+        agrees &= bool((verdicts == judge_pairs(pairs, margins)).all())
+        return verdicts
+
+    result = check_meshes(meshes, decide, listed=0)
+    word = {True: "near", False: "clear"}
+    return SceneResult(
+        name,
+        word[expected],
+        word[result.near_count > 0],
+        agrees,
+        result.pairs,
+        result.skipped,
+        result.tested,
+        result.near_count,
+    )
+
+
+def check_scenes(folder: Path) -> list[SceneResult]:
+    """Check the scenes that the project makes itself, written into a folder as STL files."""
+    return [
+        _check_files(scene.name, a, b, scene.near, Fraction(1, 2)) for scene, a, b in write_scenes(folder)
+    ]
+
+
+def mesh_data() -> Path | None:
+    """Return the folder of real meshes: $TRIAXIS_DATA, or ../shared/data; None where absent."""
+    folder = Path(os.environ.get("TRIAXIS_DATA", ROOT.parent / "shared" / "data"))
+    return folder if (folder / "vmc").is_dir() else None
+
+
+def check_real_meshes(folder: Path) -> list[SceneResult] | None:
+    """Check parts of a real machine as its simulator assembles them; None where they are absent.
+
+    Moved parts are written into ``folder``. Lengths are in units of 10 mm. The head stands at z = 4 and moves
+    down by 0.1 per millimetre.
+    """
+    data = mesh_data()
+    if data is None:
+        return None
+    results = [
+        _check_files(
+            "carousel against arm",
+            data / "vmc/carousel.stl",
+            data / "vmc/arm.stl",
+            True,
+            Fraction(0),
+        )
+    ]
+    for z_mm, near in ((0, False), (-250, True)):
+        name = f"carousel against head at Z = {z_mm} mm"
+        head = read_stl(data / "vmc/head.stl").facets + np.array([0, 0, 4 + 0.1 * z_mm])
+        moved = folder / f"head_{abs(z_mm)}.stl"
+        write_stl(moved, head.astype(np.float32))
+        results.append(_check_files(name, data / "vmc/carousel.stl", moved, near, Fraction(1, 20)))
+    return results

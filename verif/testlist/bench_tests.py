@@ -1,0 +1,32 @@
+"""Tests for measurements only: they cannot sign anything off."""
+
+import json
+from pathlib import Path
+
+from pyuvm import uvm_factory
+
+from triaxis.verif.batches import PairBatch, ResultBatch
+from triaxis.verif.scoreboard import Scoreboard
+from triaxis.verif.settings import result_file
+from triaxis.verif.testlist.tests import VolumeTest
+
+
+class UncheckedScoreboard(Scoreboard):
+    """Counts matched pairs and checks none: what the environment costs without its checks."""
+
+    def _enqueue(self, pairs: PairBatch, results: ResultBatch) -> None:
+        pass
+
+    def check_phase(self) -> None:
+        """Write that nothing was checked, which no sign-off accepts."""
+        counts = {"matched": self.matcher.matched, "checked": 0, "failed": 0, "seconds": self.seconds}
+        result_file(Path(self.settings.folder)).write_text(json.dumps(counts) + "\n")
+
+
+class UncheckedVolumeTest(VolumeTest):
+    """The mixture of all families, unchecked."""
+
+    def build_phase(self) -> None:
+        """Put the scoreboard that counts in the place of the one that checks."""
+        uvm_factory().set_type_override_by_type(Scoreboard, UncheckedScoreboard)
+        super().build_phase()

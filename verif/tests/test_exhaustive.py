@@ -1,0 +1,322 @@
+"""Exhaustive runs: nothing is left out, nothing wrong is missed, and stopping loses nothing."""
+
+import json
+from dataclasses import replace
+from math import comb
+
+import numpy as np
+import pytest
+
+from triaxis.golden.axes import NUM_AXES, axis_vector, separating
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.certificate import axis_proves_clear
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import CertificateError, judge_pairs
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.cli import exhaustive, main
+from triaxis.verif.engine import RtlEngine
+from triaxis.verif.exhaustive import run
+from triaxis.verif.exhaustive.check import CONFIGURATION, ClassChecker
+from triaxis.verif.exhaustive.claims import claims_prove_clear
+from triaxis.verif.exhaustive.grid import Grid
+from triaxis.verif.exhaustive.state import load, other_states, save, state_file
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.verif.result import NEAR
+from triaxis.verif.sequences.families import mixed_pairs
+from triaxis.verif.sequences.symmetry import COORDINATES, REFLECTED
+
+
+class Answers:
+    """A core that answers what the oracle says, spoilt by a function of pairs, margins and words."""
+
+    def __init__(self, spoil=lambda pairs, margins, words: words):
+        self.spoil = spoil
+
+    def words(self, pairs, margins):
+        words = expected_words(bulk_facts(pairs, margins), CONFIGURATION)
+        return self.spoil(pairs, margins, words), len(words)
+
+
+def images(triangle, size):
+    """Return the images of a triangle, a set of ascending point tuples, under the cube's symmetries."""
+    found = set()
+    for order, reflected in zip(COORDINATES.tolist(), REFLECTED.tolist(), strict=True):
+        points = [
+            tuple(size - 1 - p[k] if flip else p[k] for k, flip in zip(order, reflected, strict=True))
+            for p in triangle
+        ]
+        found.add(tuple(sorted(points)))
+    return found
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_classes_cover_all_triangles_once(size):
+    grid = Grid(size)
+    points = [tuple(point) for point in grid.points.tolist()]
+    triangles = {tuple(points[i] for i in triangle) for triangle in grid.triangles.tolist()}
+    assert len(triangles) == len(grid.triangles) == comb(size**3 + 2, 3)
+    covered = set()
+    for representative, count in grid.classes:
+        orbit = images([points[i] for i in grid.triangles[representative]], size)
+        assert len(orbit) == count
+        assert not orbit & covered
+        covered |= orbit
+    assert covered == triangles
+
+
+@pytest.mark.parametrize(("size", "classes"), [(2, 7), (3, 136), (4, 1110)])
+def test_numbers_of_classes_and_orders(size, classes):
+    grid = Grid(size)
+    assert len(grid.classes) == classes
+    assert grid.arrangements.sum() == size**9
+    assert (grid.arrangements[grid.classes.representatives] * grid.classes.sizes).sum() == size**9
+    for triangle, orders in zip(grid.triangles[:2000].tolist(), grid.arrangements.tolist(), strict=False):
+        assert orders == {1: 1, 2: 3, 3: 6}[len(set(triangle))]
+
+
+def test_grids_lie_in_range_and_reach_its_limits(rng):
+    low, high = coordinate_range(8)
+    placed = np.array([Grid(4).placed(rng, 8) for _ in range(200)])
+    assert placed.min() == low
+    assert placed.max() == high
+    assert (placed.max(1) - placed.min(1) == 3).all()
+    assert all(len(np.unique(points, axis=0)) == 64 for points in placed)
+
+
+def test_claims_are_proven_as_the_certificate_checker_does(rng):
+    pairs = mixed_pairs(rng, 640, 16)
+    margins = rng.integers(0, 100, 640)
+    margins[::2] = 0
+    axes = np.tile(np.arange(NUM_AXES), 20)
+    expected = [
+        axis_proves_clear(a, b, margin, axis_vector(axis, a, b))
+        for (a, b), margin, axis in zip(pairs.tolist(), margins.tolist(), axes.tolist(), strict=True)
+    ]
+    assert (claims_prove_clear(pairs.astype(np.int32), margins, axes) == expected).all()
+    assert any(expected)
+    assert not all(expected)
+
+
+def test_grid_2_counts_what_brute_force_counts(tmp_path):
+    points = Grid(2).points.astype(np.int64)
+    triples = np.stack(np.meshgrid(*[np.arange(8)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    near = 0
+    for triple in points[triples]:
+        pairs = np.stack([np.broadcast_to(triple, (512, 3, 3)), points[triples]], 1)
+        near += int((~separating(pairs, np.zeros(512, np.int64)).any(1)).sum())
+    outcome = run.run_grid(Grid(2), run.identity_of(2, 1), None, tmp_path)
+    assert outcome.problems == []
+    counts = outcome.progress.result.counts
+    assert counts.ordered == (2**18, 2**18)
+    # No two points of the grid are further apart than 1.
+    assert counts.ordered_near == (near, 2**18)
+    assert (counts.pairs, counts.runs, counts.claims) == (840, 1680, 1680 - counts.near)
+
+
+def test_grid_2_counts_what_the_linear_program_counts():
+    grid = Grid(2)
+    result = run._sum([ClassChecker(grid, Answers(), bulk_facts, 1).check(i) for i in range(7)])
+    total = 0
+    for representative, count in grid.classes:
+        a = grid.points[grid.triangles[representative]]
+        pairs = np.stack([np.broadcast_to(a, (120, 3, 3)), grid.points[grid.triangles]], 1)
+        near = judge_pairs(pairs.astype(np.int64), np.zeros(120, np.int64))["near"]
+        total += int(grid.arrangements[near].sum() * grid.arrangements[representative]) * count
+    assert result.counts.ordered_near[0] == total == 197240
+
+
+def test_grid_3_passes_on_the_core_and_is_written(tmp_path, seed):
+    outcome = run.run_grid(Grid(3), run.identity_of(3, seed), None, tmp_path)
+    assert outcome.problems == []
+    written = json.loads((tmp_path / "grid3.json").read_text())
+    assert written["passed"]
+    assert written["classes"] == written["counts"]["classes"] == 136
+    assert written["ordered_pairs"] == 3**18
+    assert written["counts"]["ordered"] == [3**18] * 2
+    assert written["counts"]["runs"] == 2 * 136 * 3654
+    # Counted by the linear program alone: the distances of all 136 x 3654 pairs.
+    assert written["counts"]["ordered_near"] == [202803363, 382838311]
+    assert not list(tmp_path.glob("*.state.json"))
+    assert not list(tmp_path.glob("*.npz"))
+
+
+def flip_near_of_equal_triangles(pairs, margins, words):
+    same = (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all((1, 2))
+    return words ^ (same & (margins == 1)).astype(np.uint16)
+
+
+def claim_the_next_axis(pairs, margins, words):
+    several = separating(pairs.astype(np.int64), margins).sum(1) > 1
+    clear = (words & NEAR == 0) & several
+    highest = 31 - separating(pairs.astype(np.int64), margins)[:, ::-1].argmax(1)
+    return np.where(clear, words & 0xFF | highest << 8, words).astype(np.uint16)
+
+
+def claim_a_zero_axis(pairs, margins, words):
+    point_a = (pairs[:, 0] == pairs[:, 0, :1]).all((1, 2)) & (words & NEAR == 0)
+    return np.where(point_a, words & 0xFF | 3 << 8, words).astype(np.uint16)
+
+
+def set_a_reserved_bit(pairs, margins, words):
+    words[::37] |= np.uint16(1 << 15)
+    return words
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (flip_near_of_equal_triangles, "bulk checker"),
+        (claim_the_next_axis, "bulk checker"),
+        (claim_a_zero_axis, "does not separate"),
+        (set_a_reserved_bit, "bulk checker"),
+    ],
+)
+def test_a_wrong_core_is_caught(spoil, said):
+    checker = ClassChecker(Grid(2), Answers(spoil), bulk_facts, 1)
+    result = run._sum([checker.check(number) for number in range(7)])
+    assert result.counts.mismatches > 0
+    assert any(said in mismatch.message for mismatch in result.mismatches)
+
+
+def test_near_at_one_margin_and_not_beyond_is_caught_without_an_oracle():
+    def lie(facts, pairs, margins):
+        # Box x is said to separate equal triangles at margin 1.
+        same = (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all((1, 2)) & (margins == 1)
+        return replace(facts, above=np.where(same, 1, facts.above).astype(np.uint32))
+
+    def oracle(pairs, margins):
+        return lie(bulk_facts(pairs, margins), pairs, margins)
+
+    class Accomplice:
+        def words(self, pairs, margins):
+            return expected_words(oracle(pairs, margins), CONFIGURATION), len(pairs)
+
+    checker = ClassChecker(Grid(2), Accomplice(), oracle, 1)
+    messages = {m.message for n in range(7) for m in checker.check(n).mismatches}
+    assert "near at margin 0 and not beyond" in messages
+
+
+def test_an_oracle_that_the_linear_program_contradicts_is_an_error():
+    def oracle(pairs, margins):
+        return replace(bulk_facts(pairs, margins), rank_a=np.zeros(len(pairs), np.uint8))
+
+    with pytest.raises(CertificateError, match="linear program"):
+        for number in range(7):
+            ClassChecker(Grid(2), Answers(), oracle, 1).check(number)
+
+
+def test_a_class_left_out_is_a_problem():
+    grid, identity = Grid(2), run.identity_of(2, 1)
+    checker = ClassChecker(grid, Answers(), bulk_facts, 1)
+    progress = run.Progress(run._sum([checker.check(number) for number in range(6)]))
+    problems = run.Outcome(identity, grid, progress, 6).problems
+    assert len(problems) == 2
+    assert "262144" in problems[0]
+    everything = run.Progress(run._sum([progress.result, checker.check(6)]))
+    assert run.Outcome(identity, grid, everything, 7).problems == []
+
+
+def interrupt_after(classes):
+    """Return a progress function that interrupts once so many classes are done."""
+    done = 0
+
+    def progress(step):
+        nonlocal done
+        done += step
+        if done >= classes:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupted_run_is_continued(tmp_path, monkeypatch, workers):
+    monkeypatch.setattr(run, "_RUNS_PER_REPORT", 1)
+    grid, identity = Grid(2), run.identity_of(2, 7)
+    whole = run.run_grid(grid, identity, None, tmp_path / "whole", 1)
+    folder = tmp_path / "parts"
+    with pytest.raises(KeyboardInterrupt):
+        run.run_grid(grid, identity, interrupt_after(4), folder, workers)
+    assert load(folder, identity).done == 4
+    steps = []
+    outcome = run.run_grid(grid, identity, steps.append, folder, workers)
+    assert steps == [4, 1, 1, 1]
+    assert outcome.new == 3
+    assert outcome.progress.result == whole.progress.result
+    assert outcome.problems == []
+    assert not state_file(folder, identity).exists()
+
+
+def test_states_of_other_runs_are_not_continued(tmp_path):
+    identity = run.identity_of(2, 1)
+    others = [replace(identity, seed=2), replace(identity, rtl="another"), replace(identity, checker="")]
+    progress = run.Progress(run._sum([ClassChecker(Grid(2), Answers(), bulk_facts, 1).check(0)]))
+    for other in others:
+        save(tmp_path, other, progress)
+    assert load(tmp_path, identity).done == 0
+    assert load(tmp_path, others[0]) == progress
+    assert len(other_states(tmp_path, identity)) == 3
+    # A state under the wrong name is no state of this run either.
+    state_file(tmp_path, others[0]).rename(state_file(tmp_path, identity))
+    with pytest.raises(InputError, match="another run"):
+        load(tmp_path, identity)
+    for text in ("", "[]", "{}", '{"identity": {"grid": 2}}'):
+        state_file(tmp_path, identity).write_text(text)
+        with pytest.raises(InputError, match="damaged"):
+            load(tmp_path, identity)
+
+
+class Broken(RtlEngine):
+    """The core with a fault behind it: equal triangles are not near."""
+
+    def words(self, pairs, margins):
+        words, cycles = super().words(pairs, margins)
+        return flip_near_of_equal_triangles(pairs, margins, words), cycles
+
+
+def test_a_failing_run_says_what_failed(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(run, "RtlEngine", Broken)
+    monkeypatch.setattr(exhaustive, "WORKERS", 1)
+    monkeypatch.setattr(exhaustive, "FOLDER", tmp_path)
+    run._checker.cache_clear()
+    try:
+        assert main(["exhaustive", "--grid", "2"]) == 1
+    finally:
+        run._checker.cache_clear()
+    output, errors = capsys.readouterr()
+    assert "FAILED: " in errors
+    assert "ReplayTest --config w8_m1" in errors
+    assert "passed" not in output
+    written = json.loads((tmp_path / "grid2.json").read_text())
+    assert not written["passed"]
+    assert written["problems"]
+    pairs, margins = read_failing_pairs(tmp_path / "grid2_failing_pairs.npz", CONFIGURATION)
+    assert (margins == 1).all()
+    assert (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all()
+    with np.load(tmp_path / "grid2_failing_pairs.npz") as file:
+        assert file["context_counts"].max() == 64
+
+
+def test_a_run_with_many_mismatches_stops(tmp_path, monkeypatch):
+    monkeypatch.setattr(run, "RtlEngine", Broken)
+    monkeypatch.setattr(run, "ENOUGH_MISMATCHES", 3)
+    monkeypatch.setattr(run, "_RUNS_PER_REPORT", 1)
+    run._checker.cache_clear()
+    try:
+        outcome = run.run_grid(Grid(2), run.identity_of(2, 1), None, tmp_path, 1)
+    finally:
+        run._checker.cache_clear()
+    assert "stopped after" in outcome.problems[0]
+
+
+def test_the_command_passes_and_refuses(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(exhaustive, "FOLDER", tmp_path)
+    assert main(["exhaustive", "--grid", "2", "--seed", "3"]) == 0
+    output = capsys.readouterr().out
+    assert "passed: 2^18 = 262144 ordered pairs" in output
+    assert "margin 0: 197240 of 262144 ordered pairs are near" in output
+    assert main(["exhaustive", "--grid", "7"]) == 2
+    assert "grid 7: must be 2..6" in capsys.readouterr().err
+    assert main(["exhaustive", "--seed", "-1"]) == 2
+    assert "seed -1" in capsys.readouterr().err

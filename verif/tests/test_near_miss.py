@@ -1,0 +1,243 @@
+"""Pairs at the smallest step of the lattice, judged by Python's own integers and the bulk checker."""
+
+from fractions import Fraction
+from math import gcd
+from typing import Any
+
+import numpy as np
+import pytest
+
+from triaxis.golden.axes import axis_vector
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.exact import dot
+from triaxis.golden.facts import axis_bit
+from triaxis.golden.pairs import check_pairs
+from triaxis.verif.sequences.families import FAMILIES
+from triaxis.verif.sequences.lattice import (
+    LARGEST_EDGE,
+    bezout,
+    cross,
+    exact,
+    line_step,
+    plane_step,
+    side,
+)
+from triaxis.verif.sequences.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
+from triaxis.verif.sequences.near_miss_box import box, edge_box, edge_box_level
+from triaxis.verif.sequences.sole_axis import sole_axis, sole_axis_small
+from triaxis.verif.sequences.stimulus import largest_extents, largest_span
+
+WIDTHS = range(8, 33)
+
+
+def _numbers(rng, bits, shape):
+    size = 1 << np.asarray(rng.integers(1, bits + 1, shape))
+    return rng.integers(1 - size, size)
+
+
+def test_bezout_is_exact(rng):
+    a, b = _numbers(rng, 62, (2, 3000))
+    a[:50], b[25:75] = 0, 0
+    largest = 2 * LARGEST_EDGE**2
+    a[75:80], b[75:80] = largest, [-1, 1, 2, largest - 1, -largest]
+    for *given, g, s, t in zip(a.tolist(), b.tolist(), *(x.tolist() for x in bezout(a, b)), strict=True):
+        assert g == gcd(*given)
+        assert s * given[0] + t * given[1] == g
+
+
+def test_side_never_errs(rng):
+    c, x = _numbers(rng, 61, (3000, 3)), _numbers(rng, 32, (3000, 3))
+    # The last term takes back the others, as nearly as it can: less than rounding leaves of them.
+    x[:1500, 2] = rng.integers(1 << 31, 1 << 32, 1500)
+    for i, ((p, q, _), (a, b, d)) in enumerate(zip(c[:1500].tolist(), x[:1500].tolist(), strict=True)):
+        c[i, 2] = -round(Fraction(p * a + q * b, d))
+    values = [dot(*row) for row in zip(c.tolist(), x.tolist(), strict=True)]
+    signs = side(c, x)
+    assert all(s == 0 or s == (v > 0) - (v < 0) for s, v in zip(signs.tolist(), values, strict=True))
+    # It decides what is far from 0, and knows that it cannot decide what is close.
+    assert (signs[1500:] != 0).mean() > 0.99
+    assert (signs[:1500] == 0).sum() > 0
+
+
+def test_exact_tells_sums_that_differ_by_2_to_the_64():
+    c = np.array([[1 << 62, 1 << 62, 0], [1 << 62, 1 << 62, 7]])
+    x = np.array([[2, 2, 0], [2, -2, 1]])
+    assert exact(c, x, np.array([0, 7])).tolist() == [False, True]
+    assert exact(c, x, np.array([1, 8])).tolist() == [False, False]
+
+
+@pytest.mark.parametrize("bits", [3, 8, 16, 24, 31])
+def test_steps_beside_a_plane(rng, bits):
+    u, v = np.minimum(_numbers(rng, bits, (2, 800, 3)), LARGEST_EDGE)
+    step = plane_step(u, v)
+    found = step.found.tolist()
+    for i, (p, q, x, g) in enumerate(
+        zip(u.tolist(), v.tolist(), step.x.tolist(), step.g.tolist(), strict=True)
+    ):
+        normal = _cross(p, q)
+        if not found[i]:
+            continue
+        assert g == gcd(*normal) > 0
+        assert dot(normal, x) == g
+        # Over the parallelogram: to the inner side of all four of its sides.
+        for edge, other in ((p, q), (q, p)):
+            inward = dot(_cross(normal, edge), other)
+            at = dot(_cross(normal, edge), x)
+            assert 0 < at * inward < inward * inward
+    if bits > 3:
+        assert step.found.mean() > 0.75
+
+
+def _cross(x: list[int], y: list[int]) -> list[Any]:
+    triangle = [[0, 0, 0], x, [i + j for i, j in zip(x, y, strict=True)]]
+    return axis_vector(3, triangle, triangle)
+
+
+def test_steps_beside_a_line(rng):
+    u = np.minimum(_numbers(rng, 32, (2000, 2)), (1 << 32) - 1)
+    g, x, alpha = line_step(u)
+    for (p, q), (a, b), step, place in zip(u.tolist(), x.tolist(), g.tolist(), alpha.tolist(), strict=True):
+        assert step == gcd(p, q)
+        assert q * a - p * b == step
+        assert -1e-3 < place < 1.001
+        assert -1e-3 * (p * p + q * q) <= p * a + q * b <= 1.001 * (p * p + q * q)
+
+
+def _gap(c, a, b):
+    """Return the gap on c, B above A."""
+    return min(dot(c, v) for v in b) - max(dot(c, v) for v in a)
+
+
+# The construction, the axis on which it is close, and the gaps in steps that come up.
+CONSTRUCTIONS = {
+    "face, vertex": (face_vertex, 3, {-1, 1}),
+    "face, vertex level": (face_vertex_level, 3, {0}),
+    "edge, edge": (edge_edge, 5, {-1, 1}),
+    "edge, edge level": (edge_edge_level, 5, {0}),
+    "edge, vertex": (lambda *a: edge_box(*a, flat=False), 16, {-1, 1}),
+    "edge, vertex level": (lambda *a: edge_box_level(*a, flat=False), 16, {0}),
+    "edge, vertex flat": (lambda *a: edge_box(*a, flat=True), 16, {-1, 1}),
+    "edge, vertex flat level": (lambda *a: edge_box_level(*a, flat=True), 16, {0}),
+    "vertex, vertex": (lambda *a: box(*a, flat=False), 0, {-1, 0, 1}),
+    "vertex, vertex flat": (lambda *a: box(*a, flat=True), 0, {-1, 0, 1}),
+}
+
+
+@pytest.mark.parametrize("name", CONSTRUCTIONS)
+def test_gaps_are_the_smallest_steps(rng, name):
+    make, axis, steps = CONSTRUCTIONS[name]
+    for width in WIDTHS:
+        contact = make(rng, 60, width)
+        seen = set()
+        for (a, b), away in zip(contact.pairs.tolist(), contact.away.tolist(), strict=True):
+            c: list[Any] = axis_vector(axis, a, b)
+            if dot(c, away) < 0:
+                c = [-x for x in c]
+            # The direction in which B moves away is that of the axis, component by component.
+            assert away == [(x > 0) - (x < 0) for x in c]
+            step, rest = divmod(_gap(c, a, b), gcd(*c))
+            assert rest == 0
+            seen.add(step)
+        # Both signs, from a number of contacts of which chance gives one sign alone hardly ever.
+        assert seen == steps if len(contact.pairs) > 14 else seen <= steps
+        assert len(contact.pairs) > 5
+
+
+@pytest.mark.parametrize(("make", "axis"), [(face_vertex, 3), (edge_edge, 5)])
+def test_close_axes_decide_alone(rng, make, axis):
+    contact = make(rng, 3000, 24)
+    facts = bulk_facts(contact.pairs[largest_extents(contact.pairs.reshape(-1, 6, 3)) < 1 << 24], 0)
+    clear = ~facts.near
+    assert 0.3 < clear.mean() < 0.7
+    # The nearest points are inside the features: no other axis separates.
+    assert (facts.separating[clear] == axis_bit(axis)).mean() > 0.8
+    assert (facts.near_step[~clear] == axis_bit(axis)).mean() > 0.8
+
+
+@pytest.mark.parametrize("make", [face_vertex, edge_edge])
+@pytest.mark.parametrize("width", [16, 24, 31, 32])
+def test_sizes_go_up_to_the_whole_range(rng, make, width):
+    contact = make(rng, 4000, width)
+    extents = largest_extents(contact.pairs.reshape(-1, 6, 3))
+    fitting = extents[extents <= largest_span(width)]
+    assert fitting.max() > 0.9 * min(largest_span(width), LARGEST_EDGE)
+    assert (fitting > largest_span(width) // 8).mean() > 0.2
+    # The numbers to be decided are steps of 1: beside products of three coordinates.
+    c = cross(
+        contact.pairs[:, 0, 1] - contact.pairs[:, 0, 0], contact.pairs[:, 0, 2] - contact.pairs[:, 0, 0]
+    )
+    steps = np.gcd(np.gcd(c[:, 0], c[:, 1]), c[:, 2])
+    assert (steps == 1).mean() > 0.5 or make is edge_edge
+
+
+def _float_separating(pairs: np.ndarray) -> np.ndarray:
+    """Return whether an axis separates, as double-precision software says: the textbook's eleven axes."""
+    a, b = pairs[:, 0].astype(np.float64), pairs[:, 1].astype(np.float64)
+    edges_a, edges_b = np.roll(a, -1, 1) - a, np.roll(b, -1, 1) - b
+    axes = [np.cross(edges_a[:, 0], edges_a[:, 1]), np.cross(edges_b[:, 0], edges_b[:, 1])]
+    axes += [np.cross(edges_a[:, i], edges_b[:, j]) for i in range(3) for j in range(3)]
+    apart = np.zeros(len(pairs), np.bool_)
+    for c in axes:
+        on_a, on_b = ((t * c[:, None]).sum(-1) for t in (a, b))
+        apart |= (on_b.min(1) > on_a.max(1)) | (on_a.min(1) > on_b.max(1))
+    return apart
+
+
+@pytest.mark.parametrize("name", ["near-miss face", "near-miss edge"])
+def test_double_precision_fails_at_24_bits(rng, name):
+    stimulus = FAMILIES[name](rng, 20_000, 24, 0)
+    exactly = ~bulk_facts(stimulus.pairs, 0).near
+    wrong = (_float_separating(stimulus.pairs) != exactly).mean()
+    assert 0.1 < wrong < 0.5
+    # And not because the textbook's axes would not do: at 12 bits double precision is exact.
+    small = FAMILIES[name](rng, 5000, 12, 0)
+    proper = bulk_facts(small.pairs, 0)
+    chosen = (proper.coplanar == 0) & (proper.rank_a == 2) & (proper.rank_b == 2)
+    assert (_float_separating(small.pairs) != ~proper.near)[chosen].sum() == 0
+    # Nor do random pairs find it out.
+    random = FAMILIES["random"](rng, 20_000, 24, 0)
+    assert (_float_separating(random.pairs) != ~bulk_facts(random.pairs, 0).near).mean() < 0.001
+
+
+# Ranks of A and B with which an axis can be the only one to separate: with a margin, and without.
+_ALL = {(i, j) for i in range(3) for j in range(3)}
+
+
+def _possible(axis: int, margin: bool) -> set[tuple[int, int]]:
+    if axis < 3:
+        return {(i, j) for i, j in _ALL if margin or max(i, j) < 2}
+    if axis < 5 or axis > 13:
+        of_b = axis == 4 or axis >= 23
+        return {(i, 2) if of_b else (2, i) for i in range(3)}
+    return {(2, 2)}
+
+
+@pytest.mark.parametrize("width", [8, 16, 32])
+@pytest.mark.parametrize("margin_bits", [0, 4, 8])
+def test_every_axis_decides_alone_at_every_step(rng, width, margin_bits):
+    largest = (1 << margin_bits) - 1
+    stimulus = sole_axis(rng, 100_000, width, largest)
+    check_pairs(stimulus.pairs, width)
+    facts = bulk_facts(stimulus.pairs, stimulus.margins)
+    ranks = facts.rank_a.astype(int) * 3 + facts.rank_b
+    for margin in {False, largest > 0}:
+        with_margin = (stimulus.margins > 0) == margin
+        for axis in range(32):
+            bit = axis_bit(axis)
+            for beside in (facts.above, facts.below):
+                alone = with_margin & (facts.separating == bit) & (beside == bit)
+                closely = alone & (facts.clear_step & bit != 0)
+                assert set(ranks[closely]) == {3 * i + j for i, j in _possible(axis, margin)}
+            near = with_margin & facts.near
+            assert (near & (facts.level == bit)).sum() > 10
+            assert (near & (facts.near_step & bit != 0)).sum() > 10
+    # All excesses in about equal shares.
+    for share in ((facts.clear_step != 0) & ~facts.near, facts.near & (facts.level != 0)):
+        assert 0.25 < share.mean() < 0.45
+
+
+def test_small_ones_are_of_small_numbers(rng):
+    stimulus = sole_axis_small(rng, 2000, 32, (1 << 32) - 1)
+    assert np.abs(stimulus.pairs).max() <= 128
+    assert stimulus.margins.max() < 256
+    assert (largest_extents(stimulus.pairs.astype(np.int64).reshape(-1, 6, 3)) < 16).mean() > 0.05

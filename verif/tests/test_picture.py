@@ -1,0 +1,149 @@
+"""Pictures of counterexamples: made for every kind of pair, and showing what they say."""
+
+import numpy as np
+import pytest
+from matplotlib import image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge
+from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.counterexample.axis_view import project
+from triaxis.verif.counterexample.finding import Counterexample
+from triaxis.verif.counterexample.picture import draw
+from triaxis.verif.counterexample.scene_view import draw_scene
+from triaxis.verif.counterexample.stream import Stream
+from triaxis.verif.counterexample.style import A, B
+from triaxis.verif.counterexample.symptom import Symptom, symptoms
+from triaxis.verif.counterexample.witness_view import points_of
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.result import AXIS_SHIFT, COPLANAR, NEAR
+
+FLOOR = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
+POINT = [[0, 0, 0]] * 3
+WIDE = 1 << 31
+
+# (A, B), margin, what the core said (None: nothing), the words that must be in the picture.
+CASES = {
+    "missed": ((FLOOR, [[1, 1, -1], [1, 1, 3], [3, 3, 2]]), 0, 4 << AXIS_SHIFT, "core claims: axis 4"),
+    "false alarm": ((FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]]), 0, NEAR, "right: axis 2 (box z)"),
+    "near by a margin": ((POINT, [[1, 1, 0], [3, 2, 0], [2, 4, 1]]), 2, 0, "distance 1"),
+    "claim": ((FLOOR, [[9, 9, 0], [7, 9, 0], [9, 9, 5]]), 0, 1 << AXIS_SHIFT, "right: axis 0 (box x)"),
+    "flag": ((FLOOR, [[9, 9, 0], [7, 9, 0], [8, 8, 0]]), 0, COPLANAR, "claimed, and right: axis 0"),
+    "coplanar": ((FLOOR, [[3, 3, 0], [5, 5, 0], [6, 3, 0]]), 0, NEAR, "right: axis 19"),
+    "segments in line": (
+        ([[0, 0, 0], [2, 2, 2], [4, 4, 4]], [[4, 4, 4], [6, 6, 6], [9, 9, 9]]), 0, 3 << AXIS_SHIFT,
+        "A: a segment, B: a segment",
+    ),
+    "two equal points": ((POINT, POINT), 0, 3 << AXIS_SHIFT, "A: a point, B: a point"),
+    "no answer": ((FLOOR, FLOOR), 0, None, "core w32_m32: it hangs"),
+    "the whole range": (
+        ([[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]]), 0, 0,
+        "nearest points",
+    ),
+}  # fmt: skip
+
+
+def counterexample(pairs, margins, said, config="w32_m32"):
+    configuration = parse_configuration(config)
+    stream = Stream(np.array(pairs, np.int64), np.array(margins, np.int64))
+    right = expected_words(bulk_facts(stream.pairs[-1:], stream.margins[-1:]), configuration)
+    if said is None:
+        return Counterexample(configuration, stream, Symptom.INTERFACE, f"core {config}: it hangs", right[0])
+    word = np.array([said], np.uint16)
+    symptom = Symptom(int(symptoms(word, right)[0]))
+    return Counterexample(configuration, stream, symptom, word[0], right[0])
+
+
+def svg_text(path):
+    """Return the text of an SVG file: Matplotlib keeps it in comments beside the outlines."""
+    lines = path.read_text().splitlines()
+    return "\n".join(line.strip()[5:-4] for line in lines if line.strip().startswith("<!-- "))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_kind_of_pair(tmp_path, name):
+    pair, margin, said, expected = CASES[name]
+    found = counterexample([pair], [margin], said)
+    draw(found, tmp_path / "case.png")
+    pixels = image.imread(tmp_path / "case.png")
+    assert pixels.shape[:2] == (792, 1430)
+    draw(found, tmp_path / "case.svg")
+    text = svg_text(tmp_path / "case.svg")
+    assert expected in text
+    assert found.core_said in text
+    assert found.right_answer in text
+    assert f"w32_m32, margin {margin}" in text
+    for vertex in {tuple(vertex) for triangle in pair for vertex in triangle}:
+        assert str(vertex) in text
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.png", "case.svg"]
+
+
+def coloured(pair, style):
+    """Return how many pixels of a scene without labels have the colour of A or of B."""
+    figure = Figure(figsize=(5, 5), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_subplot(projection="3d")
+    draw_scene(axes, np.array(pair), None)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+    wanted = np.array([int(style.colour[i : i + 2], 16) for i in (1, 3, 5)])
+    return int((np.abs(pixels - wanted).max(-1) < 30).sum())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_both_triangles_are_seen_however_degenerate(name):
+    pair = CASES[name][0]
+    for style, least in ((A, 40), (B, 25)):
+        assert coloured(pair, style) >= least
+
+
+def test_the_context_is_told(tmp_path):
+    found = counterexample([(FLOOR, POINT), (POINT, [[0, 0, 1], [0, 1, 0], [0, 1, 0]])], [1, 0], NEAR)
+    draw(found, tmp_path / "case.svg")
+    assert "only after: margin 1, [[[0, 0, 0], [4, 0, 0]" in svg_text(tmp_path / "case.svg")
+
+
+def test_a_core_without_the_axis_that_separates(tmp_path):
+    pair, _, _, _ = CASES["coplanar"]
+    found = counterexample([pair], [0], NEAR, "w16_m0_no_edge_box")
+    assert found.symptom == Symptom.FLAGS
+    draw(found, tmp_path / "case.svg")
+    assert "separates, but is not in this core: axis 19" in svg_text(tmp_path / "case.svg")
+
+
+def test_the_same_counterexample_gives_the_same_picture(tmp_path):
+    pair, margin, said, _ = CASES["missed"]
+    for ending in (".png", ".svg"):
+        one, other = tmp_path / f"one{ending}", tmp_path / f"other{ending}"
+        draw(counterexample([pair], [margin], said), one)
+        draw(counterexample([pair], [margin], said), other)
+        assert one.read_bytes() == other.read_bytes()
+
+
+def test_projections_are_exact():
+    a, b = [[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]]
+    found = project(3, a, b, 7)
+    assert found.gap == -max(abs(value) for value in found.values[1]) + 0 or not found.separates
+    assert found.demanded == 7 * sum(map(abs, found.axis))
+    flat = project(2, FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]], 1)
+    assert (flat.gap, flat.inner, flat.demanded, flat.separates) == (1, (0, 1), 1, False)
+    below = project(2, [[3, 3, 5], [5, 5, 9], [6, 3, 7]], FLOOR, 1)
+    assert (below.gap, below.inner, below.separates) == (5, (0, 5), True)
+
+
+def test_nearest_points_lie_where_the_weights_say():
+    a, b = FLOOR, [[1, 1, 2], [1, 1, 6], [3, 3, 4]]
+    nearest = judge(a, b, 2).witness
+    assert nearest is not None
+    one, other = points_of(nearest, a, b)
+    assert max(abs(x - y) for x, y in zip(one, other, strict=True)) == nearest.distance == 2
+
+
+def test_what_cannot_be_written_is_an_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    pair, margin, said, _ = CASES["missed"]
+    with pytest.raises(InputError, match="cannot write"):
+        draw(counterexample([pair], [margin], said), tmp_path / "file" / "case.png")

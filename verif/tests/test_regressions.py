@@ -1,0 +1,167 @@
+"""Kept counterexamples: written whole, read back as they were, refused where damaged."""
+
+import dataclasses
+import json
+import re
+
+import numpy as np
+import pytest
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge_pairs
+from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.verif.counterexample.finding import Counterexample, describe
+from triaxis.verif.counterexample.regressions import (
+    REGRESSIONS,
+    RegressionCase,
+    case_of,
+    load_regressions,
+    read_case,
+    read_cases,
+    write_case,
+)
+from triaxis.verif.counterexample.stream import Stream
+from triaxis.verif.counterexample.symptom import Symptom
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.result import NEAR
+
+
+def case(pairs, margins, config="w16_m16"):
+    stream = Stream(np.array(pairs, np.int64), np.array(margins, np.int64))
+    said, right = np.uint16(NEAR), np.uint16(0)
+    found = Counterexample(parse_configuration(config), stream, Symptom.FALSE_ALARM, said, right)
+    return case_of(found, "a fault")
+
+
+@pytest.fixture
+def some(rng):
+    return case(rng.integers(-300, 300, (2, 2, 3, 3)), [17, 0])
+
+
+def test_round_trip(tmp_path, some):
+    path = write_case(some, tmp_path)
+    assert re.fullmatch(r"false_alarm-[0-9a-f]{12}\.json", path.name)
+    again = read_case(path)
+    assert (again.stream.pairs == some.stream.pairs).all()
+    assert (again.stream.margins == some.stream.margins).all()
+    assert again.found == some.found
+    assert again.found["right"] == "clear by axis 0 (box x) (0x0000)"
+    assert again.width == 10
+    assert [other.name for other in tmp_path.iterdir()] == [path.name]
+
+
+def test_the_same_is_kept_once(tmp_path, some):
+    first = write_case(some, tmp_path)
+    text = first.read_bytes()
+    # Found again elsewhere, in another way: what is sent counts.
+    found = {**some.found, "configuration": "w24_m24", "symptom": "claim"}
+    assert write_case(dataclasses.replace(some, found=found), tmp_path) == first
+    assert first.read_bytes() == text
+    assert len(list(tmp_path.iterdir())) == 1
+    changed = some.stream.pairs.copy()
+    changed[0, 0, 0, 0] += 1
+    write_case(RegressionCase(Stream(changed, some.stream.margins), some.found), tmp_path)
+    write_case(RegressionCase(Stream(some.stream.pairs, some.stream.margins + 1), some.found), tmp_path)
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_nothing_is_left_where_it_cannot_be_written(tmp_path, some, monkeypatch):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write"):
+        write_case(some, tmp_path / "file")
+    monkeypatch.setattr("pathlib.Path.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
+    with pytest.raises(InputError, match="disk full"):
+        write_case(some, tmp_path / "store")
+    assert list((tmp_path / "store").iterdir()) == []
+
+
+def damaged(text):
+    """Return damaged texts of a case, each with what the error must say."""
+    content = json.loads(text)
+
+    def with_pair(**change):
+        return json.dumps({**content, "pairs": [{**content["pairs"][0], **change}, *content["pairs"][1:]]})
+
+    a = content["pairs"][0]["A"]
+    return {
+        "cut short": (text[: len(text) // 2], "not JSON"),
+        "empty": ("", "not JSON"),
+        "another thing": ("[1, 2]", "not a regression case"),
+        "no pairs": (json.dumps({**content, "pairs": []}), "not a regression case"),
+        "no found": (json.dumps({k: v for k, v in content.items() if k != "found"}), "'found' is missing"),
+        "found is no text": (json.dumps({**content, "found": {**content["found"], "right": 1}}), "be texts"),
+        "a vertex is missing": (with_pair(A=a[:2]), "not a regression case"),
+        "a coordinate is missing": (with_pair(A=[a[0][:2], *a[1:]]), "not a regression case"),
+        "a fraction": (with_pair(A=[[1.5, 0, 0], *a[1:]]), "no integer"),
+        "a truth": (with_pair(margin=True), "no integer"),
+        "too large": (with_pair(A=[[1 << 40, 0, 0], *a[1:]]), "does not fit 32 bits"),
+        "far too large": (with_pair(A=[[1 << 80, 0, 0], *a[1:]]), "not a regression case"),
+        "a negative margin": (with_pair(margin=-1), "does not fit"),
+        "another coordinate": (with_pair(A=[[a[0][0] + 1, *a[0][1:]], *a[1:]]), "was changed"),
+        "another margin": (with_pair(margin=18), "was changed"),
+        "another width": (json.dumps({**content, "width": 16}), "was changed"),
+    }
+
+
+def test_damaged_files_are_refused(tmp_path, some):
+    path = write_case(some, tmp_path)
+    for name, (text, message) in damaged(path.read_text()).items():
+        path.write_text(text)
+        with pytest.raises(InputError) as caught:
+            load_regressions(Configuration(16, 16), tmp_path)
+        line = str(caught.value)
+        assert line.startswith(f"{path}: "), name
+        assert message in line, (name, line)
+        assert "\n" not in line
+    write_case(some, tmp_path / "other").rename(tmp_path / "false_alarm-000000000000.json")
+    path.unlink()
+    with pytest.raises(InputError, match="was changed"):
+        load_regressions(Configuration(16, 16), tmp_path)
+    with pytest.raises(InputError, match="cannot read"):
+        read_case(tmp_path / "no.json")
+
+
+def test_only_what_fits_is_loaded_and_whole(tmp_path):
+    small, wide = np.zeros((1, 2, 3, 3), int), np.full((1, 2, 3, 3), 1 << 14)
+    write_case(case(small, [0]), tmp_path)
+    write_case(case(np.concatenate([small, small]), [3, 0]), tmp_path)
+    write_case(case(np.concatenate([small, wide]), [0, 0]), tmp_path)
+
+    def loaded(*configuration):
+        pairs, margins = load_regressions(Configuration(*configuration), tmp_path)
+        assert (pairs.dtype, margins.dtype) == (np.int64, np.int64)
+        assert pairs.shape == (len(margins), 2, 3, 3)
+        return len(pairs), sorted(margins.tolist())
+
+    assert loaded(8, 0) == (1, [0])
+    assert loaded(8, 1) == (1, [0])
+    assert loaded(8, 2) == (3, [0, 0, 3])
+    assert loaded(15, 2) == (3, [0, 0, 3])
+    assert loaded(16, 0) == (3, [0, 0, 0])
+    assert loaded(16, 16) == (5, [0, 0, 0, 0, 3])
+    assert load_regressions(Configuration(8, 0), tmp_path / "empty")[0].shape == (0, 2, 3, 3)
+    first, second = (load_regressions(Configuration(16, 16), tmp_path)[0] for _ in range(2))
+    assert (first == second).all()
+
+
+KEPT = read_cases()
+
+
+def test_cases_are_kept():
+    assert len(KEPT) >= 8
+    assert {"missed", "false_alarm", "claim"} <= {kept.found["symptom"] for kept in KEPT}
+    assert any(len(kept.stream) > 1 for kept in KEPT)
+    assert len(load_regressions(Configuration(32, 32))[0]) >= len(KEPT)
+
+
+@pytest.mark.parametrize("kept", KEPT, ids=lambda kept: kept.name)
+def test_what_a_kept_case_calls_right_is_right(kept):
+    configuration = parse_configuration(kept.found["configuration"])
+    assert kept.stream.fits(configuration)
+    pairs, margins = kept.stream.pairs[-1:], kept.stream.margins[-1:]
+    facts = bulk_facts(pairs, margins)
+    assert facts.verdicts == judge_pairs(pairs, margins)
+    right = describe(expected_words(facts, configuration)[0])
+    assert kept.found["right"] == right != kept.found["core_said"]
+    assert (REGRESSIONS / f"{kept.name}.json").is_file()

@@ -1,0 +1,369 @@
+"""Counterexamples are made small, keep failing in the same way, and come out the same each time."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.counterexample.bare_core import BareCore
+from triaxis.verif.counterexample.candidates import candidates
+from triaxis.verif.counterexample.explaining import explain_failures
+from triaxis.verif.counterexample.failing import FailingPair, read_failing
+from triaxis.verif.counterexample.finding import find
+from triaxis.verif.counterexample.minimising import minimise
+from triaxis.verif.counterexample.regressions import read_cases
+from triaxis.verif.counterexample.shrinking import Budget, shrink
+from triaxis.verif.counterexample.size import sizes, smaller, smallest_first
+from triaxis.verif.counterexample.stream import Stream
+from triaxis.verif.counterexample.symptom import Symptom, symptoms
+from triaxis.verif.engine import CoreError
+from triaxis.verif.paths import DUT
+from triaxis.verif.result import AXIS_SHIFT, COPLANAR, NEAR
+
+CONFIGURATION = Configuration(8, 8)
+NO_MARGIN = np.zeros(1, np.int64)
+
+
+def gaps(pairs):
+    """Return the gaps on the three box axes (N, 3), negative where the boxes overlap."""
+    low, high = pairs.min(2), pairs.max(2)
+    return np.maximum(low[:, 1] - high[:, 0], low[:, 0] - high[:, 1])
+
+
+def touching_taken_for_clear(pairs, margins):
+    """A wrong test of boxes: an axis separates where its gap is just as wide as the margin."""
+    wide = gaps(pairs) - margins[:, None]
+    return (wide >= 0).any(1) & ~(wide > 0).any(1)
+
+
+def normal_in_too_few_bits(pairs, margins):
+    """A wrong decision in NumPy: the normal of A overflows 17 bits signed, and the boxes meet."""
+    first, second = pairs[:, 0, 1] - pairs[:, 0, 0], pairs[:, 0, 2] - pairs[:, 0, 0]
+    overflow = (np.abs(np.cross(first, second)) >= 1 << 16).any(1)
+    return overflow & (gaps(pairs) <= margins[:, None]).all(1)
+
+
+def failing_ones(rng, fails, size, margin_of):
+    """Return random pairs and margins that fail."""
+    pairs = rng.integers(-size, size + 1, (20_000, 2, 3, 3))
+    margins = margin_of(pairs)
+    chosen = np.flatnonzero(fails(pairs, margins))
+    assert len(chosen) >= 3
+    return [(pairs[i], int(margins[i])) for i in chosen[:3]]
+
+
+def box_distance(pairs):
+    return gaps(pairs).max(1).clip(0)
+
+
+def test_a_sign_fault_becomes_tiny(rng):
+    for pair, margin in failing_ones(rng, touching_taken_for_clear, 1000, box_distance):
+        small, less = shrink(pair, margin, touching_taken_for_clear)
+        assert touching_taken_for_clear(small[None], np.array([less]))[0]
+        assert np.abs(small).max() <= 4
+        # Two equal points.
+        assert (np.count_nonzero(small), less) == (0, 0)
+
+
+def test_a_width_fault_becomes_few_numbers(rng):
+    for pair, margin in failing_ones(rng, normal_in_too_few_bits, 1 << 9, lambda p: np.zeros(len(p), int)):
+        small, less = shrink(pair, margin, normal_in_too_few_bits)
+        assert normal_in_too_few_bits(small[None], np.array([less]))[0]
+        assert np.count_nonzero(small) <= 4
+        # It fits where it came from.
+        assert np.abs(small).max() < 1 << 10
+
+
+def test_shrinking_is_deterministic(rng):
+    (pair, margin), *_ = failing_ones(rng, touching_taken_for_clear, 300, box_distance)
+    kept = pair.copy()
+    first = shrink(pair, margin, touching_taken_for_clear)
+    second = shrink(pair, margin, touching_taken_for_clear)
+    assert (first[0] == second[0]).all()
+    assert first[1] == second[1]
+    assert (pair == kept).all()
+
+
+@pytest.mark.parametrize("calls", [0, 1, 2, 5])
+def test_whatever_the_budget_the_result_fails(rng, calls):
+    (pair, margin), *_ = failing_ones(rng, touching_taken_for_clear, 300, box_distance)
+    spent = 0
+
+    def fails(pairs, margins):
+        nonlocal spent
+        spent += 1
+        return touching_taken_for_clear(pairs, margins)
+
+    small, less = shrink(pair, margin, fails, Budget(calls))
+    assert touching_taken_for_clear(small[None], np.array([less]))[0]
+    assert spent <= calls + 1
+
+
+def test_a_pair_that_does_not_fail_is_refused():
+    with pytest.raises(ValueError, match="does not fail"):
+        shrink(np.zeros((2, 3, 3), int), 0, lambda pairs, margins: np.zeros(len(pairs), bool))
+
+
+def test_only_answers_to_single_pairs_count(rng):
+    """A batch in which everything seems to fail leads nowhere that does not fail alone."""
+
+    def fails(pairs, margins):
+        return (pairs[:, 0, 0, 0] >= 100) | (len(pairs) > 1)
+
+    small, _ = shrink(rng.integers(100, 120, (2, 3, 3)), 9, fails)
+    assert small[0, 0, 0] >= 100
+
+
+@pytest.mark.parametrize(("bits", "margin"), [(2, 0), (7, 7), (31, 12345)])
+def test_candidates_are_smaller_in_range_and_different(rng, bits, margin):
+    pair = rng.integers(-(1 << bits), 1 << bits, (2, 3, 3))
+    pairs, margins = candidates(pair, margin)
+    keys = sizes(pairs, margins)
+    assert len(pairs) > 100
+    assert smaller(keys, sizes(pair[None], np.array([margin]))[0]).all()
+    assert (smallest_first(keys) == np.arange(len(keys))).all()
+    assert len(np.unique(keys, axis=0)) == len(keys)
+    assert pairs.min() >= -(1 << bits)
+    assert pairs.max() < 1 << bits
+    assert margins.max() <= margin
+
+
+def test_nothing_is_smaller_than_two_equal_points_at_0():
+    assert len(candidates(np.zeros((2, 3, 3), int), 0)[0]) == 0
+
+
+def stale(streams, margins):
+    """A fault in a sequence: the last pair fails where some pair before it had x = 77 at A1, and the
+    pair after that one a margin above 2.
+    """
+    seen = (streams[:, :-2, 0, 0, 0] == 77) & (margins[:, 1:-1] > 2)
+    return seen.any(1) & (streams[:, -1, 1, 2, 2] > 5)
+
+
+def test_a_stream_becomes_short_and_small(rng):
+    pairs, margins = rng.integers(-100, 60, (64, 2, 3, 3)), rng.integers(0, 50, 64)
+    pairs[17, 0, 0, 0], margins[18], pairs[63, 1, 2, 2] = 77, 40, 50
+    small = minimise(Stream(pairs, margins), stale)
+    assert len(small) == 3
+    assert small.pairs.ravel().nonzero()[0].tolist() == [0, 53]
+    assert (small.pairs[0, 0, 0, 0], small.pair[1, 2, 2]) == (77, 6)
+    assert small.margins.tolist() == [0, 3, 0]
+    again = minimise(Stream(pairs, margins), stale)
+    assert (again.pairs == small.pairs).all()
+    for calls in (0, 3, 10):
+        partial = minimise(Stream(pairs, margins), stale, Budget(calls))
+        assert stale(partial.pairs[None], partial.margins[None])[0]
+    with pytest.raises(ValueError, match="does not fail"):
+        minimise(Stream(pairs[:17], margins[:17]), stale)
+
+
+def test_symptoms():
+    clear, near = 4 << AXIS_SHIFT, NEAR
+    cases = {
+        (near, near): Symptom.RIGHT,
+        (clear, near): Symptom.MISSED,
+        (near | COPLANAR, clear): Symptom.FALSE_ALARM,
+        (5 << AXIS_SHIFT | COPLANAR, clear): Symptom.CLAIM,
+        (near | COPLANAR, near): Symptom.FLAGS,
+        (near | 1 << 15, near): Symptom.OTHER_BITS,
+        # An axis where none is due.
+        (near | clear, near): Symptom.OTHER_BITS,
+    }
+    said, right = np.array(list(cases), np.uint16).T
+    assert symptoms(said, right).tolist() == list(cases.values())
+
+
+class HangingEngine:
+    """Stands for a core that hangs on the pair after one with x = 50 at A1; its answers are all wrong."""
+
+    def __init__(self, configuration, dut):
+        self.runs = 0
+
+    def words(self, pairs, margins):
+        self.runs += 1
+        if (pairs[:-1, 0, 0, 0] == 50).any():
+            raise CoreError("core w8_m8: it hangs")
+        return np.full(len(pairs), 0xFFFF, np.uint16), len(pairs)
+
+
+def test_a_core_that_hangs(monkeypatch, rng):
+    monkeypatch.setattr("triaxis.verif.counterexample.bare_core.RtlEngine", HangingEngine)
+    core = BareCore(CONFIGURATION)
+    pairs = rng.integers(-40, 40, (500, 1, 2, 3, 3))
+    pairs[123, 0, 0, 0, 0] = 50
+    # One stream of two must not hide what the others do.
+    found = core.symptoms_together(np.repeat(pairs, 2, 1), np.zeros((500, 2), np.int64))
+    assert (found == Symptom.INTERFACE).nonzero()[0].tolist() == [123]
+    assert ((found != Symptom.RIGHT) & (found != Symptom.INTERFACE)).sum() == 499
+    stream = Stream(pairs[100:130, 0], np.zeros(30, np.int64))
+    assert core.symptom(stream) == Symptom.INTERFACE
+    small = minimise(stream, core.test(Symptom.INTERFACE), Budget(pairs=3000, at_once=64))
+    assert len(small) == 2
+    assert np.count_nonzero(small.pairs) == 1
+
+
+# --- A broken core ------------------------------------------------------------------------------------
+
+# Two faults in one core, to be told apart by their symptoms: one needs the pair before it.
+FAULTS = (
+    (
+        "triaxis_projections.sv",
+        "assign far_d[2][j] = qf_3[j] - q_normal_3;",
+        "assign far_d[2][j] = qf_3[j] - p_normal_3;",
+    ),
+    (
+        "triaxis_boxes.sv",
+        "        operand_margin_o <= margin;\n",
+        "        if (margin != '0) operand_margin_o <= margin;\n",
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory):
+    """Return a folder of broken RTL. Its build is kept by its contents."""
+    folder = tmp_path_factory.mktemp("broken") / "dut"
+    shutil.copytree(DUT, folder)
+    for name, old, new in FAULTS:
+        text = (folder / name).read_text()
+        assert text.count(old) == 1, "the RTL has changed: adapt the fault"
+        (folder / name).write_text(text.replace(old, new))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def core(broken):
+    return BareCore(CONFIGURATION, broken)
+
+
+# Two steps apart along x + y, the boxes overlapping; a margin of 5 left over from before hides it.
+APART = np.array([[[0, 0, 0], [40, 0, 0], [0, 40, 0]], [[21, 21, 0], [60, 25, 30], [31, 70, -9]]])
+FAR = APART + np.array([[[0, 0, 0]], [[0, 0, 50]]])
+
+
+@pytest.fixture
+def missed(core, rng):
+    """Return a near pair that the core finds clear, whatever was before."""
+    pairs = rng.integers(-100, 100, (2000, 2, 3, 3))
+    found = core.symptoms_together(pairs[:, None], np.zeros((2000, 1), np.int64))
+    return pairs[np.flatnonzero(found == Symptom.MISSED)[0]]
+
+
+def archive(path, *arrays):
+    names = ("pairs", "margins", "context", "context_margins", "context_counts")
+    np.savez(path, **dict(zip(names, arrays, strict=False)))
+    return path
+
+
+def recorded(path, missed, rng):
+    """Write an archive: the missed pair alone, and the other one after 20 pairs, one with a margin."""
+    context = np.zeros((2, 20, 2, 3, 3), np.int64)
+    context[1] = rng.integers(-20, 20, (20, 2, 3, 3))
+    margins = np.zeros((2, 20), np.int64)
+    # A near pair, so that its margin is looked at; no later one may replace it: they have none.
+    context[1, 6], margins[1, 6] = missed, 5
+    pairs = np.stack([missed, APART])
+    return archive(path, pairs, np.zeros(2, np.int64), context, margins, np.array([0, 20]))
+
+
+def test_a_broken_core_gives_a_tiny_counterexample(core, missed):
+    found = find(core, FailingPair(Stream(missed[None], NO_MARGIN), None))
+    assert found is not None
+    assert (len(found.stream), found.symptom) == (1, Symptom.MISSED)
+    assert np.abs(found.stream.pair).max() <= 4
+    assert core.symptom(found.stream) == Symptom.MISSED
+    assert "clear by axis" in found.core_said
+    assert found.right_answer.startswith("near")
+
+
+def test_what_needs_the_pair_before_keeps_it(core, missed, tmp_path, rng):
+    path = recorded(tmp_path / "failing.npz", missed, rng)
+    alone, with_context = read_failing(path, CONFIGURATION)
+    assert alone.context is None
+    assert with_context.context is not None
+    assert len(with_context.context) == 20
+    assert core.symptom(with_context.stream) == Symptom.RIGHT
+    found = find(core, with_context)
+    assert found is not None
+    assert (len(found.stream), found.symptom) == (2, Symptom.FALSE_ALARM)
+    assert found.stream.margins.tolist() == [1, 0]
+    assert np.abs(found.stream.pairs).max() <= 4
+    assert core.symptom(found.stream) == Symptom.FALSE_ALARM
+    assert core.symptom(Stream(found.stream.pairs[1:], NO_MARGIN)) == Symptom.RIGHT
+
+
+def test_what_does_not_fail_is_not_found(core):
+    assert find(core, FailingPair(Stream(FAR[None], NO_MARGIN), None)) is None
+
+
+def triaxis(*arguments, status):
+    command = [Path(sys.executable).with_name("triaxis"), *map(str, arguments)]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert answer.returncode == status, answer.stdout + answer.stderr
+    return answer.stdout, answer.stderr
+
+
+def test_command(broken, missed, tmp_path, rng):
+    failing = recorded(tmp_path / "failing.npz", missed, rng)
+    store, pictures = tmp_path / "store", tmp_path / "pictures"
+    common = ("--config", CONFIGURATION.name, "--dut", broken, "--pictures", pictures)
+    out, _ = triaxis("shrink", failing, *common, "--store", store, "--fault", "two faults", status=0)
+    assert f"before: margin 0, {missed.tolist()}" in out
+    assert "says clear where the pair is near" in out
+    assert "; then margin 0" in out
+    assert len(list(pictures.glob("*.png"))) == len(read_cases(store)) == 2
+    assert {case.found["fault"] for case in read_cases(store)} == {"two faults"}
+
+    again, _ = triaxis("shrink", failing, *common, "--no-keep", status=0)
+    assert "kept:" not in again
+    assert again == "".join(line for line in out.splitlines(True) if "kept:" not in line)
+
+    far = archive(tmp_path / "far.npz", FAR[None], NO_MARGIN)
+    out, error = triaxis("shrink", far, *common, "--no-keep", status=1)
+    assert "does not fail on the bare core" in out
+    assert "none of 1 pairs fails on the bare core w8_m8" in error
+
+    _, error = triaxis("shrink", tmp_path / "no.npz", *common, status=2)
+    assert "no such file" in error
+    _, error = triaxis("shrink", failing, *common[:2], "--dut", tmp_path, status=2)
+    assert "no triaxis_pkg.sv" in error
+
+
+def test_a_failed_run_is_explained(broken, missed, tmp_path, rng):
+    assert explain_failures(tmp_path, CONFIGURATION, broken) == ()
+    recorded(tmp_path / "failing_pairs.npz", missed, rng)
+    text = "\n".join(explain_failures(tmp_path, CONFIGURATION, broken, tmp_path / "store"))
+    assert text.count("drawn:") == text.count("kept:") == len(list(tmp_path.glob("*.png"))) == 2
+
+    (tmp_path / "failing_pairs.npz").write_bytes(b"PK broken")
+    assert explain_failures(tmp_path, CONFIGURATION, broken)[0].startswith("not shrunk: ")
+    recorded(tmp_path / "failing_pairs.npz", missed, rng)
+    (line,) = explain_failures(tmp_path, CONFIGURATION, tmp_path / "no_rtl")
+    assert line.startswith("not shrunk: ")
+
+
+def test_damaged_contexts_are_refused(tmp_path):
+    pairs, margins = np.stack([FAR, APART]), np.zeros(2, np.int64)
+    context, none = np.zeros((2, 4, 2, 3, 3), np.int64), np.zeros((2, 4), np.int64)
+    path, counts = tmp_path / "failing.npz", np.array([0, 4])
+
+    def refused(*arrays):
+        with pytest.raises(InputError) as caught:
+            read_failing(archive(path, pairs, margins, *arrays), CONFIGURATION)
+        return str(caught.value)
+
+    assert "only context" in refused(context)
+    assert "do not go with 2 failing pairs" in refused(context[:, 0], none, counts)
+    assert "must be 0..4" in refused(context, none, counts + 1)
+    assert "must be integers" in refused(context * 1.5, none, counts)
+    assert "context of pair 1: does not fit w8_m8" in refused(context + 128, none, counts)
+    # Without recorded context, what failed before stands for it.
+    first, second = read_failing(archive(path, pairs, margins), CONFIGURATION)
+    assert first.context is None
+    assert second.context is not None
+    assert (second.context.pairs == FAR).all()

@@ -1,0 +1,135 @@
+"""The variants are what they say: all of them, isometries, in range, and harmless to the verdict."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from triaxis.golden.axes import separating
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.sequences import symmetry
+from triaxis.verif.sequences.families import mixed_pairs, random_margins
+
+TYPES = [np.int32, np.int64]
+
+
+def extreme(rng, count, width, dtype):
+    """Return pairs of whose coordinates most are the limits."""
+    low, high = coordinate_range(width)
+    values = np.array([low, high, low, high, 0, -1, low + 1], np.int64)
+    return values[rng.integers(0, len(values), (count, 2, 3, 3))].astype(dtype)
+
+
+def matrices():
+    """Return the symmetries as signed permutation matrices (48, 3, 3), from the two tables."""
+    signs = np.where(symmetry.REFLECTED, -1, 1)
+    return np.eye(3, dtype=np.int64)[symmetry.COORDINATES] * signs[:, :, None]
+
+
+def test_the_symmetries_are_the_group_of_the_cube():
+    group = matrices()
+    assert (group[0] == np.eye(3)).all()
+    assert (group @ group.transpose(0, 2, 1) == np.eye(3)).all()
+    names = {matrix.tobytes() for matrix in group}
+    assert len(names) == 48
+    assert {product.tobytes() for product in (group[:, None] @ group[None]).reshape(-1, 3, 3)} == names
+
+
+@pytest.mark.parametrize("dtype", TYPES)
+@pytest.mark.parametrize("width", [8, 16, 32])
+def test_a_symmetry_is_its_matrix_about_the_middle_of_the_range(rng, dtype, width):
+    pairs = np.concatenate([extreme(rng, 5, width, dtype), mixed_pairs(rng, 35, width).astype(dtype)])
+    moved = symmetry.all_cube_symmetries(pairs)
+    assert moved.dtype == dtype
+    # The middle is -1/2: twice the coordinates, about it, are odd.
+    doubled = 2 * pairs.astype(np.int64) + 1
+    expected = np.einsum("skj,ntvj->nstvk", matrices(), doubled)
+    assert (2 * moved.astype(np.int64).reshape(-1, 48, 2, 3, 3) + 1 == expected).all()
+    low, high = coordinate_range(width)
+    assert moved.min() >= low
+    assert moved.max() <= high
+
+
+@pytest.mark.parametrize("dtype", TYPES)
+def test_orders_are_all_72(rng, dtype):
+    pairs = rng.integers(-100, 100, (3, 2, 3, 3)).astype(dtype)
+    orders = symmetry.all_orders(pairs)
+    assert orders.dtype == dtype
+    for pair, found in zip(pairs.tolist(), orders.reshape(3, 72, 2, 3, 3).tolist(), strict=True):
+        expected = [
+            [list(p), list(q)]
+            for first, second in (pair, pair[::-1])
+            for p in permutations(first)
+            for q in permutations(second)
+        ]
+        assert found == expected
+    assert ((np.arange(72) >= 36) == symmetry.SWAPPED).all()
+
+
+@pytest.mark.parametrize(
+    ("random", "every"),
+    [
+        (symmetry.random_orders, symmetry.all_orders),
+        (symmetry.random_cube_symmetries, symmetry.all_cube_symmetries),
+    ],
+)
+def test_random_variants_are_variants_and_all_come_up(rng, random, every):
+    pair = rng.integers(-100, 100, (1, 2, 3, 3)).astype(np.int32)
+    # Several blocks: each variant must be that of its own pair.
+    pairs = np.concatenate([pair + np.int32(1000) * i for i in range(3)]).repeat(2500, 0)
+    found = random(rng, pairs)
+    assert found.shape == pairs.shape
+    for i in range(3):
+        names = {v.tobytes() for v in every(pair + np.int32(1000) * i)}
+        assert {v.tobytes() for v in found[2500 * i : 2500 * (i + 1)]} == names
+    first, second = (random(np.random.default_rng(5), pairs) for _ in range(2))
+    assert (first == second).all()
+    assert (pairs[0] == pair[0]).all()
+
+
+@pytest.mark.parametrize("dtype", TYPES)
+@pytest.mark.parametrize("width", [8, 13, 16, 32])
+def test_translations_keep_shape_and_range(rng, dtype, width):
+    low, high = coordinate_range(width)
+    pairs = np.concatenate([extreme(rng, 2000, width, dtype), mixed_pairs(rng, 3000, width).astype(dtype)])
+    moved = symmetry.random_translations(rng, pairs, width)
+    assert moved.dtype == dtype
+    assert moved.min() >= low
+    assert moved.max() <= high
+    shift = (moved.astype(np.int64) - pairs).reshape(-1, 6, 3)
+    assert (shift == shift[:, :1]).all()
+    assert (shift != 0).any(axis=(0, 1)).all()
+
+
+def test_translations_reach_every_place(rng):
+    pair = np.zeros((4000, 2, 3, 3), np.int32)
+    pair[:, 0, 1] = [255, 250, 0]
+    moved = symmetry.random_translations(rng, pair - 128, 8)[:, 0, 0]
+    assert set(moved[:, 0].tolist()) == {-128}
+    assert set(moved[:, 1].tolist()) == set(range(-128, -122))
+    assert set(moved[:, 2].tolist()) == set(range(-128, 128))
+
+
+def test_the_verdict_stays(rng):
+    pairs = mixed_pairs(rng, 300, 16)
+    margins = random_margins(rng, pairs, 1000)
+    near = np.asarray(~separating(pairs, margins).any(1))
+    assert near.any()
+    assert not near.all()
+    for variants, each in ((symmetry.all_orders(pairs), 72), (symmetry.all_cube_symmetries(pairs), 48)):
+        again = ~separating(variants, margins.repeat(each)).any(1)
+        assert (again.reshape(-1, each) == near[:, None]).all()
+    moved = symmetry.random_translations(rng, pairs, 16)
+    assert (~separating(moved, margins).any(1) == near).all()
+
+
+def test_nothing_of_nothing(rng):
+    none = np.empty((0, 2, 3, 3), np.int32)
+    for variants in (
+        symmetry.random_orders(rng, none),
+        symmetry.random_cube_symmetries(rng, none),
+        symmetry.random_translations(rng, none, 16),
+        symmetry.all_orders(none),
+        symmetry.all_cube_symmetries(none),
+    ):
+        assert variants.shape == (0, 2, 3, 3)
