@@ -14,11 +14,11 @@ export VERILATOR
 SEED ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff test lint format sim fpga-report lock clean
+.PHONY: help setup signoff nightly test lint format sim exhaustive code-coverage bench-sim fpga-report lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
-	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG"
+	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID"
 
 setup: $(READY) ## create .venv with the pinned dependencies
 
@@ -39,6 +39,9 @@ $(FPGA): requirements-fpga.lock $(READY)
 signoff: $(READY) ## build the core, run it against the golden model, print the summary
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
+nightly: $(READY) ## the same from a billion pairs
+	@$(BIN)/triaxis signoff --seed $(SEED) --pairs 1000000000
+
 test: $(READY) lint ## lint, then the tests of every part
 	@$(BIN)/pytest -n 2
 
@@ -52,6 +55,16 @@ TEST   ?= RandomTest
 CONFIG ?= w16_m0
 sim: $(READY) ## run one test: make sim TEST=RandomTest SEED=1 CONFIG=w16_m0
 	@$(BIN)/triaxis sim $(TEST) --seed $(SEED) --config $(CONFIG)
+
+GRID ?= 4
+exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: make exhaustive GRID=4
+	@$(BIN)/triaxis exhaustive --grid $(GRID) --seed $(SEED)
+
+code-coverage: $(READY) ## measure line, branch, expression and toggle coverage of dut/
+	@$(BIN)/triaxis code-coverage --seed $(SEED)
+
+bench-sim: $(READY) ## measure the speed of the simulations against the bare core
+	@$(BIN)/triaxis bench-sim
 
 fpga-report: $(FPGA) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report

@@ -79,7 +79,10 @@ def fit(patterns: tuple[str, ...], text: str) -> dict[str, int] | None:
 
 @dataclass(frozen=True)
 class Waiver:
-    """One waiver; see the module's docstring. ``number`` counts from 1 in the file."""
+    """One waiver; see the module's docstring. ``number`` counts from 1 in the file.
+
+    ``values`` is the field ``range`` of the file.
+    """
 
     number: int
     category: str
@@ -94,7 +97,7 @@ class Waiver:
     let: Mapping[str, str] = field(default_factory=dict)
     what: tuple[str, ...] = ()
     signals: tuple[str, ...] = ()
-    range: tuple[str, str] | None = None
+    values: tuple[str, str] | None = None
     bits: tuple[str, ...] = ()
     step: str = "1"
 
@@ -130,10 +133,10 @@ class Waiver:
         if variables is None:
             return []
         places = bits or range(1)
-        if self.range is None:
+        if self.values is None:
             listed = set(_listed(self.bits, variables))
             return [bit for bit in places if bit in listed]
-        low, high, step = (evaluate(text, variables) for text in (*self.range, self.step))
+        low, high, step = (evaluate(text, variables) for text in (*self.values, self.step))
         if low > high or step < 1 or step & (step - 1):
             raise BoundError(f"{signal}: range {low}..{high} in steps of {step}")
         # Over consecutive values bit b changes exactly where value >> b does; below the step it is 0.
@@ -206,12 +209,19 @@ def _waiver(number: int, entry: Any, path: Path) -> Waiver:
         raise InputError(f"{place}: kind {fields['kind']}: one of: {', '.join(KINDS)}")
     if len(fields["reason"].strip()) < _SHORTEST_REASON:
         raise InputError(f"{place}: reason: say why no input can hit these bins")
-    toggle = fields["kind"] == "toggle"
-    if toggle != ("signals" in fields) or toggle == ("what" in fields):
-        raise InputError(f"{place}: a toggle waiver has `signals`, any other has `what`")
-    if toggle != (("range" in fields) != ("bits" in fields)) or ("range" in fields and "bits" in fields):
-        raise InputError(f"{place}: a toggle waiver has `range` or `bits`, any other has neither")
+    _check_subject(fields, place)
+    if "range" in fields:
+        fields["values"] = fields.pop("range")
     return Waiver(number, **fields)
+
+
+def _check_subject(fields: dict[str, Any], place: str) -> None:
+    given = {name for name in ("what", "signals", "range", "bits") if name in fields}
+    if fields["kind"] != "toggle":
+        if given != {"what"}:
+            raise InputError(f"{place}: no toggle waiver: has `what`, no `signals`, `range` or `bits`")
+    elif given not in ({"signals", "range"}, {"signals", "bits"}):
+        raise InputError(f"{place}: a toggle waiver has `signals`, and either `range` or `bits`")
 
 
 def read_waivers(path: Path = WAIVERS) -> list[Waiver]:

@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from fractions import Fraction
 
-Scalar = int | Fraction
+from gmpy2 import mpq
+
+Scalar = int | Fraction | mpq
 Vector = Sequence[Scalar]
 Triangle = Sequence[Vector]
 

@@ -11,6 +11,7 @@ from multiprocessing import get_context
 
 import numpy as np
 import numpy.typing as npt
+from gmpy2 import mpq
 
 from triaxis.golden.axes import claims
 from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
@@ -58,13 +59,17 @@ def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver | Non
     if best.distance > margin:
         if not axis_proves_clear(a, b, margin, best.axis):
             raise CertificateError(f"axis {best.axis} does not separate {a} and {b} by {margin}")
-        return Judgement(False, best.distance, None, best)
+        return Judgement(False, _fraction(best.distance), None, best)
     nearest = solver.nearest_points(a, b)
     if nearest.distance != best.distance:
         raise CertificateError(f"{a} and {b}: distance {nearest.distance}, dual {best.distance}")
     if not witness_proves_near(a, b, margin, nearest.weights_a, nearest.weights_b):
         raise CertificateError(f"{nearest} does not show {a} and {b} within {margin}")
-    return Judgement(True, nearest.distance, nearest, None)
+    return Judgement(True, _fraction(nearest.distance), nearest, None)
+
+
+def _fraction(value: mpq) -> Fraction:
+    return Fraction(int(value.numerator), int(value.denominator))
 
 
 def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:

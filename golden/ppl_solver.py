@@ -5,10 +5,10 @@ by satisfying `triaxis.golden.solver.DistanceSolver`.
 """
 
 from collections.abc import Sequence
-from fractions import Fraction
 from math import lcm
 
 import ppl
+from gmpy2 import mpq
 
 from triaxis.golden.exact import Triangle
 from triaxis.golden.solver import BestAxis, NearestPoints
@@ -37,7 +37,7 @@ def _solve(
     rows: Sequence[tuple[list[int], int]],
     objective: int,
     mode: str,
-) -> list[Fraction]:
+) -> list[mpq]:
     """Optimise unknown number ``objective``, the last, over the fixed constraints and rows that are
     at least 0. A row is its coefficients and its constant.
     """
@@ -49,8 +49,8 @@ def _solve(
     program.set_objective_function(ppl.Variable(objective))
     program.set_optimization_mode(mode)
     point = program.optimizing_point()
-    divisor = int(point.divisor())
-    return [Fraction(int(x), divisor) for x in point.coefficients()]
+    divisor = point.divisor()
+    return [mpq(x, divisor) for x in point.coefficients()]
 
 
 # Unknowns of the program: weights of A2, A3, B2, B3, and the distance t. The weights of A1 and B1

@@ -13,8 +13,9 @@ whose solution is a separating axis. Both optima are the distance (DESIGN, secti
 """
 
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Protocol
+
+from gmpy2 import mpq
 
 from triaxis.golden.exact import Triangle
 
@@ -23,17 +24,17 @@ from triaxis.golden.exact import Triangle
 class NearestPoints:
     """Barycentric weights of two nearest points, and their Chebyshev distance."""
 
-    distance: Fraction
-    weights_a: tuple[Fraction, Fraction, Fraction]
-    weights_b: tuple[Fraction, Fraction, Fraction]
+    distance: mpq
+    weights_a: tuple[mpq, mpq, mpq]
+    weights_b: tuple[mpq, mpq, mpq]
 
 
 @dataclass(frozen=True)
 class BestAxis:
     """An axis with |axis|1 <= 1 on which A lies above B by the distance."""
 
-    distance: Fraction
-    axis: tuple[Fraction, Fraction, Fraction]
+    distance: mpq
+    axis: tuple[mpq, mpq, mpq]
 
 
 class DistanceSolver(Protocol):

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.native import cxx
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
@@ -21,6 +22,9 @@ _SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast"]
 # Verilator's own -Os comes before this on the compiler's command line.
 _FAST_CODE = "-O2 -march=native -std=c++20"
 _BURST_TOP = "triaxis_burst_tb"
+_RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
+# Simulation time is kept by the model itself, not by a function of the main program.
+_FAST_RUNTIME = ("-O2", "-DVL_TIME_CONTEXT")
 
 
 def content_hash(files: Sequence[Path], *more: str) -> str:
@@ -62,15 +66,18 @@ def built(folder: Path, make: Callable[[Path], None]) -> Path:
     return folder
 
 
-def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
-    """Run a build command; raise InputError with the first error line where it fails."""
+def run_tool(command: Sequence[str], folder: Path, what: str, with_runtime: bool = True) -> None:
+    """Run a build command; raise InputError with the first error line where it fails.
+
+    ``with_runtime``: see `Verilator.environment`.
+    """
     log = folder / "build.log"
     with log.open("a") as output:
         status = subprocess.run(
             command,
             stdout=output,
             stderr=subprocess.STDOUT,
-            env=verilator().environment(),
+            env=verilator().environment(with_runtime),
             check=False,
         ).returncode
     if status:
@@ -83,6 +90,31 @@ def _build_error(what: str, log: Path) -> InputError:
     wanted = (line for line in lines if "rror" in line or "not found" in line)
     first = next(wanted, lines[-1] if lines else "no log")
     return InputError(f"{what}: build failed: {first.strip()} (log: {log})")
+
+
+def _runtime(*flags: str) -> Path:
+    """Return Verilator's own library, compiled once with these flags: it is most of a small build."""
+    environment = verilator().environment()
+    answer = subprocess.run(
+        [str(verilator().executable), "--getenv", "VERILATOR_ROOT"],
+        capture_output=True, text=True, check=True, env=environment,
+    )  # fmt: skip
+    include = Path(answer.stdout.strip()) / "include"
+    sources = [include / f"{name}.cpp" for name in _RUNTIME]
+    key = content_hash(sources, str(verilator()), cxx(), *flags)
+    folder = BUILD / "runtime" / key[:12]
+    command = [
+        cxx(), "-std=c++20", "-fPIC", "-pthread", *flags, f"-I{include}", f"-I{include / 'vltstd'}",
+        "-DVERILATOR=1", "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0", "-faligned-new", "-c",
+    ]  # fmt: skip
+
+    def make(partial: Path) -> None:
+        objects = [partial / f"{source.stem}.o" for source in sources]
+        for source, compiled in zip(sources, objects, strict=True):
+            run_tool([*command, str(source), "-o", str(compiled)], partial, "Verilator's library")
+        run_tool(["ar", "rc", str(partial / "libruntime.a"), *map(str, objects)], partial, "libruntime.a")
+
+    return built(folder, make) / "libruntime.a"
 
 
 def _library(
@@ -101,7 +133,6 @@ def _library(
         *(f"-G{parameter}={value}" for parameter, value in parameters.items()),
         f"-I{dut}",
         "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]),
-        "-LDFLAGS", "-shared",
     ]  # fmt: skip
     sources = [*(dut / source.name for source in rtl_sources()), harness]
     # The folder of the RTL stands for its contents, wherever it is.
@@ -113,7 +144,9 @@ def _library(
     def make(partial: Path) -> None:
         print(f"building {name} (once) ..", file=sys.stderr, flush=True)
         output = ["--Mdir", str(partial / "obj"), "-o", str(partial / file)]
-        run_tool([str(verilator().executable), *command, *output, *map(str, sources)], partial, name)
+        linked = ["-LDFLAGS", f"-shared {_runtime(*_FAST_RUNTIME)}"]
+        command_line = [str(verilator().executable), *command, *linked, *output, *map(str, sources)]
+        run_tool(command_line, partial, name, with_runtime=False)
 
     return built(folder, make) / file
 
@@ -156,6 +189,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         "--no-public-flat-rw", "--assert", "--x-assign", "fast", "--x-initial", "fast",
         "-CFLAGS", "-O0 -std=c++20", "-Wno-fatal",
     ]  # fmt: skip
+    runtime = _runtime("-O1")
     key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
     folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
 
@@ -163,7 +197,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         runner = get_runner("verilator")
         # cocotb takes the tools from its own environment. Always the same values, so threads that build
         # at the same time do not disturb each other.
-        os.environ.update(verilator().environment())
+        os.environ.update(verilator().environment(with_runtime=False))
         try:
             runner.build(
                 sources=sources,
@@ -171,7 +205,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
                 hdl_toplevel="triaxis_core",
                 parameters=configuration.parameters,
                 build_dir=partial,
-                build_args=arguments,
+                build_args=[*arguments, "-LDFLAGS", str(runtime)],
                 timescale=("1ns", "1ps"),
                 always=True,
                 log_file=partial / "build.log",
@@ -203,7 +237,6 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DTAG_BITS={configuration.tag_bits}",
         f"-DPERIOD_PS={1000 * PERIOD_NS}",
-        "-DVL_TIME_CONTEXT",
     ]
     libraries = f"-rdynamic -Wl,-rpath,{libs_dir} -L{libs_dir} -lcocotbvpi_verilator"
     command = [
@@ -211,7 +244,7 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
         "--assert" if assertions else "--no-assert", "-Wno-fatal", "--timescale", "1ns/1ps",
         "--top-module", _BURST_TOP, "--prefix", "Vtop",
         *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
-        "-CFLAGS", " ".join([_FAST_CODE, f"-I{burst}", *defines]),
+        "-CFLAGS", " ".join([_FAST_CODE, *_FAST_RUNTIME[1:], f"-I{burst}", *defines]),
     ]  # fmt: skip
     hashed = [*sources, burst / "burst_bfm.h", dut / "triaxis_stage.svh"]
     key = content_hash(hashed, str(verilator()), *command)
@@ -221,11 +254,8 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
     def make(partial: Path) -> None:
         # cocotb's runner looks for an executable of the top module's name.
         output = ["--Mdir", str(partial / "obj"), "-o", str(partial / _BURST_TOP)]
-        places = [f"-I{dut}", "-LDFLAGS", libraries]
-        run_tool(
-            [str(verilator().executable), *command, *places, *output, *map(str, sources)],
-            partial,
-            f"{configuration.name} for bursts",
-        )
+        places = [f"-I{dut}", "-LDFLAGS", f"{_runtime(*_FAST_RUNTIME)} {libraries}"]
+        command_line = [str(verilator().executable), *command, *places, *output, *map(str, sources)]
+        run_tool(command_line, partial, f"{configuration.name} for bursts", with_runtime=False)
 
     return built(folder, make)

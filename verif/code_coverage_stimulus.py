@@ -1,23 +1,44 @@
 """What the instrumented cores are played with: chosen so that every bin that can be hit is hit.
 
-Not a search for faults: thousands of pairs. The families give every verdict, flag and coincidence;
-limits of the coordinates reach the highest bits; uniform coordinates give the bits between; and the
-schedule fills the result queue, empties it, and resets the core with pairs in flight.
+Not a search for faults: thousands of pairs. The families give every flag and coincidence, and every
+claim often enough to pass through each place of the result queue; corners of the coordinate box reach
+the highest bits; uniform coordinates give the bits between; and the schedule fills the result queue,
+empties it, and resets the core with pairs in flight.
 """
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.pairs import Pairs, coordinate_range
+from triaxis.golden.axes import NUM_AXES
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.pairs import NO_AXIS, Pairs, coordinate_range
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.instrumented_core import OFFER, RESET, TAKE, Stimulus
 from triaxis.verif.sequences.families import mixed
 
-# Of each of the three kinds of pairs, as many.
-_KINDS = 3
+# Of each of the four kinds of pairs, as many.
+_KINDS = 4
+# Pairs drawn for one that is kept where every claim must come up equally often.
+_DRAWN_PER_CLAIM = 8
+# Of the pairs at corners, those with the largest projection of all.
+_LONGEST_SHARE = 4
+
+_Margins = npt.NDArray[np.int64]
 
 
-def _limit_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
+def _claim_pairs(rng: np.random.Generator, count: int, width: int, largest: int) -> tuple[Pairs, _Margins]:
+    """Return pairs and margins of all families with every claim, and none, about equally often."""
+    drawn = mixed(rng, _DRAWN_PER_CLAIM * count, width, largest)
+    claim = bulk_facts(drawn.pairs, drawn.margins).claim
+    by_claim = [np.flatnonzero(claim == axis) for axis in range(NO_AXIS, NUM_AXES)]
+    chosen = rng.integers(0, len(by_claim), count)
+    # A claim that did not come up leaves its place to any pair.
+    places = [by_claim[kind] if len(by_claim[kind]) else np.arange(len(claim)) for kind in chosen]
+    picked = np.array([rng.choice(place) for place in places], np.intp)
+    return drawn.pairs[picked].astype(np.int64), drawn.margins[picked].astype(np.int64)
+
+
+def _corner_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
     """Return pairs at corners of the coordinate box, where the core's widths are decided."""
     low, high = coordinate_range(width)
     corners = np.where(rng.integers(0, 2, (count, 2, 3, 3)) == 0, low, high)
@@ -25,26 +46,45 @@ def _limit_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
     return np.where(rng.integers(0, 2, (count, 1, 1, 1)) == 0, corners, beside)
 
 
+def _longest_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
+    """Return pairs whose N_A . (edge of B) is the largest, 3 L^3, in all orders and signs.
+
+    A has the three neighbours of a corner of the coordinate box, so its normal runs along a diagonal of
+    the box; an edge of B is that diagonal.
+    """
+    low, high = coordinate_range(width)
+    corner = rng.integers(0, 2, (count, 1, 3))
+    a = corner ^ np.eye(3, dtype=np.int64)
+    b = np.concatenate([corner, 1 - corner, rng.integers(0, 2, (count, 1, 3))], 1)
+    order = rng.permuted(np.broadcast_to(np.arange(3), (count, 2, 3)), axis=2)
+    bits = np.take_along_axis(np.stack([a, b], 1), order[..., None], axis=2)
+    return np.where(bits == 0, low, high)
+
+
 def pairs_with_margins(
     rng: np.random.Generator, count: int, width: int, largest: int
-) -> tuple[Pairs, npt.NDArray[np.int64]]:
-    """Return pairs (N, 2, 3, 3) and margins (N,) of all families, at the limits, and uniform, shuffled.
+) -> tuple[Pairs, _Margins]:
+    """Return pairs (N, 2, 3, 3) and margins (N,): of all families, at corners, uniform, shuffled.
 
     Half of the margins that are not the families' own are uniform, half are the largest.
     """
     each = -(-count // _KINDS)
+    longest = each // _LONGEST_SHARE
     low, high = coordinate_range(width)
     families = mixed(rng, each, width, largest)
+    claimed, claimed_margins = _claim_pairs(rng, each, width, largest)
     pairs = np.concatenate(
         [
             families.pairs.astype(np.int64),
-            _limit_pairs(rng, each, width),
+            claimed,
+            _longest_pairs(rng, longest, width),
+            _corner_pairs(rng, each - longest, width),
             rng.integers(low, high + 1, (each, 2, 3, 3)),
         ]
     )
     uniform = rng.integers(0, largest + 1, 2 * each)
     others = np.where(rng.integers(0, 2, 2 * each) == 0, uniform, largest)
-    margins = np.concatenate([families.margins.astype(np.int64), others])
+    margins = np.concatenate([families.margins.astype(np.int64), claimed_margins, others])
     order = rng.permutation(len(pairs))[:count]
     return pairs[order], margins[order]
 

@@ -16,6 +16,8 @@ from triaxis.golden.facts import Facts
 # How many of each kind are judged in a run, from as many batches.
 _FIRST = 2
 _KIND_BITS = 18
+# The smallest share: one in so many.
+MOST_SELDOM = 1 << 16
 
 
 @dataclass(frozen=True)

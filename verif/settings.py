@@ -17,8 +17,7 @@ class RunSettings:
     """One run: a test by name, its seed, the build, how many pairs, where results go.
 
     ``agent``: "pin" or "burst". ``judged_one_in``: the share of pairs that the golden model judges
-    beside the bulk checker; 1: all. ``soak``: see `Soak` in README: coverage and the golden model take
-    a part of the batches.
+    beside the bulk checker; 1: all. ``soak``: coverage samples a part of the batches.
     """
 
     test: str
@@ -46,10 +45,12 @@ class RunSettings:
         """Return the command that repeats exactly this run."""
         if self.replay:
             return f".venv/bin/triaxis sim ReplayTest --config {self.config} --replay {self.replay}"
-        agent = "" if self.agent == PIN else f" --agent {self.agent}"
+        options = "" if self.agent == PIN else f" --agent {self.agent}"
+        options += "" if self.judged_one_in == 1 else f" --judged {self.judged_one_in}"
+        options += " --soak" if self.soak else ""
         return (
             f".venv/bin/triaxis sim {self.test} --seed {self.seed} --config {self.config} "
-            f"--pairs {self.pairs}{agent}"
+            f"--pairs {self.pairs}{options}"
         )
 
     def to_environment(self) -> dict[str, str]:

@@ -32,8 +32,11 @@ class Verilator:
     version: tuple[int, int]
     origin: str
 
-    def environment(self) -> dict[str, str]:
-        """Return the environment in which to call it and the make files that it writes."""
+    def environment(self, with_runtime: bool = True) -> dict[str, str]:
+        """Return the environment in which to call it and the make files that it writes.
+
+        ``with_runtime``: false leaves out Verilator's own library, which is then linked from elsewhere.
+        """
         environment = dict(os.environ)
         settings = {
             # The default includes a precompiled header in a way that g++ 12 rejects for designs of
@@ -45,6 +48,8 @@ class Verilator:
             "LINK": cxx(),
             "AR": "ar",
         }
+        if not with_runtime:
+            settings |= {"VM_GLOBAL_FAST": "", "VM_GLOBAL_SLOW": ""}
         environment["MAKEFLAGS"] = " ".join(f"{name}={value}" for name, value in settings.items())
         folder, path = str(_shim(self.executable)), environment.get("PATH", "")
         if path.split(os.pathsep)[0] != folder:

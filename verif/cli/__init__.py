@@ -1,7 +1,7 @@
 """The command line ``triaxis``.
 
-Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; for `sim` and
-`signoff`: failed), 2 bad input or a missing tool, 130 interrupted.
+Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; for `shrink`: nothing
+fails; for the others: failed, or a bound missed), 2 bad input or a missing tool, 130 interrupted.
 """
 
 import argparse
@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.verif.cli import (
+    bench_sim,
     check,
     code_coverage,
     exhaustive,
@@ -27,7 +28,7 @@ from triaxis.verif.engine import CoreError
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
-_COMMANDS = (verdict, check, scenes, sim, signoff, exhaustive, shrink, code_coverage, fpga_report)
+_COMMANDS = (verdict, check, scenes, sim, signoff, exhaustive, shrink, code_coverage, bench_sim, fpga_report)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -46,7 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="triaxis",
         description="Exact triangle-collision core: verdicts, mesh checks, simulation, sign-off.",
-        epilog="Exit codes: 0 done (check: clear); 1 no (check: near; sim, signoff: failed); "
+        epilog="Exit codes: 0 done (check: clear); 1 no (check: near; shrink: none fails; others: failed); "
         "2 bad input or missing tool; 130 interrupted.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)

@@ -7,7 +7,9 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import parse_configuration
 from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.verif.golden_sample import MOST_SELDOM
 from triaxis.verif.sequences.seed_vectors import seed_vectors
+from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import run as simulate
 from triaxis.verif.simulation import run_settings
 from triaxis.verif.testnames import REPLAY, TESTS, check_test_name
@@ -30,6 +32,18 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0)",
     )  # fmt: skip
     parser.add_argument("--pairs", type=int, default=2000, help="how many pairs to send (2000)")
+    parser.add_argument(
+        "--agent", choices=(PIN, BURST), default=PIN,
+        help="who drives the streams: pin by pin, or whole bursts by a bus-functional model (pin)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--judged", type=int, default=1, metavar="N",
+        help="the golden model judges one pair in N, and the first of each kind (1: all); the bulk checker "
+        "checks every pair",
+    )  # fmt: skip
+    parser.add_argument(
+        "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
+    )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.set_defaults(run=run)
 
@@ -41,6 +55,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"pairs {options.pairs}: must be at least 1")
     if options.seed < 0:
         raise InputError(f"seed {options.seed}: must not be negative")
+    if not 1 <= options.judged <= MOST_SELDOM:
+        raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
     configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
@@ -50,13 +66,23 @@ def run(options: argparse.Namespace) -> int:
         replay = str(options.replay.resolve())
     if options.test == "SeedVectorsTest":
         seed_vectors(configuration.width)
-    settings = run_settings(options.test, configuration, options.seed, options.pairs, replay)
+    settings = run_settings(
+        options.test,
+        configuration,
+        options.seed,
+        options.pairs,
+        replay,
+        agent=options.agent,
+        judged_one_in=options.judged,
+        soak=options.soak,
+    )
     result = simulate(settings)
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
-            f"{result.counts['checked']} pairs checked, {result.counts['clear_claims_rechecked']} clear "
-            f"claims re-checked, {result.seconds:.1f} s"
+            f"{result.counts['checked']} pairs checked, {result.counts['judged_by_golden_model']} judged by "
+            f"the golden model, {result.counts['clear_claims_rechecked']} clear claims re-checked, "
+            f"{result.seconds:.1f} s"
         )
         return PASSED
     print(result.explain(), file=sys.stderr)

@@ -12,7 +12,7 @@ from triaxis.verif.sequences.contact import Contact, one_step
 from triaxis.verif.sequences.containment import contained_pairs
 from triaxis.verif.sequences.coplanar import coplanar_near_miss, coplanar_pairs
 from triaxis.verif.sequences.degenerate import degenerate_pairs
-from triaxis.verif.sequences.margins import at_any_margin, margin_at_decision, random_margins
+from triaxis.verif.sequences.margins import at_any_margin, random_margins
 from triaxis.verif.sequences.mixture import Mixture, mixed_once
 from triaxis.verif.sequences.penetrating import penetrating_pairs
 from triaxis.verif.sequences.random_pairs import (
@@ -30,33 +30,20 @@ from triaxis.verif.sequences.sole_axis import (
     near_edge,
     near_edge_box,
     near_face,
-    sole_axis,
     sole_axis_small,
 )
-from triaxis.verif.sequences.stimulus import Family, PairFamily, Pairs32, Rng, Stimulus, divided, joined
+from triaxis.verif.sequences.stimulus import Family, PairFamily, Rng, Stimulus
 from triaxis.verif.sequences.symmetry import all_orders
 from triaxis.verif.sequences.touching import FEATURE_PAIRS, sharing_edge, touching
 
 __all__ = [
     "FAMILIES",
     "TOUCHING",
-    "Family",
-    "Mixture",
-    "Stimulus",
     "all_orders",
-    "coplanar_pairs",
-    "degenerate_pairs",
-    "extreme_pairs",
-    "far_pairs",
-    "margin_at_decision",
     "mixed",
     "mixed_pairs",
     "mixture",
     "random_margins",
-    "random_pairs",
-    "sole_axis",
-    "tiny_pairs",
-    "touching_pairs",
 ]
 
 
@@ -107,13 +94,6 @@ FAMILIES: dict[str, Family] = {
     "near-miss box": near_box,
     "near-miss small": sole_axis_small,
 }
-
-
-def touching_pairs(rng: Rng, count: int, width: int) -> Pairs32:
-    """Return pairs of all kinds that touch, or miss or pass by one unit, for margin 0."""
-    kinds = [family for name, family in FAMILIES.items() if name.startswith("touching")]
-    counts = divided(count, [1] * len(kinds))
-    return joined([kind(rng, n, width, 0) for kind, n in zip(kinds, counts, strict=True)]).pairs
 
 
 def mixed(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:

@@ -241,3 +241,11 @@ def test_small_ones_are_of_small_numbers(rng):
     assert np.abs(stimulus.pairs).max() <= 128
     assert stimulus.margins.max() < 256
     assert (largest_extents(stimulus.pairs.astype(np.int64).reshape(-1, 6, 3)) < 16).mean() > 0.05
+
+
+@pytest.mark.parametrize("name", ["near-miss edge x box", "near-miss box"])
+def test_margins_make_box_axes_decide_alone(rng, name):
+    stimulus = FAMILIES[name](rng, 6000, 24, (1 << 24) - 1)
+    facts = bulk_facts(stimulus.pairs, stimulus.margins)
+    alone = np.bitwise_count(facts.separating[~facts.near]) == 1
+    assert alone.mean() > 0.85
