@@ -9,13 +9,24 @@ import operator
 from collections.abc import Callable, Mapping
 from functools import cache
 
+
+class BoundError(ValueError):
+    """The text is no such expression, or has no value."""
+
+
+def _power(base: int, exponent: int) -> int:
+    if exponent < 0:
+        raise BoundError(f"{base} ** {exponent}: no whole number")
+    return base**exponent
+
+
 _BINARY: dict[type[ast.operator], Callable[[int, int], int]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
+    ast.Pow: _power,
     ast.LShift: operator.lshift,
     ast.RShift: operator.rshift,
 }
@@ -27,10 +38,6 @@ _COMPARE: dict[type[ast.cmpop], Callable[[int, int], bool]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
-
-
-class BoundError(ValueError):
-    """The text is no such expression, or has no value."""
 
 
 @cache

@@ -13,7 +13,8 @@ Kinds of bins:
     generate    each generate block: elaborated
 
 Every bit of every signal of the elaborated design must have its two toggle counters: one that
-Verilator left out is a problem, not a bin less.
+Verilator left out is a problem, not a bin less. A line with logical operators but without expression
+counters (Verilator gives up beyond 32 ways) is a bin that is not hit.
 """
 
 import re
@@ -29,6 +30,9 @@ from triaxis.coverage.waivers import KINDS, Waiver
 from triaxis.golden.errors import InputError
 
 _LABEL = re.compile(r"\bbegin\s*:\s*(\w+)")
+
+# What stands for the ways of a condition that Verilator does not count.
+_NOT_COUNTED = "condition without counters"
 
 _Applying = list[tuple[Waiver, dict[str, int]]]
 
@@ -223,6 +227,10 @@ class _ModelAssessor:
                 self.assessment.count(place, count > 0, waiver)
 
     def _points(self, instance: Instance, points: list[Point]) -> None:
+        counted = {point.line for point in points if point.kind == "expression"}
+        file = f"{instance.module}.sv"
+        for line in sorted(instance.conditions - counted):
+            points.append(Point("expression", file, line, instance.path, _NOT_COUNTED, 0))
         waivers = {kind: self._applying(kind, instance) for kind in {point.kind for point in points}}
         for p in points:
             waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known)), None)

@@ -22,6 +22,9 @@ _SOURCES = tuple(
 )
 # One hit of an axis as the claim may be luck: it is the answer that users rely on.
 _CLAIMS = 10
+# Of near pairs an error on any axis shows, so these need not be alone.
+_LEVEL = "axes exactly at the margin, of near pairs"
+_NEAR_STEP = "axes short of separating by the smallest step, of near pairs"
 
 
 def core_model(
@@ -90,18 +93,17 @@ def _axes(build: Build, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Ite
         ),
         Item(
             "clear_step",
-            "the only axis that separates, by the smallest step x side x size",
-            (axes.sole_step, points.SIDE, points.LARGE, *margin),
+            "the only axis that separates, by the smallest step x side x extent",
+            (axes.sole_step, points.SIDE, points.EXTENT, *margin),
         ),
-        Item(
-            "level",
-            "axes exactly at the margin, of near pairs x size",
-            (axes.level, points.LARGE, *margin),
-        ),
-        Item(
-            "near_step",
-            "axes short of separating by the smallest step, of near pairs x size",
-            (axes.near_step, points.LARGE, *margin),
+        *(
+            Item(f"{name}_{side}", f"{meaning}, B {side} A x extent", (point, points.EXTENT, *margin))
+            for name, side, meaning, point in (
+                ("level", "above", _LEVEL, axes.level_above),
+                ("level", "below", _LEVEL, axes.level_below),
+                ("near_step", "above", _NEAR_STEP, axes.near_step_above),
+                ("near_step", "below", _NEAR_STEP, axes.near_step_below),
+            )
         ),
         Item("flat", "axes on which all vertices of a near pair fall together, margin 0", (axes.flat,)),
     ]

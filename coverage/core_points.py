@@ -1,5 +1,6 @@
 """The coverpoints of the core's model: names of bins, and which array of the view holds their codes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from triaxis.coverage.core_sample import Build, Codes, CoreView, classes
 from triaxis.coverage.cover_model import Coverpoint, MaskPoint
 from triaxis.golden.axes import axis_name
+from triaxis.golden.facts import Mask
 
 Point = Coverpoint[CoreView]
 
@@ -51,7 +53,7 @@ PREVIOUS = Point(
 SIDE = Point("side", ("B above A", "B below A"), lambda v: v.side)
 MARGIN_SIGN = Point("margin sign", ("m = 0", "m > 0"), lambda v: v.margin_positive)
 SIZE = Point("size", ("below 8", "below 2^(W/2)", "large", "both limits"), lambda v: v.size)
-LARGE = Point("large", ("below 2^(W/2)", "large"), lambda v: v.size >> np.uint8(1))
+EXTENT = Point("extent", ("narrow", "wide"), lambda v: v.wide)
 RELATION = Point(
     "relation",
     ("clear", "touching", "A in B", "B in A", "identical", "coplanar overlap", "penetrating"),
@@ -116,22 +118,30 @@ class AxisPoints:
     first: Point
     sole: Point
     sole_step: Point
-    level: MaskPoint[CoreView]
-    near_step: MaskPoint[CoreView]
+    level_above: MaskPoint[CoreView]
+    level_below: MaskPoint[CoreView]
+    near_step_above: MaskPoint[CoreView]
+    near_step_below: MaskPoint[CoreView]
     flat: MaskPoint[CoreView]
 
 
 def axis_points(build: Build) -> AxisPoints:
     """Return the points whose bins are the axes of a build."""
     axes = tuple(f"{n:02d} {axis_name(n)}" for n in range(build.axes))
+
+    def mask(name: str, masks: Callable[[CoreView], Mask]) -> MaskPoint[CoreView]:
+        return MaskPoint(name, axes, masks)
+
     return AxisPoints(
         Point("claim", ("near", *axes), lambda v: v.claim, partial=True),
         Point("first of several axes", axes, lambda v: v.first_of_several, partial=True),
         Point("sole axis", axes, lambda v: v.sole, partial=True),
         Point("sole axis by one step", axes, lambda v: v.sole_step, partial=True),
-        MaskPoint("level axes of near pairs", axes, lambda v: v.near_only(v.facts.level)),
-        MaskPoint("axes by one step of near pairs", axes, lambda v: v.near_only(v.facts.near_step)),
-        MaskPoint("flat axes of near pairs", axes, lambda v: v.flat_at_zero),
+        mask("level, B above", lambda v: v.near_only(v.facts.level & v.facts.upper)),
+        mask("level, B below", lambda v: v.near_only(v.facts.level & v.facts.lower)),
+        mask("one step short, B above", lambda v: v.near_only(v.facts.near_step & v.facts.upper)),
+        mask("one step short, B below", lambda v: v.near_only(v.facts.near_step & v.facts.lower)),
+        mask("flat", lambda v: v.flat_at_zero),
     )
 
 

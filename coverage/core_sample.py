@@ -239,6 +239,11 @@ class CoreView:
         return np.maximum(code, both * np.uint8(3))
 
     @cached_property
+    def wide(self) -> Codes:
+        """Return 1 where a difference of two vertices is a quarter of the range or more."""
+        return (self.facts.extent >= np.uint32(1 << (self.build.width - 2))).view(np.uint8)
+
+    @cached_property
     def answered_near(self) -> Codes:
         """Return 1 where the core says near."""
         return self.sample.words.astype(np.uint8) & np.uint8(1)

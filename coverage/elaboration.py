@@ -19,6 +19,7 @@ _Node = dict[str, Any]
 _TOP = "TOP"
 _SIGNAL_KINDS = ("PORT", "VAR", "WIRE")
 _PARAMETER_KINDS = ("GPARAM", "LPARAM")
+_LOGICAL = ("LOGAND", "LOGOR", "LOGNOT", "AND", "OR", "XOR", "NOT", "REDAND", "REDOR", "REDXOR")
 # Types whose width their keyword says.
 _KEYWORD_WIDTHS = {"int": 32, "integer": 32, "byte": 8, "shortint": 16, "longint": 64}
 
@@ -39,7 +40,8 @@ class Signal:
 class Instance:
     """One instance of a module: its path, the numbers among its parameters, its signals.
 
-    ``blocks`` are the labels of the generate blocks in it, without loop indices.
+    ``blocks`` are the labels of the generate blocks in it, without loop indices; ``conditions`` the
+    lines that hold a logical operator.
     """
 
     path: str
@@ -47,6 +49,7 @@ class Instance:
     parameters: dict[str, int]
     signals: tuple[Signal, ...]
     blocks: frozenset[str]
+    conditions: frozenset[int]
 
 
 def _range(text: str) -> range:
@@ -59,6 +62,20 @@ def _constant(node: _Node) -> int | None:
     """Return the value of a constant such as ``32'sh1f``, None for text and the like."""
     match = re.fullmatch(r"(?:\d+)?'s?h([0-9a-f]+)", node.get("name", ""))
     return int(match[1], 16) if match else None
+
+
+def _lines(node: Any) -> Iterator[int]:
+    """Yield the lines with logical operators."""
+    if isinstance(node, list):
+        for element in node:
+            yield from _lines(element)
+    elif isinstance(node, dict):
+        if node.get("type") in _LOGICAL:
+            # A place reads file, first line:column, last line:column.
+            yield int(node["loc"].split(",")[1].partition(":")[0])
+        for value in node.values():
+            if isinstance(value, (list, dict)):
+                yield from _lines(value)
 
 
 @dataclass
@@ -121,6 +138,7 @@ class _Reader:
             contents.parameters,
             tuple(contents.signals),
             frozenset(contents.blocks),
+            frozenset(_lines(module["stmtsp"])),
         )
         for name, address in contents.cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
@@ -151,6 +169,8 @@ def read_elaboration(path: Path, top: str) -> dict[str, Instance]:
         tree = json.loads(path.read_text())
         module = next(module for module in tree["modulesp"] if module["origName"] == top)
         found = list(_Reader(tree).instances(f"{_TOP}.{top}", module))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
     except (ValueError, KeyError, TypeError, StopIteration) as error:

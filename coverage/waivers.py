@@ -47,6 +47,7 @@ CATEGORIES = (
     "constant by parameter",
     "bounded",
     "split operand",
+    "unused input",
     "elaboration guard",
 )
 KINDS = ("line", "branch", "expression", "toggle", "generate")

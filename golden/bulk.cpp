@@ -16,10 +16,11 @@ namespace triaxis::bulk {
 
 // Where facts go: the fields of Facts in facts.py.
 struct FactArrays {
-  uint32_t *above, *below, *level, *clear_step, *near_step, *flat;
+  uint32_t *above, *below, *upper, *lower, *level, *clear_step, *near_step, *flat;
   uint8_t *support_a, *support_b, *rank_a, *rank_b, *order_a, *order_b;
   uint8_t *coplanar, *a_in_b, *b_in_a;
   int32_t *low, *high;
+  uint32_t *extent;
 };
 
 namespace {
@@ -123,6 +124,8 @@ void Store(const Input& input, const AxisFacts& found, const FactArrays& out) {
     const int64_t i = input.index[lane];
     out.above[i] = found.above[lane];
     out.below[i] = found.below[lane];
+    out.upper[i] = found.upper[lane];
+    out.lower[i] = found.lower[lane];
     out.level[i] = found.level[lane];
     out.clear_step[i] = found.clear_step[lane];
     out.near_step[i] = found.near_step[lane];
@@ -138,6 +141,7 @@ void Store(const Input& input, const AxisFacts& found, const FactArrays& out) {
     out.b_in_a[i] = found.b_in_a[lane] & 1;
     out.low[i] = input.low[lane];
     out.high[i] = input.high[lane];
+    out.extent[i] = input.extent[lane];
   }
 }
 

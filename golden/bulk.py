@@ -29,10 +29,13 @@ _CHUNK = 1 << 16
 
 # The types of the fields of Facts, in the order of FactArrays in bulk.cpp.
 _TYPES = {
-    **dict.fromkeys(("above", "below", "level", "clear_step", "near_step", "flat"), np.uint32),
+    **dict.fromkeys(
+        ("above", "below", "upper", "lower", "level", "clear_step", "near_step", "flat"), np.uint32
+    ),
     **dict.fromkeys(("support_a", "support_b", "rank_a", "rank_b", "order_a", "order_b"), np.uint8),
     **dict.fromkeys(("coplanar", "a_in_b", "b_in_a"), np.uint8),
     **dict.fromkeys(("low", "high"), np.int32),
+    "extent": np.uint32,
 }
 
 _Native = Callable[[int | None, int | None, int, Any], None]

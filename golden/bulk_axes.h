@@ -14,7 +14,7 @@ namespace triaxis::bulk {
 
 // What the axes say; bit n of a mask over the axes is axis n.
 struct AxisFacts {
-  Masks above{}, below{}, level{}, clear_step{}, near_step{}, flat{}, not_zero{};
+  Masks above{}, below{}, upper{}, lower{}, level{}, clear_step{}, near_step{}, flat{}, not_zero{};
   Masks support_a = Masks{} + 7, support_b = Masks{} + 7;
   Masks a_in_b = ~Masks{}, b_in_a = ~Masks{};
 };
@@ -131,6 +131,9 @@ template <class Number, class Axis>
   const Reals beyond_down = Sign(down - reach);
   facts.above |= (beyond_up > 0) & bit;
   facts.below |= (beyond_down > 0) & bit;
+  const Reals side = Sign(up - down);
+  facts.upper |= (side >= 0) & bit;
+  facts.lower |= (side <= 0) & bit;
 
   // up + down is less than 0 by the lengths of the two intervals, so both are 0 exactly where all six
   // vertices fall together: on a zero axis and on a flat one.

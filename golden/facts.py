@@ -27,6 +27,8 @@ class Facts:
     """Facts of N pairs, each field of shape (N,).
 
     above, below: axes that separate by more than the margin, B above A or below it.
+    upper, lower: axes with up >= down, down >= up: the excess is that of B above A, of B below A. Where
+    the two are equal, as on zero and flat axes, the axis is in both.
     level: axes that are not zero, not flat, and whose excess is 0: a near pair with one is exactly at the
     margin.
     clear_step, near_step: axes that are not zero and not flat, and whose excess is +g, -g.
@@ -41,10 +43,13 @@ class Facts:
     coplanar: all six vertices lie in one plane.
     a_in_b, b_in_a: A is a part of B (as closed sets), B of A.
     low, high: the smallest and the largest of the 18 coordinates.
+    extent: the largest difference of two vertices in x, in y or in z: what translations leave alone.
     """
 
     above: Mask
     below: Mask
+    upper: Mask
+    lower: Mask
     level: Mask
     clear_step: Mask
     near_step: Mask
@@ -60,6 +65,7 @@ class Facts:
     b_in_a: Small
     low: npt.NDArray[np.int32]
     high: npt.NDArray[np.int32]
+    extent: npt.NDArray[np.uint32]
 
     def __len__(self) -> int:
         """Return the number of pairs."""

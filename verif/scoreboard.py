@@ -1,6 +1,7 @@
 """The scoreboard: every accepted pair must be answered once, in order, and exactly."""
 
 import json
+import resource
 import time
 from collections import deque
 from collections.abc import Callable
@@ -103,6 +104,7 @@ class Scoreboard(uvm_scoreboard):
             "failed": self.failed,
             # From the reset to the end of the last check; without the start of the simulator.
             "seconds": self.seconds,
+            "peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         }
         result_file(folder).write_text(json.dumps(counts, indent=2) + "\n")
         failures = matcher.failures + checker.failures

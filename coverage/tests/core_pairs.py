@@ -65,6 +65,35 @@ def pointing_pairs(rng: np.random.Generator, count: int) -> Pairs:
     return pairs
 
 
+def sheared(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
+    """Return the pairs after one unimodular shear that nearly fills the range.
+
+    What was level, or one step away, at margin 0 on a normal or on an edge x edge axis still is.
+    """
+    rows, limit = np.arange(len(pairs)), (1 << (width - 1)) - 1
+    to, by = rng.permuted(np.tile(np.arange(3), (len(pairs), 1)), axis=1).T[:2]
+    room = (limit - abs(pairs).max((1, 2, 3))) // np.maximum(abs(pairs[rows, :, :, by]).max((1, 2)), 1)
+    factor = rng.integers(-room, room + 1)
+    result = pairs.copy()
+    result[rows, :, :, to] += factor[:, None, None] * pairs[rows, :, :, by]
+    return result
+
+
+def grown(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
+    """Return the pairs with each triangle grown about its first vertex, nearly to fill the range."""
+    limit = (1 << (width - 1)) - 1
+    apex = pairs[:, :, :1]
+    room = (limit - abs(apex).max((2, 3))) // np.maximum(abs(pairs - apex).max((2, 3)), 1)
+    factor = np.where(rng.integers(0, 4, room.shape) == 0, 1, rng.integers(1, np.maximum(room, 1) + 1))
+    return apex + factor[:, :, None, None] * (pairs - apex)
+
+
+def one_size_larger(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
+    """Return the pairs scaled as they are, nearly to fill the range."""
+    room = ((1 << (width - 1)) - 1) // np.maximum(abs(pairs).max((1, 2, 3)), 1)
+    return pairs * rng.integers((room + 1) // 2, room + 1)[:, None, None, None]
+
+
 def moved(rng: np.random.Generator, pairs: Pairs, width: int, to_limits: bool) -> Pairs:
     """Return the pairs in random places of the range, or each coordinate at a limit of it."""
     low, high = coordinate_range(width)

@@ -12,11 +12,14 @@ from triaxis.coverage.terminal import coverage_lines
 from triaxis.coverage.tests.core_pairs import (
     all_pairs_of_unit_cube,
     grid_pairs,
+    grown,
     margins_for,
     moved,
+    one_size_larger,
     pointing_pairs,
     related_pairs,
     samples,
+    sheared,
     sole_representatives,
     wide_pairs,
 )
@@ -56,6 +59,12 @@ def covered(parameters, seed):
         feed(coverage, rng, build, pairs + rng.integers(-reach, reach, (len(pairs), 1, 1, 3)), margins)
         feed(coverage, rng, build, moved(rng, pairs, build.width, to_limits=False), margins)
         feed(coverage, rng, build, moved(rng, pairs, build.width, to_limits=True), margins)
+        pairs = pairs[rng.integers(0, len(pairs), 40_000)]
+        for widen in (sheared, grown, one_size_larger):
+            wide = widen(rng, pairs, build.width)
+            margins = margins_for(rng, build, wide)
+            feed(coverage, rng, build, wide, margins)
+            feed(coverage, rng, build, *sole_representatives(wide, margins))
     wide = wide_pairs(rng, 40_000, build.width)
     margins = margins_for(rng, build, wide)
     feed(coverage, rng, build, wide, margins)

@@ -35,6 +35,8 @@ def _examine(facts: dict[str, int], number: int, a: Triangle, b: Triangle, margi
     bit, step = 1 << number, math.gcd(*axis)
     facts["above"] |= bit * (up > reach)
     facts["below"] |= bit * (down > reach)
+    facts["upper"] |= bit * (up >= down)
+    facts["lower"] |= bit * (down >= up)
     if step == 0:
         return
     if len({*on_a, *on_b}) == 1:
@@ -51,7 +53,8 @@ def _examine(facts: dict[str, int], number: int, a: Triangle, b: Triangle, margi
 
 def slow_facts(a: Triangle, b: Triangle, margin: int) -> dict[str, int]:
     """Return the fields of Facts of one pair."""
-    facts = dict.fromkeys(("above", "below", "level", "clear_step", "near_step", "flat"), 0)
+    sides = ("above", "below", "upper", "lower")
+    facts = dict.fromkeys((*sides, "level", "clear_step", "near_step", "flat"), 0)
     facts |= {"support_a": 7, "support_b": 7}
     for number in range(NUM_AXES):
         _examine(facts, number, a, b, margin)
@@ -66,4 +69,5 @@ def slow_facts(a: Triangle, b: Triangle, margin: int) -> dict[str, int]:
         "b_in_a": int(_is_part(b, a)),
         "low": int(coordinates.min()),
         "high": int(coordinates.max()),
+        "extent": int(np.ptp(coordinates, (0, 1)).max()),
     }

@@ -36,9 +36,9 @@ def swapped(facts):
     changed = {name: getattr(facts, name) for name in NAMES}
     for name in ("level", "clear_step", "near_step", "flat"):
         changed[name] = renumbered(changed[name])
-    above, below = renumbered(facts.above), renumbered(facts.below)
-    changed["above"] = (above & TURNED) | (below & ~TURNED)
-    changed["below"] = (below & TURNED) | (above & ~TURNED)
+    for x, y in (("above", "below"), ("upper", "lower")):
+        one, other = renumbered(getattr(facts, x)), renumbered(getattr(facts, y))
+        changed[x], changed[y] = (one & TURNED) | (other & ~TURNED), (other & TURNED) | (one & ~TURNED)
     for x, y in (
         ("support_a", "support_b"),
         ("rank_a", "rank_b"),

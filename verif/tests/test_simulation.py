@@ -2,8 +2,8 @@
 
 import pytest
 
-from triaxis.coverage.core_model import CORE_MODEL
-from triaxis.coverage.covergroup import load
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import load
 from triaxis.verif.configuration import parse_configuration
 from triaxis.verif.simulation import run, run_settings
 from triaxis.verif.testnames import REPLAY, TESTS
@@ -21,7 +21,8 @@ def test_passes(seed, test, config, pairs):
     assert result.passed, result.explain()
     assert result.counts is not None
     assert result.counts["checked"] > 0
-    assert load(result.coverage, CORE_MODEL).hits["claim"].sum() == result.counts["checked"]
+    model = core_model(*result.settings.configuration.covered)
+    assert load(result.coverage, model).hits["claim"].sum() == result.counts["checked"]
     if test == "ResetsTest":
         assert result.counts["resets"] > 3
         assert result.counts["discarded_by_reset"] > 0

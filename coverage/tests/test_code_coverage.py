@@ -1,0 +1,247 @@
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from triaxis.coverage.code_counters import FIRST_LINE, LAST_LINE, Counters, read_counters
+from triaxis.coverage.code_coverage import (
+    Assessment,
+    ModelCoverage,
+    assess_model,
+    conclude,
+    generate_blocks,
+)
+from triaxis.coverage.elaboration import Instance, Signal
+from triaxis.coverage.waivers import Waiver
+from triaxis.golden.errors import InputError
+
+TODAY = date(2026, 1, 1)
+TOP = "TOP.top"
+
+
+def line(kind: str, what: str, count: int, number: int = 7, column: int = 3, path: str = TOP) -> str:
+    page = f"v_{kind}/top"
+    fields = {"f": "/somewhere/top.sv", "l": number, "n": column, "t": kind, "page": page, "o": what}
+    if kind == "line":
+        fields["S"] = f"{number}-{number + 2}"
+    fields["h"] = path
+    return "C '" + "".join(f"\x01{name}\x02{value}" for name, value in fields.items()) + f"' {count}"
+
+
+def toggles(name: str, rises: int, falls: int) -> list[str]:
+    return [line("toggle", f"{name}:0->1", rises), line("toggle", f"{name}:1->0", falls)]
+
+
+GOOD = [
+    line("line", "block", 5),
+    line("line", "elsif", 2),
+    line("branch", "if", 1),
+    line("expr", "(a==1 && b==1) => 1", 4),
+    *toggles("clk_i", 9, 9),
+    *toggles("sum[0]", 1, 2),
+    *toggles("sum[1]", 3, 4),
+]
+
+
+def file(tmp_path: Path, lines: list[str], name: str = "coverage.dat") -> Path:
+    path = tmp_path / name
+    path.write_text("\n".join([FIRST_LINE, *lines, LAST_LINE]) + "\n")
+    return path
+
+
+def instance(*signals: tuple[str, int]) -> Instance:
+    found = tuple(Signal(TOP, name, range(bits)) for name, bits in signals)
+    return Instance(TOP, "top", {"W": 4}, found, frozenset({"g_block"}), frozenset({7}))
+
+
+DESIGN = instance(("clk_i", 0), ("sum", 2))
+
+
+def assessed(
+    tmp_path: Path, lines: list[str], waivers: list[Waiver] | None = None, design: Instance = DESIGN
+) -> Assessment:
+    model = ModelCoverage("model", read_counters(file(tmp_path, lines)), {TOP: design})
+    source = tmp_path / "top.sv"
+    source.write_text("module top;\n  if (W == 4) begin : g_block\n  end // begin : g_not\nendmodule\n")
+    found = assess_model(model, waivers or [])
+    return conclude(found, generate_blocks([source]), waivers or [], TODAY)
+
+
+def waiver(**changes: object) -> Waiver:
+    usual = Waiver(
+        1, "bounded", "because", "dut", date(2030, 1, 1), "toggle", ("top",), signals=("sum",), bits=("1",)
+    )
+    return replace(usual, **changes)  # pyright: ignore[reportArgumentType]
+
+
+def without(what: str) -> list[str]:
+    return [text for text in GOOD if what not in text]
+
+
+def never(what: str) -> list[str]:
+    return [text.rpartition(" ")[0] + " 0" if what in text else text for text in GOOD]
+
+
+def test_everything_hit_passes(tmp_path: Path) -> None:
+    found = assessed(tmp_path, GOOD)
+    assert found.passed
+    counts = {kind: (total.hit, total.total, total.percent) for kind, total in found.totals.items()}
+    assert counts == {
+        "line": (1, 1, 100.0),
+        "branch": (2, 2, 100.0),
+        "expression": (1, 1, 100.0),
+        "toggle": (6, 6, 100.0),
+        "generate": (1, 1, 100.0),
+    }
+
+
+@pytest.mark.parametrize(
+    ("what", "kind"),
+    [
+        ("block", "line"),
+        ("elsif", "branch"),
+        ("\x02if\x01", "branch"),
+        ("=> 1", "expression"),
+        ("sum[1]:0->1", "toggle"),
+        ("sum[1]:1->0", "toggle"),
+    ],
+)
+def test_a_bin_that_is_not_hit_fails(tmp_path: Path, what: str, kind: str) -> None:
+    found = assessed(tmp_path, never(what))
+    assert not found.passed and not found.problems
+    assert [(bin_.kind, bin_.file, bin_.line, bin_.instance) for bin_ in found.uncovered] == [
+        (kind, "top.sv", 7, TOP)
+    ]
+    assert found.totals[kind].percent < 100
+    assert str(found.uncovered[0]).startswith(f"top.sv:7: {kind} ")
+
+
+@pytest.mark.parametrize("left_out", ["sum[1]:0->1", "sum[1]:1->0", "clk_i"])
+def test_a_signal_that_verilator_leaves_out_fails(tmp_path: Path, left_out: str) -> None:
+    found = assessed(tmp_path, without(left_out))
+    assert not found.passed
+    assert ["has no toggle counters" in problem for problem in found.problems] == [True]
+
+
+def test_a_condition_that_verilator_leaves_out_is_not_covered(tmp_path: Path) -> None:
+    found = assessed(tmp_path, without("=> 1"))
+    assert [bin_.what for bin_ in found.uncovered] == ["condition without counters"]
+
+
+def test_counters_of_what_is_not_in_the_design_fail(tmp_path: Path) -> None:
+    other = line("branch", "if", 1, path="TOP.other")
+    found = assessed(tmp_path, [*GOOD, *toggles("sum[2]", 1, 1), other])
+    assert len(found.problems) == 2 and all("not in the design" in problem for problem in found.problems)
+
+
+def test_a_kind_without_bins_fails(tmp_path: Path) -> None:
+    found = assessed(tmp_path, without("block"))
+    assert not found.uncovered and not found.problems and not found.passed
+
+
+def test_a_generate_block_that_no_model_has_fails(tmp_path: Path) -> None:
+    found = assessed(tmp_path, GOOD, design=replace(DESIGN, blocks=frozenset()))
+    assert [(bin_.kind, bin_.what, bin_.line) for bin_ in found.uncovered] == [("generate", "g_block", 2)]
+
+
+def test_a_waiver_covers_a_bin(tmp_path: Path) -> None:
+    found = assessed(tmp_path, never("sum[1]"), [waiver()])
+    assert found.passed and found.waived == {1: 2}
+    total = found.totals["toggle"]
+    assert (total.hit, total.waived, total.total, total.percent) == (4, 2, 6, 100.0)
+
+
+def test_a_waiver_for_a_bin_that_is_hit_fails(tmp_path: Path) -> None:
+    found = assessed(tmp_path, never("sum[1]:0->1"), [waiver()])
+    assert not found.passed
+    assert [": is hit: top.sv:7: toggle sum[1]:1->0" in problem for problem in found.problems] == [True]
+    # What is hit is not counted as waived as well.
+    assert found.totals["toggle"].hit + found.totals["toggle"].waived == found.totals["toggle"].total
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"modules": ("other",)}, {"models": ("other",)}, {"signals": ("su",)}, {"instances": ("TOP.top.*",)}],
+)
+def test_a_waiver_for_nothing_fails(tmp_path: Path, change: dict[str, tuple[str]]) -> None:
+    found = assessed(tmp_path, GOOD, [waiver(**change)])
+    assert ["covers no bin" in problem for problem in found.problems] == [True]
+
+
+def test_a_waiver_that_repeats_another_fails(tmp_path: Path) -> None:
+    found = assessed(tmp_path, never("sum[1]"), [waiver(), waiver(number=2)])
+    assert [problem.startswith("waiver 2") for problem in found.problems] == [True]
+
+
+def test_an_expired_waiver_fails(tmp_path: Path) -> None:
+    assert assessed(tmp_path, never("sum[1]"), [waiver(expires=TODAY)]).passed
+    found = assessed(tmp_path, never("sum[1]"), [waiver(expires=date(2025, 12, 31))])
+    assert found.problems == ["waiver 1 (toggle, top): expired on 2025-12-31"]
+
+
+def test_waivers_of_other_kinds(tmp_path: Path) -> None:
+    way = waiver(kind="branch", signals=(), bits=(), what=("if",), where="W == 4")
+    assert assessed(tmp_path, never("\x02if\x01"), [way]).passed
+    assert not assessed(tmp_path, never("\x02if\x01"), [replace(way, where="W == 5")]).passed
+    block = waiver(kind="generate", signals=(), bits=(), what=("g_*",))
+    assert assessed(tmp_path, GOOD, [block], replace(DESIGN, blocks=frozenset())).passed
+
+
+def test_a_bound_with_an_unknown_parameter_names_the_waiver(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="waiver 1 .*Width: no such parameter"):
+        assessed(tmp_path, GOOD, [waiver(bits=(), values=("0", "Width"))])
+
+
+def test_runs_of_one_model_are_merged(tmp_path: Path) -> None:
+    first = read_counters(file(tmp_path, never("sum[0]"), "first.dat"))
+    first.add(read_counters(file(tmp_path, never("sum[1]"), "second.dat")))
+    toggle = first.toggles[TOP, "sum[0]"]
+    assert (toggle.rises, toggle.falls) == (1, 2)
+    assert sorted(point.count for point in first.points.values()) == [2, 4, 8, 10]
+    assert assess_model(ModelCoverage("model", first, {TOP: DESIGN}), []).uncovered == []
+
+
+def test_bins_in_different_columns_are_different(tmp_path: Path) -> None:
+    found = assessed(tmp_path, [*GOOD, line("branch", "if", 0, column=9)])
+    assert [bin_.what for bin_ in found.uncovered] == ["if"]
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "",
+        "C '' 1",
+        GOOD[0][:-1],
+        GOOD[0].replace("\x01h", "h"),
+        GOOD[0].replace("' 5", "' five"),
+        line("fsm", "state", 1),
+        line("toggle", "sum[0]", 1),
+        line("toggle", "sum[0]:0->x", 1),
+    ],
+)
+def test_a_damaged_line_is_named(tmp_path: Path, damage: str) -> None:
+    with pytest.raises(InputError, match="line 3: damaged"):
+        read_counters(file(tmp_path, [GOOD[0], damage, *GOOD[1:]]))
+
+
+def test_a_damaged_file_is_an_error(tmp_path: Path) -> None:
+    path = file(tmp_path, GOOD)
+    whole = path.read_text()
+    for cut in (whole[: -len(LAST_LINE) - 1], whole[:-50], FIRST_LINE + "\n" + LAST_LINE + "\n"):
+        path.write_text(cut)
+        with pytest.raises(InputError, match="cut short"):
+            read_counters(path)
+    path.write_text(whole[5:])
+    with pytest.raises(InputError, match="not a coverage file"):
+        read_counters(path)
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="not text"):
+        read_counters(path)
+    with pytest.raises(InputError, match="cannot read"):
+        read_counters(tmp_path / "none.dat")
+
+
+def test_nothing_is_no_coverage() -> None:
+    empty = assess_model(ModelCoverage("model", Counters(), {TOP: instance()}), [])
+    assert not conclude(empty, [], [], TODAY).passed

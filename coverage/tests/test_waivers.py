@@ -1,0 +1,129 @@
+from datetime import date
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
+from triaxis.golden.errors import InputError
+
+GOOD = """
+[[waiver]]
+category = "bounded"
+kind = "toggle"
+modules = ["m"]
+signals = ["s[{k}]"]
+range = ["0", "2**W - 1 - k"]
+reason = "A reason that is long enough to be one."
+owner = "dut"
+expires = 2030-01-31
+"""
+
+
+def written(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "waivers.toml"
+    path.write_text(text)
+    return path
+
+
+def waiver(low: str, high: str, step: str = "1", where: str = "1") -> Waiver:
+    return Waiver(
+        1,
+        "bounded",
+        "because",
+        "dut",
+        date(2030, 1, 1),
+        "toggle",
+        ("m",),
+        signals=("s",),
+        values=(low, high),
+        step=step,
+        where=where,
+    )
+
+
+def test_those_of_the_core_are_well_formed() -> None:
+    waivers = read_waivers()
+    assert waivers and all(len(w.reason) > 30 for w in waivers)
+
+
+def test_a_file_is_read(tmp_path: Path) -> None:
+    [read] = read_waivers(written(tmp_path, GOOD))
+    assert read.expires == date(2030, 1, 31)
+    assert read.constant_bits("s[1]", range(6), {"W": 4}) == [4, 5]
+    assert read.constant_bits("other", range(6), {"W": 4}) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('owner = "dut"', "", "owner is missing"),
+        ('"bounded"', '"because"', "category because"),
+        ('"toggle"', '"toggles"', "kind toggles"),
+        ('modules = ["m"]', 'modules = "m"', "modules: must be a list"),
+        ('modules = ["m"]', "modules = []", "modules: must be a list"),
+        ("2030-01-31", '"2030-01-31"', "expires: must be a date"),
+        ("2030-01-31", "2030-02-31", "not TOML"),
+        ("A reason that is long enough to be one.", "known", "say why"),
+        ("range = ", "rnage = ", "rnage: no such field"),
+        ("range = ", "bits = ['1']\nrange = ", "either `range` or `bits`"),
+        ("signals = ", "what = ", "either `range` or `bits`"),
+        ('"toggle"', '"line"', "no toggle waiver"),
+        ("[[waiver]]", "[[weaver]]", "nothing else"),
+    ],
+)
+def test_what_is_not_well_formed_is_named(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert old in GOOD
+    with pytest.raises(InputError, match=said):
+        read_waivers(written(tmp_path, GOOD.replace(old, new)))
+
+
+def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot read"):
+        read_waivers(tmp_path / "none.toml")
+
+
+@given(st.integers(-70, 70), st.integers(0, 140), st.integers(0, 4))
+def test_constant_bits_are_those_that_no_value_changes(low: int, span: int, log_step: int) -> None:
+    step, high, width = 1 << log_step, low + span, 9
+    values = [value for value in range(low, high + 1) if value % step == 0]
+    constant = waiver(str(low), str(high), str(step)).constant_bits("s", range(width), {})
+    for bit in range(width):
+        changes = len({value >> bit & 1 for value in values}) > 1
+        # Never more is waived than no value changes; without a step, exactly that.
+        assert not (changes and bit in constant)
+        assert step > 1 or changes == (bit not in constant)
+
+
+def test_a_signal_without_range_has_bit_0() -> None:
+    assert waiver("1", "1").constant_bits("s", range(0), {}) == [0]
+    assert waiver("0", "1").constant_bits("s", range(0), {}) == []
+
+
+def test_bits_are_numbered_as_declared() -> None:
+    assert waiver("0", "3").constant_bits("s", range(14, 18), {}) == [16, 17]
+
+
+def test_a_condition_must_hold() -> None:
+    assert waiver("0", "0", where="M == 0").constant_bits("s", range(2), {"M": 4}) == []
+    assert waiver("0", "0", where="M == 0").constant_bits("s", range(2), {"M": 0}) == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "step"), [("1", "0", "1"), ("0", "9", "3"), ("0", "9", "0"), ("x", "1", "1")]
+)
+def test_a_bound_that_makes_no_sense_is_an_error(low: str, high: str, step: str) -> None:
+    with pytest.raises(ValueError):
+        waiver(low, high, step).constant_bits("s", range(4), {})
+
+
+def test_patterns() -> None:
+    assert fit(("top.g[{i}].*.u_{n}",), "top.g[12].a.b.u_3") == {"i": 12, "n": 3}
+    assert fit(("top.g[{i}]",), "top.g[x]") is None
+    assert fit(("a", "b*"), "bc") == {}
+    assert fit(("a",), "ab") is None
+
+
+def test_the_file_is_beside_its_reader() -> None:
+    assert WAIVERS.is_file()

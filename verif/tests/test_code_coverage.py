@@ -1,0 +1,253 @@
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.coverage.code_counters import Counters, read_counters
+from triaxis.coverage.code_coverage import (
+    Assessment,
+    Bin,
+    ModelCoverage,
+    Total,
+    assess_model,
+    generate_blocks,
+)
+from triaxis.coverage.elaboration import read_elaboration
+from triaxis.coverage.waivers import KINDS, Waiver, read_waivers
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.build import run_tool
+from triaxis.verif.cli import main
+from triaxis.verif.code_coverage import CORES, DETECTOR_WIDTH, CodeCoverage, Run, write_json
+from triaxis.verif.code_coverage_stimulus import disturbed, flowing, pairs_with_margins, stimulus
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.engine import CoreError
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.instrumented_core import (
+    COUNTERS,
+    DELIVERED,
+    DISCARDED,
+    OFFER,
+    RESET,
+    TAKE,
+    InstrumentedCore,
+    Stimulus,
+    core_model,
+    detector_model,
+    elaborated,
+)
+from triaxis.verif.paths import rtl_sources
+from triaxis.verif.toolchain import verilator
+
+# Quick to build: its counters are shown to count here, not its coverage.
+SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
+TOP = "TOP.triaxis_core"
+
+
+@pytest.fixture(scope="module")
+def core() -> InstrumentedCore:
+    return InstrumentedCore(SMALL)
+
+
+def one_by_one(pairs: list[np.ndarray]) -> Stimulus:
+    count = len(pairs)
+    zeros = np.zeros(count, np.int64)
+    return Stimulus(np.stack(pairs), zeros, zeros, np.zeros(count, np.uint8), flowing())
+
+
+def test_bits_above_64_are_counted_each_by_itself(core: InstrumentedCore, tmp_path: Path) -> None:
+    """Verilator's own counting takes a change of bit b for one of b + 32, b + 64, .. as well."""
+    still = np.zeros((2, 3, 3), np.int64)
+    moved = still.copy()
+    moved[0, 1, 0] = 1 << 4  # The fourth coordinate: bit 3 * 8 + 4 of TDATA.
+    core.play(one_by_one([still, moved, still]), tmp_path / "coverage.dat")
+    toggles = read_counters(tmp_path / "coverage.dat").toggles
+    data = {bit: toggles[TOP, f"s_axis_tdata_i[{bit}]"] for bit in range(18 * 8)}
+    assert {bit for bit, t in data.items() if t.rises or t.falls} == {28}
+    assert (data[28].rises, data[28].falls) == (1, 1)
+
+
+def test_nothing_is_counted_before_the_first_pair(core: InstrumentedCore, tmp_path: Path) -> None:
+    """A constant 1 rises from the simulator's initial 0, once: no coverage."""
+    core.play(one_by_one([np.zeros((2, 3, 3), np.int64)]), tmp_path / "coverage.dat")
+    toggles = read_counters(tmp_path / "coverage.dat").toggles
+    assert toggles[TOP, "rst_ni"].falls == 0
+    zero = toggles[f"{TOP}.u_datapath.u_flags", "det_zero_d[9]"]
+    assert (zero.rises, zero.falls) == (0, 0)
+
+
+def played(
+    core: InstrumentedCore, rng: np.random.Generator, steps: np.ndarray, tmp_path: Path, count: int = 300
+) -> tuple[Stimulus, Counters, np.ndarray]:
+    given = stimulus(rng, count, SMALL, steps)
+    seen = core.play(given, tmp_path / "coverage.dat")
+    expected = expected_words(bulk_facts(given.pairs, given.margins), SMALL)
+    delivered = seen.states == DELIVERED
+    assert delivered.any() and ((seen.states == DISCARDED) | delivered).all()
+    assert np.array_equal(seen.words[delivered], expected[delivered])
+    return given, read_counters(tmp_path / "coverage.dat"), seen.states
+
+
+def assess(counters: Counters) -> Assessment:
+    model = core_model(SMALL)
+    return assess_model(
+        ModelCoverage(model.name, counters, read_elaboration(elaborated(model), model.top)), read_waivers()
+    )
+
+
+def protocol_holes(found: Assessment) -> set[str]:
+    """Return the bins of the handshake and the queue's pointers that are not hit."""
+    names = ("s_axis_t", "m_axis_tready", "rst_ni", "awake_q", "in_flight_q", "write_q", "read_q")
+    return {
+        bin_.what
+        for bin_ in found.uncovered
+        if bin_.file in ("triaxis_core.sv", "triaxis_fifo.sv") and any(name in bin_.what for name in names)
+    }
+
+
+def test_every_signal_has_its_counters(
+    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
+) -> None:
+    _, counters, _ = played(core, rng, disturbed(rng), tmp_path)
+    found = assess(counters)
+    assert found.problems == []
+    assert found.totals["toggle"].total == 2 * len(counters.toggles) > 10_000
+
+
+def test_without_back_pressure_and_resets_the_protocol_is_not_covered(
+    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
+) -> None:
+    _, counters, _ = played(core, rng, flowing(), tmp_path)
+    holes = protocol_holes(assess(counters))
+    assert {"m_axis_tready_i:1->0", "rst_ni:1->0", "awake_q:1->0", "in_flight_q[5]:0->1"} <= holes
+    assert "((in_flight_q != Depth[5:0])==0) => 0" in holes
+
+
+def test_with_them_it_is(core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path) -> None:
+    _, counters, _ = played(core, rng, disturbed(rng), tmp_path, 4000)
+    assert protocol_holes(assess(counters)) == set()
+
+
+def test_a_core_whose_results_are_not_taken_hangs(core: InstrumentedCore, tmp_path: Path) -> None:
+    pairs = [np.zeros((2, 3, 3), np.int64)] * 40
+    stuck = replace(one_by_one(pairs), steps=np.array([OFFER], np.uint8))
+    with pytest.raises(CoreError, match="hangs"):
+        core.play(stuck, tmp_path / "coverage.dat")
+
+
+def test_resets_discard_what_is_in_flight(
+    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
+) -> None:
+    steps = np.full(60, OFFER | TAKE, np.uint8)
+    steps[50] |= RESET
+    _, _, states = played(core, rng, steps, tmp_path)
+    assert 0 < (states == DISCARDED).sum() < len(states)
+
+
+def declared_bits(tmp_path: Path, options: tuple[str, ...]) -> set[str]:
+    """Return the counters of TDATA that Verilator declares for the widest core."""
+    model = core_model(Configuration(32, 0, edge_box=False))
+    parameters = [f"-G{name}={value}" for name, value in model.parameters.items()]
+    command = ["--cc", *options, "--Mdir", str(tmp_path), "--prefix", "Vcore", "--top-module", model.top]
+    sources = [f"-I{rtl_sources()[0].parent}", *map(str, rtl_sources())]
+    run_tool([str(verilator().executable), *command, *parameters, *sources], tmp_path, "W = 32")
+    text = "".join(path.read_text() for path in tmp_path.glob("*__Slow.cpp"))
+    calls = (part.partition(";")[0] for part in text.split("__vlCoverToggleInsert(")[1:])
+    return {call.split(", &")[0] for call in calls if '"s_axis_tdata_i"' in call}
+
+
+def test_the_widest_bus_has_a_counter_for_each_bit(tmp_path: Path) -> None:
+    assert declared_bits(tmp_path, COUNTERS) == {"0, 575, 1"}
+
+
+def test_verilator_leaves_it_out_unless_told_otherwise(tmp_path: Path) -> None:
+    start = COUNTERS.index("--coverage-max-width")
+    assert declared_bits(tmp_path, (*COUNTERS[:start], *COUNTERS[start + 2 :])) == set()
+
+
+def test_the_models_elaborate_every_generate_block() -> None:
+    models = [*map(core_model, CORES), detector_model(DETECTOR_WIDTH)]
+    found = {
+        (instance.module, label)
+        for model in models
+        for instance in read_elaboration(elaborated(model), model.top).values()
+        for label in instance.blocks
+    }
+    missing = {b.label for b in generate_blocks(rtl_sources()) if (b.module, b.label) not in found}
+    assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"}
+
+
+@pytest.mark.parametrize("width", [8, 16, 32])
+def test_pairs_for_coverage(width: int, rng: np.random.Generator) -> None:
+    largest = (1 << width) - 1
+    pairs, margins = pairs_with_margins(rng, 400, width, largest)
+    low, high = coordinate_range(width)
+    assert pairs.shape == (400, 2, 3, 3) and margins.shape == (400,)
+    assert pairs.min() == low and pairs.max() == high
+    assert margins.min() >= 0 and margins.max() == largest
+
+
+def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
+    run = replace(Run("w16_m0", 10, 9, 0, 50, 1.0), **changes)
+    waiver = Waiver(1, "bounded", "because", "dut", date(2030, 1, 1), "toggle", ("m",), signals=("s",))
+    return CodeCoverage([run], assessment, [waiver], 2.0)
+
+
+def covered() -> Assessment:
+    return Assessment({("a.sv", kind): Total(9, 1, 10) for kind in KINDS}, waived={1: 1})
+
+
+def hole() -> Bin:
+    return Bin("w16_m0", "toggle", "a.sv", 3, "x[1]:0->1", TOP)
+
+
+@pytest.mark.parametrize(
+    ("result", "passed", "problem"),
+    [
+        (lambda: coverage(covered()), True, None),
+        (lambda: coverage(covered(), wrong=2), False, "w16_m0: 2 of 9 results are wrong"),
+        (lambda: coverage(covered(), checked=0), False, "w16_m0: no result was checked"),
+        (lambda: coverage(replace(covered(), uncovered=[hole()])), False, None),
+        (lambda: coverage(replace(covered(), problems=["a waiver"])), False, "a waiver"),
+    ],
+)
+def test_the_result_is_written(
+    result: Callable[[], CodeCoverage], passed: bool, problem: str | None, tmp_path: Path
+) -> None:
+    path = tmp_path / "coverage" / "code.json"
+    found = result()
+    write_json(found, 5, path)
+    content = json.loads(path.read_text())
+    assert content["passed"] is found.passed is passed
+    assert content["problems"] == ([problem] if problem else [])
+    assert content["totals"]["toggle"] == {"hit": 9, "waived": 1, "total": 10, "percent": 100.0}
+    assert content["files"]["a.sv"]["line"]["total"] == 10
+    assert content["waivers"][0]["bins"] == 1 and content["seed"] == 5
+    assert [path.name for path in path.parent.iterdir()] == ["code.json"]
+
+
+@pytest.mark.parametrize("option", ["--seed=-1", "--pairs=0"])
+def test_bad_options_are_refused(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["code-coverage", option]) == 2
+    assert "must" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("passed", "code"), [(True, 0), (False, 1)])
+def test_the_exit_code_says_whether_all_is_covered(
+    passed: bool,
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    result = coverage(covered() if passed else replace(covered(), uncovered=[hole()] * 50))
+    monkeypatch.setattr("triaxis.verif.cli.code_coverage.measure", lambda *_, **__: result)
+    monkeypatch.setattr("triaxis.verif.cli.code_coverage.write_json", lambda *_: tmp_path / "code.json")
+    assert main(["code-coverage"]) == code
+    said = capsys.readouterr().out
+    assert ("PASSED" in said) is passed
+    assert passed or ("a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0" in said and "10 more" in said)
