@@ -189,7 +189,7 @@ def test_waivers_of_other_kinds(tmp_path: Path) -> None:
 
 
 def test_a_bound_with_an_unknown_parameter_names_the_waiver(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="waiver 1 .*Width: no such parameter"):
+    with pytest.raises(InputError, match=r"waiver 1 .*Width: no such parameter"):
         assessed(tmp_path, GOOD, [waiver(bits=(), values=("0", "Width"))])
 
 

@@ -40,9 +40,12 @@ def meshes(tmp_path):
     return a, b
 
 
-@pytest.mark.parametrize(
-    "command", [(), ("verdict",), ("check",), ("scenes",), ("sim",), ("signoff",), ("fpga-report",)]
+COMMANDS = (
+    "verdict check scenes sim signoff exhaustive shrink code-coverage bench-sim fpga-report".split()
 )
+
+
+@pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])
 def test_help(command):
     assert "usage: triaxis" in triaxis(*command, "--help")[0]
 
