@@ -16,7 +16,7 @@ _SOAK_EVERY = 8
 class CoverageSubscriber(uvm_subscriber):
     """Counts bins of the coverage model of the core's configuration, and writes them at the end.
 
-    Samples come from the checker's thread, in order; the phases run when it has ended.
+    Samples come from the worker's thread, in order; the phases run when it has ended.
     """
 
     def build_phase(self) -> None:

@@ -1,7 +1,7 @@
 """Which pairs of a run the golden model judges as well.
 
 The bulk checker checks every pair; the linear program is too slow for that. It gets a random share,
-and the first pairs of every kind of situation that is seen: which axis decides, at which step of the
+and the first pair of every kind of situation that is seen: which axis decides, at which step of the
 decision, between triangles of which ranks, touching with which features. So everything interesting is
 judged in each run, whatever its length.
 """
@@ -13,8 +13,6 @@ import numpy.typing as npt
 
 from triaxis.golden.facts import Facts
 
-# How many of each kind are judged in a run, from as many batches.
-_FIRST = 2
 _KIND_BITS = 18
 # The smallest share: one in so many.
 MOST_SELDOM = 1 << 16
@@ -27,7 +25,7 @@ class Share:
     """
 
     one_in: int
-    at_a_time: int = 64
+    at_a_time: int = 16
 
 
 EVERYTHING = Share(1)
@@ -58,16 +56,16 @@ class GoldenSample:
         """Start with no kind seen."""
         self._share = share
         self._rng = np.random.default_rng([seed, *b"golden"])
-        self._seen = np.zeros(1 << _KIND_BITS, np.uint8)
+        self._seen = np.zeros(1 << _KIND_BITS, np.bool_)
 
     def choose(self, facts: Facts) -> npt.NDArray[np.intp]:
         """Return the indices of the pairs to judge, ascending."""
         if self._share.one_in == 1:
             return np.arange(len(facts))
         code = kinds(facts)
-        wanted = np.flatnonzero(self._seen[code] < _FIRST)
+        wanted = np.flatnonzero(~self._seen[code])
         # The first of each kind in this batch.
         new = wanted[np.unique(code[wanted], return_index=True)[1]][: self._share.at_a_time]
-        self._seen[code[new]] += 1
+        self._seen[code[new]] = True
         random = np.flatnonzero(self._rng.integers(0, self._share.one_in, len(facts), np.uint16) == 0)
         return np.union1d(new, random)

@@ -11,7 +11,7 @@ from triaxis.verif.metamorphic import Group, gated_flags_are_zero, groups_agree
 
 
 class MetamorphicCheck(uvm_subscriber):
-    """Takes the answers in order, from the checker's thread; fails in check_phase."""
+    """Takes the answers in order, from the worker's thread; fails in check_phase."""
 
     def __init__(self, name: str, parent: uvm_component) -> None:
         """Start with nothing expected."""

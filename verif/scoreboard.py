@@ -5,7 +5,7 @@ import resource
 import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from triaxis.verif.failing_pairs import write_failing_pairs
 from triaxis.verif.handles import settings_of
 from triaxis.verif.matching import Matcher
 from triaxis.verif.settings import failure_file, result_file
+from triaxis.verif.worker import WORKER
 
 # Batches that may wait for the checker; then the simulation waits for it. So memory stays bounded.
 _WAITING = 4
@@ -35,10 +36,10 @@ class _Export(uvm_analysis_export):
 
 
 class Scoreboard(uvm_scoreboard):
-    """Matches in the simulator's thread and checks in one of its own, beside the simulation.
+    """Matches in the simulator's thread and checks in the worker's, beside the simulation.
 
     Fails the test in check_phase, writing what failed and how to replay it. What was checked is published
-    on ``checked_port`` as CoreSample, from the checker's thread and in order.
+    on ``checked_port`` as CoreSample, from the worker's thread and in order.
     """
 
     def build_phase(self) -> None:
@@ -51,7 +52,6 @@ class Scoreboard(uvm_scoreboard):
             self.settings.configuration, self.settings.share, self.settings.seed, self.checked_port.write
         )
         self.matcher = Matcher(self._enqueue)
-        self._thread = ThreadPoolExecutor(1, "checker")
         self._waiting: deque[Future[None]] = deque()
         self.seconds = 0.0
 
@@ -80,14 +80,13 @@ class Scoreboard(uvm_scoreboard):
         while len(self._waiting) >= _WAITING:
             # An error in the checker comes out here.
             self._waiting.popleft().result()
-        self._waiting.append(self._thread.submit(self.checker.check, pairs, results))
+        self._waiting.append(WORKER.submit(self.checker.check, pairs, results))
 
     def extract_phase(self) -> None:
         """Close the run: wait for the checker."""
         self.matcher.finish()
         while self._waiting:
             self._waiting.popleft().result()
-        self._thread.shutdown()
         self.seconds = time.perf_counter() - self._start
 
     def check_phase(self) -> None:

@@ -17,7 +17,8 @@ class RunSettings:
     """One run: a test by name, its seed, the build, how many pairs, where results go.
 
     ``agent``: "pin" or "burst". ``judged_one_in``: the share of pairs that the golden model judges
-    beside the bulk checker; 1: all. ``soak``: coverage samples a part of the batches.
+    beside the bulk checker; 1: all. ``soak``: no assertions, coverage samples a part of
+    the batches, and the golden model takes new kinds of situations one a batch.
     """
 
     test: str
@@ -33,7 +34,7 @@ class RunSettings:
     @property
     def share(self) -> Share:
         """Return what the golden model judges."""
-        return Share(self.judged_one_in)
+        return Share(self.judged_one_in, 1) if self.soak else Share(self.judged_one_in)
 
     @property
     def configuration(self) -> Configuration:

@@ -87,6 +87,13 @@ def _errors(log: Path) -> tuple[str, ...]:
     return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
 
 
+def build_for(settings: RunSettings, dut: Path = DUT) -> Path:
+    """Return the folder of the simulator executable that a run needs, built where needed."""
+    if settings.agent == BURST:
+        return burst_simulation(settings.configuration, dut, assertions=not settings.soak)
+    return simulation(settings.configuration, dut)
+
+
 def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResult:
     """Build where needed, simulate, and say how it went. Never raises for a failing test.
 
@@ -96,7 +103,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     from cocotb_tools.runner import get_runner
 
     in_bursts = settings.agent == BURST
-    build = (burst_simulation if in_bursts else simulation)(settings.configuration, dut)
+    build = build_for(settings, dut)
     folder = Path(settings.folder)
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
     replay = Path(settings.replay).read_bytes() if settings.replay else None

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from pyuvm import uvm_factory
 
+from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.agents.items import BurstItem, Pace
 from triaxis.verif.agents.sink_agent import ReadyDriver, SinkMonitor
-from triaxis.verif.agents.source_agent import SourceDriver, SourceMonitor
+from triaxis.verif.agents.source_agent import SourceDriver, SourceMonitor, check_margins
 from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.handles import bfm_of, settings_of
 
@@ -23,8 +24,16 @@ class BurstSourceDriver(SourceDriver):
         self.bfm = bfm_of(self)
         self.rng = np.random.default_rng([self.settings.seed, *b"source"])
 
+    def check(self, item: BurstItem) -> None:
+        """Raise InputError for what does not fit; the fast way for whole bursts."""
+        low, high = coordinate_range(self.settings.configuration.width)
+        if item.pairs.min(initial=0) < low or item.pairs.max(initial=0) > high:
+            # Says which coordinate it is.
+            super().check(item)
+        check_margins(item, self.settings.configuration.max_margin)
+
     async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
-        """Offer the pairs until the last is accepted; HungBurst where that never comes."""
+        """Offer the pairs until the last is accepted; HungBurstError where that never comes."""
         await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
 
 

@@ -22,7 +22,7 @@ _BUDGET_CYCLES = 10_000
 Array = npt.NDArray[Any]
 
 
-class HungBurst(AssertionError):
+class HungBurstError(AssertionError):
     """The core did not accept a burst within its budget of clocks."""
 
 
@@ -73,7 +73,7 @@ class BurstBfm:
     ) -> None:
         """Offer pairs (N, 2, 3, 3) at margins (N,) with tags (N,) until the last is accepted.
 
-        Raises HungBurst where that takes far longer than the paces of both sides explain.
+        Raises HungBurstError where that takes far longer than the paces of both sides explain.
         """
         if not len(pairs):
             return
@@ -94,7 +94,7 @@ class BurstBfm:
             await self.wake
         accepted = self._library.triaxis_burst_accepted()
         if accepted < len(pairs):
-            raise HungBurst(
+            raise HungBurstError(
                 f"{accepted} of {len(pairs)} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"
             )

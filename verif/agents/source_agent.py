@@ -16,6 +16,12 @@ from triaxis.verif.handles import create, dut_of, settings_of
 from triaxis.verif.packing import pack_data, pack_user, unpack_data, unpack_user
 
 
+def check_margins(item: BurstItem, largest: int) -> None:
+    """Raise InputError unless the margins of an item are 0..largest."""
+    if len(item.margins) and not 0 <= item.margins.min() <= item.margins.max() <= largest:
+        raise InputError(f"stimulus: margins must be 0..{largest}")
+
+
 class SourceDriver(uvm_driver):
     """Drives bursts beat by beat; publishes the stalls that items ask for."""
 
@@ -45,8 +51,7 @@ class SourceDriver(uvm_driver):
         """Raise InputError for what does not fit: it would wrap, the fault of the replaced testbench."""
         configuration = self.settings.configuration
         check_pairs(item.pairs, configuration.width, "stimulus")
-        if item.margins.min(initial=0) < 0 or item.margins.max(initial=0) > configuration.max_margin:
-            raise InputError(f"stimulus: margins must be 0..{configuration.max_margin}")
+        check_margins(item, configuration.max_margin)
 
     def tags_of(self, item: BurstItem) -> npt.NDArray[np.int64]:
         """Return the tags (N,) of an item's pairs."""

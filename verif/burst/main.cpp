@@ -12,6 +12,7 @@
 
 #include "Vtop.h"
 #include "burst_bfm.h"
+#include "python_lock.h"
 #include "verilated.h"
 #include "verilated_vpi.h"
 
@@ -71,6 +72,7 @@ class Simulation {
 
     // Runs clock edges while the burst is under way and Python is not due.
     void RunBurst(uint64_t deadline) {
+        const triaxis::WithoutPythonLock others_may_have_it;
         while (next_edge_ < deadline && triaxis::BurstActive() && !triaxis::WakeRequested() &&
                !context_->gotFinish()) {
             context_->time(next_edge_);

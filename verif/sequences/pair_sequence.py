@@ -1,7 +1,8 @@
 """The sequences: what a test sends to the input agent."""
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 
 import numpy as np
 from pyuvm import uvm_sequence
@@ -10,11 +11,14 @@ from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
 from triaxis.verif.batches import Integers
 from triaxis.verif.sequences.stimulus import Family, Stimulus, divided, joined
 from triaxis.verif.settings import BURST, RunSettings
+from triaxis.verif.worker import WORKER
 
 # Pairs in one item, for each agent. The pin agent has a Python step for each pair anyway; the burst agent
 # has a fixed cost an item, and the caches of the machine set the upper end.
 ITEM_PAIRS = {BURST: 1 << 15}
 _PIN_PAIRS = 1 << 10
+# Items made ahead of the one that is sent.
+_AHEAD = 2
 
 
 def item_pairs(settings: RunSettings) -> int:
@@ -61,7 +65,7 @@ class ArraySequence(uvm_sequence):
 
 
 class StimulusSequence(ArraySequence):
-    """Sends stimulus as it is made: the next item in a thread, while the present one is sent."""
+    """Sends stimulus as it is made: the next items by the worker, while the present one is sent."""
 
     def __init__(
         self,
@@ -77,14 +81,12 @@ class StimulusSequence(ArraySequence):
     def bursts(self) -> Iterator[BurstItem]:
         """Make the items as they are wanted."""
         step = item_pairs(self.settings)
-        counts = [min(step, self.count - start) for start in range(0, self.count, step)]
-        with ThreadPoolExecutor(1, "stimulus") as thread:
-            ahead = thread.submit(self.make, counts[0])
-            for count in [*counts[1:], 0]:
-                made = ahead.result()
-                if count:
-                    ahead = thread.submit(self.make, count)
-                yield BurstItem(made.pairs, made.margins, self.gaps)
+        counts = (min(step, self.count - start) for start in range(0, self.count, step))
+        ahead = deque(WORKER.submit(self.make, count) for count in islice(counts, _AHEAD))
+        while ahead:
+            made = ahead.popleft().result()
+            ahead.extend(WORKER.submit(self.make, count) for count in islice(counts, 1))
+            yield BurstItem(made.pairs, made.margins, self.gaps)
 
 
 def of_families(

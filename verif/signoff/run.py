@@ -4,22 +4,22 @@ import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
-from triaxis.verif.build import burst_simulation, library, simulation
-from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.build import library
 from triaxis.verif.engine import configuration_for
-from triaxis.verif.settings import BURST, RunSettings
+from triaxis.verif.settings import RunSettings
 from triaxis.verif.signoff.detector_check import check_detector
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.provenance import provenance
 from triaxis.verif.signoff.result import FOLDER, RESULT, SignoffResult
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
-from triaxis.verif.simulation import RunResult, run
+from triaxis.verif.simulation import RunResult, build_for, run
 
 _JOBS = min(2, os.cpu_count() or 1)
 
@@ -61,16 +61,9 @@ def signoff(
 
 def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
     """Return the builds that the runs and scenes need; the widest take longest and come first."""
-    wanted = sorted(
-        {(r.config, r.agent) for r in runs},
-        key=lambda w: (-parse_configuration(w[0]).width, w[1], w[0]),
-    )
-
-    def builder(config: str, agent: str) -> Callable[[], Path]:
-        build = burst_simulation if agent == BURST else simulation
-        return lambda: build(parse_configuration(config))
-
-    return [builder(*one) for one in wanted] + [lambda: library(configuration_for(24, 1))]
+    wanted = {(r.config, r.agent): r for r in runs}.values()
+    widest_first = sorted(wanted, key=lambda r: (-r.configuration.width, r.agent, r.config))
+    return [partial(build_for, r) for r in widest_first] + [partial(library, configuration_for(24, 1))]
 
 
 def _coverage(results: list[RunResult]) -> list[ModelReport]:

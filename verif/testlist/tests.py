@@ -111,9 +111,9 @@ class VolumeTest(CoreTest):
     """The mixture of all families, without end; now and then with gaps and stalls."""
 
     # Of so many items one comes in small pieces, at every pair of these paces in turn.
-    paced_every = 32
+    paced_every = 64
     paces = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(40, 40))
-    piece = 200
+    piece = 150
 
     async def stimulus(self) -> None:
         """Send the mixture."""

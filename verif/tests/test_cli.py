@@ -40,9 +40,7 @@ def meshes(tmp_path):
     return a, b
 
 
-COMMANDS = (
-    "verdict check scenes sim signoff exhaustive shrink code-coverage bench-sim fpga-report".split()
-)
+COMMANDS = "verdict check scenes sim signoff exhaustive shrink code-coverage bench-sim fpga-report".split()
 
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])
