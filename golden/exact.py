@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from fractions import Fraction
 
-from gmpy2 import mpq
+from triaxis.golden.rational import Rational
 
-Scalar = int | Fraction | mpq
+Scalar = int | Fraction | Rational
 Vector = Sequence[Scalar]
 Triangle = Sequence[Vector]
 

@@ -11,12 +11,12 @@ from multiprocessing import get_context
 
 import numpy as np
 import numpy.typing as npt
-from gmpy2 import mpq
 
 from triaxis.golden.axes import claims
 from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
 from triaxis.golden.exact import Scalar, Triangle, coplanar, triangle_rank
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
+from triaxis.golden.rational import Rational
 from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
 
 # Pairs a worker process takes at a time: large enough to hide the cost of handing them over.
@@ -68,7 +68,7 @@ def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver | Non
     return Judgement(True, _fraction(nearest.distance), nearest, None)
 
 
-def _fraction(value: mpq) -> Fraction:
+def _fraction(value: Rational) -> Fraction:
     return Fraction(int(value.numerator), int(value.denominator))
 
 

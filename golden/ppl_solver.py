@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from math import lcm
 
 import ppl
-from gmpy2 import mpq
 
 from triaxis.golden.exact import Triangle
+from triaxis.golden.rational import Rational
 from triaxis.golden.solver import BestAxis, NearestPoints
 
 
@@ -37,7 +37,7 @@ def _solve(
     rows: Sequence[tuple[list[int], int]],
     objective: int,
     mode: str,
-) -> list[mpq]:
+) -> list[Rational]:
     """Optimise unknown number ``objective``, the last, over the fixed constraints and rows that are
     at least 0. A row is its coefficients and its constant.
     """
@@ -50,7 +50,7 @@ def _solve(
     program.set_optimization_mode(mode)
     point = program.optimizing_point()
     divisor = point.divisor()
-    return [mpq(x, divisor) for x in point.coefficients()]
+    return [Rational(x, divisor) for x in point.coefficients()]
 
 
 # Unknowns of the program: weights of A2, A3, B2, B3, and the distance t. The weights of A1 and B1

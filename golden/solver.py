@@ -15,26 +15,25 @@ whose solution is a separating axis. Both optima are the distance (DESIGN, secti
 from dataclasses import dataclass
 from typing import Protocol
 
-from gmpy2 import mpq
-
 from triaxis.golden.exact import Triangle
+from triaxis.golden.rational import Rational
 
 
 @dataclass(frozen=True)
 class NearestPoints:
     """Barycentric weights of two nearest points, and their Chebyshev distance."""
 
-    distance: mpq
-    weights_a: tuple[mpq, mpq, mpq]
-    weights_b: tuple[mpq, mpq, mpq]
+    distance: Rational
+    weights_a: tuple[Rational, Rational, Rational]
+    weights_b: tuple[Rational, Rational, Rational]
 
 
 @dataclass(frozen=True)
 class BestAxis:
     """An axis with |axis|1 <= 1 on which A lies above B by the distance."""
 
-    distance: mpq
-    axis: tuple[mpq, mpq, mpq]
+    distance: Rational
+    axis: tuple[Rational, Rational, Rational]
 
 
 class DistanceSolver(Protocol):

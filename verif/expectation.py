@@ -37,7 +37,7 @@ def expected_words(facts: Facts, configuration: Configuration) -> npt.NDArray[np
     flags |= np.where(facts.rank_a < 2, np.uint16(DEGENERATE_A), np.uint16(0))
     flags |= np.where(facts.rank_b < 2, np.uint16(DEGENERATE_B), np.uint16(0))
     if configuration.gating:
-        flags *= separating & _BOXES == 0
+        flags *= (separating & _BOXES == 0).astype(np.uint16)
     near = separating == 0
     claim = lowest_axis(separating).astype(np.uint16) << np.uint16(AXIS_SHIFT)
-    return flags | np.where(near, np.uint16(NEAR), claim)
+    return (flags | np.where(near, np.uint16(NEAR), claim)).astype(np.uint16, copy=False)

@@ -25,7 +25,7 @@ class Share:
     """
 
     one_in: int
-    at_a_time: int = 16
+    at_a_time: int = 8
 
 
 EVERYTHING = Share(1)

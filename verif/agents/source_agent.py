@@ -65,7 +65,7 @@ class SourceDriver(uvm_driver):
         configuration = self.settings.configuration
         self.bus.set_pace(item.gaps, self.random)
         data = pack_data(item.pairs.astype(np.int64), configuration.width)
-        user = pack_user(item.margins, tags, configuration)
+        user = pack_user(item.margins.astype(np.int64), tags, configuration)
         for index, beat in enumerate(zip(data, user, strict=True)):
             await self.bus.send(beat, sync=index == 0)
         # The next item, if there is one now, overwrites this before the next edge.

@@ -61,7 +61,6 @@ module triaxis_burst_bfm #(
   always_ff @(posedge clk_i) begin
     bit [DataWidth-1:0] data;
     bit [63:0] user;
-    bit offered;
     if (!rst_ni) begin
       s_axis_tvalid_o <= 1'b0;
       waiting_q <= waiting_q || s_axis_tvalid_o;
@@ -70,12 +69,10 @@ module triaxis_burst_bfm #(
       waiting_q <= 1'b0;
     end else if (!s_axis_tvalid_o || s_axis_tready_i) begin
       if (s_axis_tvalid_o) triaxis_source_accepted();
-      offered = triaxis_source_next(data, user);
-      s_axis_tvalid_o <= offered;
-      if (offered) begin
-        s_axis_tdata_o <= data;
-        s_axis_tuser_o <= user[UserWidth-1:0];
-      end
+      // Fills data and user where there is a beat; where there is none they do not matter.
+      s_axis_tvalid_o <= triaxis_source_next(data, user);
+      s_axis_tdata_o <= data;
+      s_axis_tuser_o <= user[UserWidth-1:0];
     end
   end
 

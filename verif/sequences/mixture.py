@@ -14,7 +14,7 @@ from triaxis.verif.sequences.stimulus import Family, Pairs32, Rng, Stimulus, bou
 from triaxis.verif.sequences.symmetry import random_cube_symmetries, random_orders, random_translations
 
 # How often a base pair is used, on average.
-TIMES = 12
+TIMES = 16
 
 # Base pairs made at a time: enough that a family's cost is that of its arithmetic, not of its calls.
 _BLOCK = 4096

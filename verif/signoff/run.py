@@ -6,11 +6,13 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
+from triaxis.golden.judge import default_solver
 from triaxis.verif.build import library
 from triaxis.verif.engine import configuration_for
 from triaxis.verif.settings import RunSettings
@@ -20,6 +22,8 @@ from triaxis.verif.signoff.provenance import provenance
 from triaxis.verif.signoff.result import FOLDER, RESULT, SignoffResult
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
 from triaxis.verif.simulation import RunResult, build_for, run
+
+Answer = TypeVar("Answer")
 
 _JOBS = min(2, os.cpu_count() or 1)
 
@@ -37,26 +41,49 @@ def signoff(
     before = provenance()
     runs = plan(seed, volume)
     builds = _builds(runs)
-    steps(len(builds) + len(runs) + 2)
+    steps(len(builds) + len(runs) + 3)
 
     def one_build(build: Callable[[], Path]) -> None:
         build()
         progress(1)
+
+    def one_check(check: Callable[[], Answer]) -> Answer:
+        answer = check()
+        progress(1)
+        return answer
 
     def one_run(settings: RunSettings) -> RunResult:
         result = run(settings)
         progress(1)
         return result
 
+    # In the main thread, which the solver's signal handling wants.
+    default_solver()
     with ThreadPoolExecutor(_JOBS) as pool:
-        list(pool.map(one_build, builds))
-        results = list(pool.map(one_run, runs))
-    made, real = check_scenes(FOLDER / "scenes"), check_real_meshes(FOLDER / "scenes")
-    progress(1)
-    detector = check_detector(seed)
-    progress(1)
+        built = [pool.submit(one_build, build) for build in builds]
+        made = pool.submit(one_check, partial(check_scenes, FOLDER / "scenes"))
+        real = pool.submit(one_check, partial(check_real_meshes, FOLDER / "scenes"))
+        detector = pool.submit(one_check, partial(check_detector, seed))
+        results = [pool.submit(one_run, settings) for settings in runs]
+        try:
+            for future in (*built, *results):
+                future.result()
+        except BaseException:
+            # An error or an interrupt: start nothing more.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    ran = [future.result() for future in results]
     seconds = time.monotonic() - start
-    return SignoffResult(results, made, real, detector, _coverage(results), volume, before, seconds)
+    return SignoffResult(
+        ran,
+        made.result(),
+        real.result(),
+        detector.result(),
+        collect_coverage(ran),
+        volume,
+        before,
+        seconds,
+    )
 
 
 def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
@@ -66,7 +93,7 @@ def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
     return [partial(build_for, r) for r in widest_first] + [partial(library, configuration_for(24, 1))]
 
 
-def _coverage(results: list[RunResult]) -> list[ModelReport]:
+def collect_coverage(results: list[RunResult]) -> list[ModelReport]:
     """Return the coverage of each configuration, over the runs that passed; write its data and its page.
 
     A run that passed has written its coverage: a missing file is an error here.

@@ -7,8 +7,9 @@ that runs is registered, here and not where it is defined.
 import pyuvm
 
 from triaxis.verif.settings import from_environment
-from triaxis.verif.testlist import bench_tests, tests
+from triaxis.verif.testlist import bench_tests, sabotage_tests, tests
 
 _NAME = from_environment().test
+_FOUND = [vars(module)[_NAME] for module in (tests, bench_tests, sabotage_tests) if _NAME in vars(module)]
 
-SELECTED = pyuvm.test()(getattr(tests, _NAME, None) or getattr(bench_tests, _NAME))
+SELECTED = pyuvm.test()(_FOUND[0])

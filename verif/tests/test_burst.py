@@ -31,6 +31,23 @@ def test_passes_in_bursts(tmp_path, seed, test):
         assert result.counts["discarded_by_reset"] > 0
 
 
+@pytest.mark.parametrize(
+    ("test", "message"),
+    [
+        ("DroppedResultTest", "was due"),
+        ("DuplicatedResultTest", "was due"),
+        ("CorruptClaimTest", "exact answer"),
+        ("CorruptPairTest", "exact answer"),
+    ],
+)
+def test_a_scoreboard_that_is_lied_to_fails(tmp_path, seed, test, message):
+    result = run(burst(test, seed, 3000, tmp_path), shrink=False)
+    assert not result.passed
+    assert message in result.explain()
+    assert result.counts is not None
+    assert result.counts["failed"] > 0
+
+
 def broken(tmp_path, file, old, new):
     copy = tmp_path / "dut"
     shutil.copytree(DUT, copy)

@@ -49,6 +49,7 @@ def test_any_flipped_bit_of_a_result(traffic, bit):
     assert checker.failed
     failure = checker.failures[0]
     assert (failure.pair == traffic.pairs[33]).all()
+    assert failure.context is not None
     assert len(failure.context) == 33
     assert (failure.context == traffic.pairs[:33]).all()
 

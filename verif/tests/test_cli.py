@@ -10,7 +10,7 @@ import pytest
 from triaxis.golden.pairs import VERDICT
 from triaxis.verif import scenes
 from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.signoff import mesh_data
+from triaxis.verif.signoff.scene_checks import mesh_data
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
 
@@ -40,7 +40,18 @@ def meshes(tmp_path):
     return a, b
 
 
-COMMANDS = "verdict check scenes sim signoff exhaustive shrink code-coverage bench-sim fpga-report".split()
+COMMANDS = [
+    "verdict",
+    "check",
+    "scenes",
+    "sim",
+    "signoff",
+    "exhaustive",
+    "shrink",
+    "code-coverage",
+    "bench-sim",
+    "fpga-report",
+]
 
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])

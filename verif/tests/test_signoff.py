@@ -5,17 +5,21 @@ from pathlib import Path
 
 import pytest
 
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
+from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.settings import BURST, PIN
+from triaxis.verif.settings import BURST, PIN, coverage_file
 from triaxis.verif.signoff.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.provenance import provenance
 from triaxis.verif.signoff.result import SignoffResult
+from triaxis.verif.signoff.run import collect_coverage
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult, run_settings
 
-COUNTS = {"checked": 200_000, "judged_by_golden_model": 100, "failed": 0}
+COUNTS: dict[str, float] = {"checked": 200_000, "judged_by_golden_model": 100, "failed": 0}
 ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
 ILLEGAL = IllegalHit("flags", 1, "never")
 
@@ -76,3 +80,15 @@ def test_plan_covers_widths_margins_and_builds():
     assert sum(run.pairs for run in runs if run.test == "VolumeTest") >= VOLUME
     assert {run.agent for run in runs} == {PIN, BURST}
     assert len({run.folder for run in runs}) == len(runs)
+
+
+def test_coverage_of_another_model_ends_the_signoff(tmp_path):
+    """A run of one configuration that left the coverage of another."""
+    settings = run_settings("RandomTest", Configuration(), 1, 10, folder=tmp_path)
+    other = core_model(*Configuration(16, 16).covered)
+    Counts.empty(other).save(coverage_file(tmp_path))
+    foreign = RunResult(settings, True, 1.0, COUNTS, (), tmp_path / "log")
+    with pytest.raises(InputError, match="counts of coverage model core_w16_m16"):
+        collect_coverage([foreign])
+    with pytest.raises(InputError, match="cannot read"):
+        collect_coverage([replace(foreign, settings=replace(settings, folder=str(tmp_path / "none")))])
