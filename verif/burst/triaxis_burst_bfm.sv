@@ -71,8 +71,8 @@ module triaxis_burst_bfm #(
       if (s_axis_tvalid_o) triaxis_source_accepted();
       // Fills data and user where there is a beat; where there is none they do not matter.
       s_axis_tvalid_o <= triaxis_source_next(data, user);
-      s_axis_tdata_o <= data;
-      s_axis_tuser_o <= user[UserWidth-1:0];
+      s_axis_tdata_o  <= data;
+      s_axis_tuser_o  <= user[UserWidth-1:0];
     end
   end
 
