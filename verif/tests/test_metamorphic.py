@@ -34,7 +34,7 @@ def runner(configuration, spoil=lambda words: words):
 
 @pytest.mark.parametrize("configuration", [GATED, UNGATED], ids=lambda c: c.name)
 def test_the_core_answers_variants_alike(rng, configuration):
-    pairs, margins = base(rng, 800, configuration)
+    pairs, margins = base(rng, 1600, configuration)
     words = []
 
     def run(variants, variant_margins):
@@ -43,8 +43,8 @@ def test_the_core_answers_variants_alike(rng, configuration):
 
     report = check_variants(run, pairs, margins, configuration, rng)
     assert not report.failed, "\n".join(map(str, report.failures))
-    assert report.compared == {group.name: 800 * group.size for group in GROUPS}
-    assert report.variants == 800 * (72 + 48 + 8)
+    assert report.compared == {group.name: 1600 * group.size for group in GROUPS}
+    assert report.variants == 1600 * (72 + 48 + 8)
     every = np.concatenate(words)
     # It would be no check if they were all of one sort.
     for flag in (NEAR, COPLANAR, DEGENERATE_A, DEGENERATE_B):
