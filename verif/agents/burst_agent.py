@@ -6,7 +6,7 @@ scoreboard are the same.
 
 import numpy as np
 import numpy.typing as npt
-from pyuvm import uvm_factory
+from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.agents.items import BurstItem, Pace
@@ -37,8 +37,10 @@ class BurstSourceDriver(SourceDriver):
         await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
 
 
-class BurstSourceMonitor(SourceMonitor):
-    """Publishes accepted pairs and resets, as the model's input monitor saw them."""
+class BurstMonitor(uvm_monitor):
+    """Publishes what the model's monitor of one stream saw, whenever the model asks for it."""
+
+    ap: uvm_analysis_port
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
@@ -46,57 +48,46 @@ class BurstSourceMonitor(SourceMonitor):
         self._moved = 0
 
     async def run_phase(self) -> None:
-        """Fetch whenever the model asks for it."""
+        """Fetch when woken."""
         while True:
             await self.bfm.wake
             self.flush()
 
+    def fetch(self) -> tuple[PairBatch | ResultBatch, bool]:
+        """Return the beats up to the next reset, and whether a reset began right after them."""
+        raise NotImplementedError
+
     @property
     def moved(self) -> int:
-        """Return how many pairs were fetched."""
+        """Return how many beats were fetched."""
         return self._moved
 
     def flush(self) -> None:
         """Publish what was seen so far."""
-        while True:
-            beats = self.bfm.input_beats()
-            self._moved += len(beats.tags)
-            if len(beats.tags):
-                self.ap.write(PairBatch(beats.pairs, beats.margins, beats.tags, beats.waits))
-            if not beats.reset:
-                return
-            self.ap.write(ResetSeen())
+        reset = True
+        while reset:
+            batch, reset = self.fetch()
+            self._moved += len(batch)
+            if len(batch):
+                self.ap.write(batch)
+            if reset:
+                self.ap.write(ResetSeen())
 
 
-class BurstSinkMonitor(SinkMonitor):
-    """Publishes results and resets, as the model's output monitor saw them."""
+class BurstSourceMonitor(BurstMonitor, SourceMonitor):
+    """Publishes accepted pairs and resets."""
 
-    def start_of_simulation_phase(self) -> None:
-        """Take hold of the model."""
-        self.bfm = bfm_of(self)
-        self._moved = 0
+    def fetch(self) -> tuple[PairBatch, bool]:
+        """Fetch pairs."""
+        return self.bfm.input_beats()
 
-    async def run_phase(self) -> None:
-        """Fetch whenever the model asks for it."""
-        while True:
-            await self.bfm.wake
-            self.flush()
 
-    @property
-    def moved(self) -> int:
-        """Return how many results were fetched."""
-        return self._moved
+class BurstSinkMonitor(BurstMonitor, SinkMonitor):
+    """Publishes results and resets."""
 
-    def flush(self) -> None:
-        """Publish what was seen so far."""
-        while True:
-            beats = self.bfm.output_beats()
-            self._moved += len(beats.tags)
-            if len(beats.tags):
-                self.ap.write(ResultBatch(beats.words, beats.tags, beats.waits))
-            if not beats.reset:
-                return
-            self.ap.write(ResetSeen())
+    def fetch(self) -> tuple[ResultBatch, bool]:
+        """Fetch results."""
+        return self.bfm.output_beats()
 
 
 class BurstReadyDriver(ReadyDriver):

@@ -4,7 +4,6 @@ The C++ part, verif/burst/burst_bfm.cpp, lives in the simulator executable, whic
 """
 
 import ctypes
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from cocotb.triggers import ValueChange
 
 from triaxis.verif.agents.items import FULL_SPEED, Pace
+from triaxis.verif.batches import PairBatch, ResultBatch
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048
@@ -24,27 +24,6 @@ Array = npt.NDArray[Any]
 
 class HungBurstError(AssertionError):
     """The core did not accept a burst within its budget of clocks."""
-
-
-@dataclass(frozen=True)
-class InputBeats:
-    """Pairs that the input monitor saw accepted; ``reset``: a reset began right after the last."""
-
-    pairs: npt.NDArray[np.int32]
-    margins: npt.NDArray[np.uint32]
-    tags: npt.NDArray[np.uint32]
-    waits: npt.NDArray[np.uint16]
-    reset: bool
-
-
-@dataclass(frozen=True)
-class OutputBeats:
-    """Results that the output monitor saw taken; ``reset``: a reset began right after the last."""
-
-    words: npt.NDArray[np.uint16]
-    tags: npt.NDArray[np.uint32]
-    waits: npt.NDArray[np.uint16]
-    reset: bool
 
 
 def _address(array: Array) -> ctypes.c_void_p:
@@ -99,8 +78,10 @@ class BurstBfm:
                 " the core hangs"
             )
 
-    def input_beats(self) -> InputBeats:
-        """Return what the input monitor has, up to the next reset."""
+    def input_beats(self) -> tuple[PairBatch, bool]:
+        """Return the pairs that the input monitor saw accepted, up to the next reset, and whether a reset
+        began right after the last.
+        """
         count = self._library.triaxis_input_available()
         pairs = np.empty((count, 2, 3, 3), np.int32)
         margins, tags = np.empty(count, np.uint32), np.empty(count, np.uint32)
@@ -108,14 +89,14 @@ class BurstBfm:
         reset = self._library.triaxis_input_fetch(
             ctypes.c_int64(count), *map(_address, (pairs, margins, tags, waits))
         )
-        return InputBeats(pairs, margins, tags, waits, bool(reset))
+        return PairBatch(pairs, margins, tags, waits), bool(reset)
 
-    def output_beats(self) -> OutputBeats:
-        """Return what the output monitor has, up to the next reset."""
+    def output_beats(self) -> tuple[ResultBatch, bool]:
+        """Return the results that the output monitor saw taken, as `input_beats` does."""
         count = self._library.triaxis_output_available()
         words, tags = np.empty(count, np.uint16), np.empty(count, np.uint32)
         waits = np.empty(count, np.uint16)
         reset = self._library.triaxis_output_fetch(
             ctypes.c_int64(count), *map(_address, (words, tags, waits))
         )
-        return OutputBeats(words, tags, waits, bool(reset))
+        return ResultBatch(words, tags, waits), bool(reset)

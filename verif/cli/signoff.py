@@ -4,15 +4,15 @@ import argparse
 from collections import defaultdict
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from triaxis.coverage.terminal import coverage_lines, summary_line
 from triaxis.golden.errors import InputError
+from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import SignoffResult, write_json
-from triaxis.verif.signoff.run import signoff
+from triaxis.verif.signoff.run import signoff, step_count
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult
 from triaxis.verif.toolchain import verilator
@@ -42,21 +42,8 @@ def run(options: argparse.Namespace) -> int:
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("sign-off")
-        result = signoff(
-            options.seed,
-            lambda done: bar.advance(task, done),
-            lambda total: bar.update(task, total=total),
-            options.pairs,
-        )
+    with progress_bar("sign-off", step_count(options.seed, options.pairs)) as progress:
+        result = signoff(options.seed, progress, options.pairs)
     path = write_json(result, options.seed)
     _print(result)
     print(f"written to {path}")
