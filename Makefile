@@ -36,7 +36,7 @@ $(FPGA): requirements-fpga.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fpga.lock
 	@touch $@
 
-signoff: $(READY) ## build the core, run it against the golden model, print the summary
+signoff: $(READY) ## build the core, run it against its references, print the summary
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
 nightly: $(READY) ## the same from a billion pairs

@@ -115,7 +115,6 @@ class AxisPoints:
     """The points whose bins are the axes of a build; a pair may fall into none of them."""
 
     claim: Point
-    first: Point
     sole: Point
     sole_step: Point
     level_above: MaskPoint[CoreView]
@@ -134,7 +133,6 @@ def axis_points(build: Build) -> AxisPoints:
 
     return AxisPoints(
         Point("claim", ("near", *axes), lambda v: v.claim, partial=True),
-        Point("first of several axes", axes, lambda v: v.first_of_several, partial=True),
         Point("sole axis", axes, lambda v: v.sole, partial=True),
         Point("sole axis by one step", axes, lambda v: v.sole_step, partial=True),
         mask("level, B above", lambda v: v.near_only(v.facts.level & v.facts.upper)),

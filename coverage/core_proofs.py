@@ -175,11 +175,6 @@ def flags(build: Build) -> tuple[Exclusion, ...]:
     return tuple(proofs)
 
 
-def first_axis(build: Build) -> tuple[Exclusion, ...]:
-    """Return the proofs for the lowest of several axes."""
-    return (_never("no axis comes after it", lambda axis: axis == build.axes - 1),)
-
-
 def largest_margin(build: Build) -> tuple[Exclusion, ...]:
     """Return the proofs for whether the margin is the largest x decision."""
     if build.margin_bits < build.width:

@@ -163,11 +163,6 @@ class CoreView:
         return self._axis_where(1 - (self.several | self.near), self.lowest)
 
     @cached_property
-    def first_of_several(self) -> Codes:
-        """Return the lowest of the axes that separate; the number of axes where there are not several."""
-        return self._axis_where(self.several, self.lowest)
-
-    @cached_property
     def sole_step(self) -> Codes:
         """Return the sole axis where it separates by the smallest step, as `sole` does."""
         stepped = (self.facts.clear_step & self.separating != 0).view(np.uint8)

@@ -116,9 +116,16 @@ def _checked(path: Path, content: dict[str, Any], known: dict[str, CoverModel[An
         raise InputError(
             f"{path}: counts of another definition of coverage model {model.name}; delete it and run again"
         )
-    return Counts(
-        model.name, model.hash, {name: np.array(hits, np.int64) for name, hits in content["hits"].items()}
-    )
+    try:
+        hits = {name: np.array(numbers, np.int64) for name, numbers in content["hits"].items()}
+    except (ValueError, TypeError, AttributeError, OverflowError) as error:
+        raise InputError(
+            f"{path}: counts of {model.name} that are no numbers; delete it and run again"
+        ) from error
+    shapes = {item.name: (item.size,) for item in model.items}
+    if {name: h.shape for name, h in hits.items()} != shapes or any((h < 0).any() for h in hits.values()):
+        raise InputError(f"{path}: counts that do not fit the bins of {model.name}; delete it and run again")
+    return Counts(model.name, model.hash, hits)
 
 
 def _digest(models: object) -> str:

@@ -92,14 +92,20 @@ def _separating_block(pairs: npt.NDArray[Any], margins: npt.NDArray[Any]) -> npt
     return (gap > margins[:, None] * np.abs(axes).sum(-1)).astype(np.bool_)
 
 
+def fits_int64(pairs: npt.NDArray[np.integer[Any]], margins: npt.NDArray[np.integer[Any]]) -> bool:
+    """Return whether 64-bit integers provably hold every number of an axis test on these pairs."""
+    limit = 1 << (_INT64_WIDTH - 1)
+    return len(pairs) == 0 or bool(
+        -limit <= pairs.min() and pairs.max() < limit and margins.max() < 2 * limit
+    )
+
+
 def separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
     """Return, for pairs (N, 2, 3, 3) and margins (N,), which of the 32 axes separate: (N, 32).
 
     Exact for any coordinates: 64-bit integers where they provably suffice, Python's own otherwise.
     """
-    limit = 1 << (_INT64_WIDTH - 1)
-    small = len(pairs) == 0 or (-limit <= pairs.min() and pairs.max() < limit and margins.max() < 2 * limit)
-    dtype = np.dtype(np.int64) if small else np.dtype(object)
+    dtype = np.dtype(np.int64) if fits_int64(pairs, margins) else np.dtype(object)
     result = np.empty((len(pairs), NUM_AXES), np.bool_)
     for start in range(0, len(pairs), _BLOCK):
         block = slice(start, start + _BLOCK)

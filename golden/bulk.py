@@ -7,7 +7,6 @@ burst of pairs while the simulation works at the next.
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
 from triaxis.golden.native import native_library
@@ -108,49 +106,3 @@ def bulk_verdicts(
         if progress:
             progress(len(verdicts[chunk]))
     return verdicts
-
-
-def claims_hold(facts: Facts, axis: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return which claimed axes (N,) separate their pairs; NO_AXIS, and what is no axis, do not."""
-    known = (axis >= 0) & (axis < NUM_AXES)
-    bit = facts.separating >> np.where(known, axis, 0).astype(np.uint32) & np.uint32(1)
-    return known & (bit != 0)
-
-
-@dataclass(frozen=True)
-class BulkCheck:
-    """What is wrong with the answers of a core to N pairs, each mask of shape (N,).
-
-    wrong_near: near is not as the 32 axes have it.
-    false_claim: said to be clear, but the claimed axis does not separate: the certificate is void.
-    wrong_claim: clear, and said to be, but the axis is not the lowest-numbered that separates.
-    """
-
-    facts: Facts
-    wrong_near: npt.NDArray[np.bool_]
-    false_claim: npt.NDArray[np.bool_]
-    wrong_claim: npt.NDArray[np.bool_]
-
-    @property
-    def wrong(self) -> npt.NDArray[np.bool_]:
-        """Return which answers are wrong in any respect."""
-        return self.wrong_near | self.false_claim | self.wrong_claim
-
-
-def bulk_check(
-    pairs: npt.NDArray[Any],
-    margins: npt.NDArray[Any] | int,
-    near: npt.NDArray[np.bool_],
-    axis: npt.NDArray[Any],
-) -> BulkCheck:
-    """Check answers ``near`` (N,) and claimed axes (N,) to pairs, as `bulk_facts` takes them.
-
-    ``axis`` counts only where ``near`` is false.
-    """
-    facts = bulk_facts(pairs, margins)
-    return BulkCheck(
-        facts,
-        near != facts.near,
-        ~near & ~claims_hold(facts, axis),
-        ~near & ~facts.near & (axis != facts.claim),
-    )

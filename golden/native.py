@@ -31,8 +31,11 @@ def cxx() -> str:
 
 
 @cache
-def _target(compiler: str) -> str:
-    """Return what the compiler says of itself and of this processor: its predefined macros."""
+def target(compiler: str) -> str:
+    """Return what the compiler says of itself and of this processor: its predefined macros.
+
+    Raises InputError where there is no such compiler, or it is too old.
+    """
     if shutil.which(compiler) is None:
         raise InputError(f"{compiler}: not found: install it (Debian: apt-get install g++), or set CXX")
     command = [compiler, *_FLAGS[:3], "-dM", "-E", "-x", "c++", os.devnull]
@@ -54,7 +57,7 @@ def _first_error(messages: str) -> str:
 
 def _key(files: Sequence[Path]) -> str:
     digest = hashlib.sha256()
-    for text in (_target(cxx()), *_FLAGS):
+    for text in (target(cxx()), *_FLAGS):
         digest.update(text.encode() + b"\0")
     for file in files:
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")

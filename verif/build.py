@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.native import cxx
+from triaxis.golden.native import cxx, target
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
@@ -102,7 +102,7 @@ def _runtime(*flags: str) -> Path:
     )  # fmt: skip
     include = Path(answer.stdout.strip()) / "include"
     sources = [include / f"{name}.cpp" for name in _RUNTIME]
-    key = content_hash(sources, str(verilator()), cxx(), *flags)
+    key = content_hash(sources, str(verilator()), target(cxx()), *flags)
     folder = BUILD / "runtime" / key[:12]
     command = [
         cxx(), "-std=c++20", "-fPIC", "-pthread", *flags, f"-I{include}", f"-I{include / 'vltstd'}",
@@ -138,7 +138,7 @@ def _library(
     sources = [*(dut / source.name for source in rtl_sources()), harness]
     # The folder of the RTL stands for its contents, wherever it is.
     arguments = [argument for argument in command if argument != f"-I{dut}"]
-    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
+    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
 
@@ -191,7 +191,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         "-CFLAGS", "-O0 -std=c++20", "-Wno-fatal",
     ]  # fmt: skip
     runtime = _runtime("-O1")
-    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), *arguments)
+    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
@@ -248,7 +248,7 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
         "-CFLAGS", " ".join([_FAST_CODE, *_FAST_RUNTIME[1:], f"-I{burst}", *defines]),
     ]  # fmt: skip
     hashed = [*sources, *sorted(burst.glob("*.h")), dut / "triaxis_stage.svh"]
-    key = content_hash(hashed, str(verilator()), *command)
+    key = content_hash(hashed, str(verilator()), target(cxx()), *command)
     kind = "" if assertions else "_no_assertions"
     folder = BUILD / "burst" / f"{configuration.name}{kind}-{key[:12]}"
 

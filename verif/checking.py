@@ -8,12 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from triaxis.coverage.core_sample import CoreSample
-from triaxis.golden.axes import axis_name, axis_vector
-from triaxis.golden.bulk import bulk_facts, claims_hold
-from triaxis.golden.certificate import axis_proves_clear
+from triaxis.golden.axes import axis_name
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.verif.batches import Integers, PairBatch, ResultBatch
@@ -57,9 +56,11 @@ class Checker:
         self.checked = 0
         self.clear_claims = 0
         self.judged = 0
+        # Claims, NO_AXIS among them, of which the golden model has judged a pair.
+        self.judged_axes: set[int] = set()
         self.failed = 0
         self.failures: list[Failure] = []
-        self._sample = GoldenSample(share, seed)
+        self.sample = GoldenSample(share, seed)
         # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
         default_solver()
         self._on_checked = on_checked
@@ -69,8 +70,8 @@ class Checker:
         """Check results against the pairs that they answer, one to one."""
         facts = bulk_facts(pairs.pairs, pairs.margins)
         self._compare(pairs, results, facts)
-        self._recheck_claims(pairs, results, facts)
-        self._judge(pairs, results, facts)
+        self._recheck_claims(pairs, results)
+        self._judge(pairs, facts)
         self.checked += len(pairs)
         self._before = self._until(pairs, len(pairs))
         self._on_checked(CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits))
@@ -88,16 +89,17 @@ class Checker:
                 message = f"core says {got} ({results.words[i]:#06x}), exact answer {due}"
             self._fail(message, pairs, i)
 
-    def _recheck_claims(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
+    def _recheck_claims(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Prove every "clear" from the claimed axis, whatever the right answer is."""
-        clear = results.words & NEAR == 0
-        axis = results.words >> AXIS_SHIFT & AXIS_MASK
-        self.clear_claims += int(clear.sum())
-        for i in np.flatnonzero(clear & ~claims_hold(facts, axis)).tolist():
-            self._fail(f"claimed axis {axis[i]} ({axis_name(int(axis[i]))}) does not separate", pairs, i)
+        clear = np.flatnonzero(results.words & NEAR == 0)
+        axis = results.words[clear] >> AXIS_SHIFT & AXIS_MASK
+        self.clear_claims += len(clear)
+        proven = claims_prove_clear(pairs.pairs[clear], pairs.margins[clear], axis)
+        for i, number in zip(clear[~proven].tolist(), axis[~proven].tolist(), strict=True):
+            self._fail(f"claimed axis {number} ({axis_name(number)}) does not separate", pairs, i)
 
-    def _judge(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
-        chosen = self._sample.choose(facts)
+    def _judge(self, pairs: PairBatch, facts: Facts) -> None:
+        chosen = self.sample.choose(facts)
         if not len(chosen):
             return
         some, margins = pairs.pairs[chosen].astype(np.int64), pairs.margins[chosen].astype(np.int64)
@@ -107,24 +109,9 @@ class Checker:
         except CertificateError as error:
             self._fail(f"golden model: {error}", pairs, int(chosen[0]))
             return
+        self.judged_axes |= set(verdicts["axis"].tolist())
         for i in chosen[verdicts != facts[chosen].verdicts].tolist():
             self._fail("bulk checker and golden model disagree", pairs, i)
-        self._prove_claims(some, margins, results.words[chosen], pairs, chosen)
-
-    def _prove_claims(
-        self,
-        some: npt.NDArray[np.int64],
-        margins: npt.NDArray[np.int64],
-        words: npt.NDArray[np.uint16],
-        pairs: PairBatch,
-        chosen: npt.NDArray[np.intp],
-    ) -> None:
-        """Prove claims of sampled pairs by the golden model's own checker of certificates."""
-        for k in np.flatnonzero(words & NEAR == 0).tolist():
-            a, b = some[k].tolist()
-            number = int(words[k]) >> AXIS_SHIFT & AXIS_MASK
-            if not axis_proves_clear(a, b, int(margins[k]), axis_vector(number, a, b)):
-                self._fail(f"claim of axis {number} is no certificate", pairs, int(chosen[k]))
 
     def _fail(self, message: str, pairs: PairBatch, i: int) -> None:
         self.failed += 1

@@ -27,14 +27,16 @@ def write_failing_pairs(path: Path, failures: Sequence[Failure]) -> None:
     for row, (pairs, margins) in enumerate(contexts):
         context[row, max(counts) - len(margins) :] = pairs
         context_margins[row, max(counts) - len(margins) :] = margins
+    partial = path.with_suffix(".partial.npz")
     np.savez(
-        path,
+        partial,
         pairs=np.array([failure.pair for failure in failures], np.int64),
         margins=np.array([failure.margin for failure in failures], np.int64),
         context=context,
         context_margins=context_margins,
         context_counts=np.array(counts, np.int64),
     )
+    partial.replace(path)
 
 
 def _context(failure: Failure) -> tuple[Integers, Integers]:

@@ -1,9 +1,9 @@
 """Which pairs of a run the golden model judges as well.
 
 The bulk checker checks every pair; the linear program is too slow for that. It gets a random share,
-and the first pair of every kind of situation that is seen: which axis decides, at which step of the
-decision, between triangles of which ranks, touching with which features. So everything interesting is
-judged in each run, whatever its length.
+and pairs of kinds of situation that it has not judged in this run: which axis decides, at which step of the
+decision, between triangles of which ranks, touching with which features. A few at a time, in random order:
+a long run gets through nearly all kinds, a short one counts how many it saw and how many it judged.
 """
 
 from dataclasses import dataclass
@@ -56,16 +56,30 @@ class GoldenSample:
         """Start with no kind seen."""
         self._share = share
         self._rng = np.random.default_rng([seed, *b"golden"])
-        self._seen = np.zeros(1 << _KIND_BITS, np.bool_)
+        self._met = np.zeros(1 << _KIND_BITS, np.bool_)
+        self._chosen = np.zeros(1 << _KIND_BITS, np.bool_)
+
+    @property
+    def kinds_met(self) -> int:
+        """Return how many kinds came up; 0 where everything is judged."""
+        return int(self._met.sum())
+
+    @property
+    def kinds_chosen(self) -> int:
+        """Return of how many kinds a pair was chosen; 0 where everything is judged."""
+        return int(self._chosen.sum())
 
     def choose(self, facts: Facts) -> npt.NDArray[np.intp]:
         """Return the indices of the pairs to judge, ascending."""
         if self._share.one_in == 1:
             return np.arange(len(facts))
         code = kinds(facts)
-        wanted = np.flatnonzero(~self._seen[code])
+        self._met[code] = True
+        wanted = np.flatnonzero(~self._chosen[code])
         # The first of each kind in this batch.
-        new = wanted[np.unique(code[wanted], return_index=True)[1]][: self._share.at_a_time]
-        self._seen[code[new]] = True
+        new = wanted[np.unique(code[wanted], return_index=True)[1]]
+        # At random, so that none waits for ever behind others.
+        new = self._rng.permutation(new)[: self._share.at_a_time]
+        self._chosen[code[new]] = True
         random = np.flatnonzero(self._rng.integers(0, self._share.one_in, len(facts), np.uint16) == 0)
         return np.union1d(new, random)

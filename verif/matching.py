@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from triaxis.verif.batches import PairBatch, ResultBatch
-from triaxis.verif.checking import Failure
+from triaxis.verif.checking import DESCRIBED, Failure
 
 # Depth of the core's result queue, the same for every W and M (see triaxis_core).
 MOST_IN_FLIGHT = 32
@@ -117,4 +117,5 @@ class Matcher:
 
     def _fail(self, failure: Failure, count: int = 1) -> None:
         self.failed += count
-        self.failures.append(failure)
+        if len(self.failures) < DESCRIBED:
+            self.failures.append(failure)

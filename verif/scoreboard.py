@@ -23,6 +23,13 @@ from triaxis.verif.worker import WORKER
 _WAITING = 4
 
 
+def write_counts(path: Path, counts: dict[str, Any]) -> None:
+    """Write a run's counts, whole or not at all."""
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(counts, indent=2) + "\n")
+    partial.replace(path)
+
+
 class _Export(uvm_analysis_export):
     """An analysis export that hands transactions to a function: a scoreboard needs two of them."""
 
@@ -54,6 +61,8 @@ class Scoreboard(uvm_scoreboard):
         self.matcher = Matcher(self._enqueue)
         self._waiting: deque[Future[None]] = deque()
         self.seconds = 0.0
+        # Pairs that the driver was given, which the test says at its end.
+        self.sent = 0
 
     def start_of_simulation_phase(self) -> None:
         """Start the clock on the wall."""
@@ -93,11 +102,15 @@ class Scoreboard(uvm_scoreboard):
         """Write the counts, and fail where anything did."""
         matcher, checker, folder = self.matcher, self.checker, Path(self.settings.folder)
         counts = {
+            "sent": self.sent,
             "accepted": matcher.accepted,
             "returned": matcher.returned,
             "checked": checker.checked,
             "clear_claims_rechecked": checker.clear_claims,
             "judged_by_golden_model": checker.judged,
+            "judged_axes": sorted(checker.judged_axes),
+            "kinds_met": checker.sample.kinds_met,
+            "kinds_judged": checker.sample.kinds_chosen,
             "discarded_by_reset": matcher.discarded,
             "resets": matcher.resets,
             "failed": self.failed,
@@ -105,7 +118,7 @@ class Scoreboard(uvm_scoreboard):
             "seconds": self.seconds,
             "peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         }
-        result_file(folder).write_text(json.dumps(counts, indent=2) + "\n")
+        write_counts(result_file(folder), counts)
         failures = matcher.failures + checker.failures
         for failure in failures:
             at = "" if failure.pair is None else f": margin {failure.margin}, {failure.pair.tolist()}"
@@ -113,6 +126,8 @@ class Scoreboard(uvm_scoreboard):
         about_pairs = [failure for failure in failures if failure.pair is not None]
         if about_pairs:
             write_failing_pairs(failure_file(folder), about_pairs)
+        if matcher.accepted != self.sent:
+            raise AssertionError(f"{self.sent} pairs sent, {matcher.accepted} seen accepted")
         # One that was dropped and one too many make up for each other in the checks of the matcher.
         if checker.checked != matcher.matched or checker.checked + matcher.discarded > matcher.accepted:
             raise AssertionError(f"{checker.checked} pairs checked, {matcher.matched} matched")

@@ -32,6 +32,15 @@ class RunSettings:
     soak: bool = False
 
     @property
+    def time_limit(self) -> float:
+        """Return the seconds after which the run is ended: many times what it should take.
+
+        Pin by pin, and where the golden model judges all, a pair takes up to a millisecond.
+        """
+        slow = self.agent == PIN or self.judged_one_in == 1
+        return 300 + self.pairs * (1e-2 if slow else 2e-4)
+
+    @property
     def share(self) -> Share:
         """Return what the golden model judges."""
         return Share(self.judged_one_in, 1) if self.soak else Share(self.judged_one_in)

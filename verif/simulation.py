@@ -8,6 +8,7 @@ import shutil
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 from triaxis.verif.build import burst_simulation, simulation
@@ -28,7 +29,7 @@ class RunResult:
     settings: RunSettings
     passed: bool
     seconds: float
-    counts: dict[str, float] | None
+    counts: dict[str, Any] | None
     errors: tuple[str, ...]
     log: Path
     counterexamples: tuple[str, ...] = ()
@@ -116,7 +117,8 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     log, results = folder / "simulation.log", folder / "results.xml"
     runner = get_runner("verilator")
     start = time.monotonic()
-    # The runner raises, or exits, where a test fails: the results file tells it better.
+    ended_well = False
+    # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
         runner.test(
             hdl_toplevel="triaxis_burst_tb" if in_bursts else "triaxis_core",
@@ -132,18 +134,27 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
                 **settings.to_environment(),
                 "COCOTB_ANSI_OUTPUT": "0",
                 "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+                # A crash must end the process: the solver's loader would fork a debugger, which hangs.
+                "CYSIGNALS_CRASH_NDEBUG": "1",
             },
         )
+        ended_well = True
     seconds = time.monotonic() - start
-    counts = None
-    if result_file(folder).exists():
-        counts = json.loads(result_file(folder).read_text())
-    passed = _passed(results) and counts is not None and counts["failed"] == 0
+    counts = _counts(result_file(folder))
+    passed = ended_well and _passed(results) and counts is not None and counts["failed"] == 0
     found: tuple[str, ...] = ()
     if not passed and shrink:
         store = REGRESSIONS if dut == DUT else None
         found = explain_failures(folder, settings.configuration, dut, store)
     return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, found)
+
+
+def _counts(path: Path) -> dict[str, Any] | None:
+    """Return the scoreboard's counts, None where it wrote none."""
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError):
+        return None
 
 
 def _passed(results: Path) -> bool:

@@ -64,7 +64,6 @@ def test_axes_that_decide(view):
         sole = separating if len(separating) == 1 else set()
         assert view.sole[i] == min(sole, default=none)
         assert view.sole_step[i] == min(sole & bits(one.clear_step[0]), default=none)
-        assert view.first_of_several[i] == (min(separating) if len(separating) > 1 else none)
         if sole:
             assert view.side[i] == (min(sole) in bits(one.below[0]))
     assert kinds == set(Decision)

@@ -5,10 +5,10 @@ import pytest
 
 from triaxis.golden import bulk
 from triaxis.golden.axes import separating
-from triaxis.golden.bulk import bulk_check, bulk_facts, bulk_verdicts, claims_hold
+from triaxis.golden.bulk import bulk_facts, bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
-from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
+from triaxis.golden.pairs import VERDICT, coordinate_range
 from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs
 from triaxis.golden.tests.bulk_reference import slow_facts
 
@@ -130,34 +130,3 @@ def test_verdicts_and_progress(rng, monkeypatch):
     assert sum(done) == len(pairs)
     assert len(done) == -(-len(pairs) // 64)
     assert len(bulk_verdicts(pairs[:0], 0)) == 0
-
-
-def test_claims_hold_only_where_the_axis_separates(rng):
-    pairs = awkward_pairs(rng, 300, 16)
-    facts = bulk_facts(pairs, 0)
-    separates = separating(pairs, np.zeros(len(pairs), np.int64))
-    for axis in range(32):
-        held = claims_hold(facts, np.full(len(pairs), axis))
-        assert (held == separates[:, axis]).all()
-    for axis in (NO_AXIS, 32, 1000):
-        assert not claims_hold(facts, np.full(len(pairs), axis)).any()
-
-
-def test_check_notices_each_kind_of_wrong_answer(rng):
-    pairs = awkward_pairs(rng, 300, 16)
-    facts = bulk_facts(pairs, 0)
-    near, axis = facts.near, np.where(facts.near, 0, facts.claim)
-    right = bulk_check(pairs, 0, near, axis)
-    assert not right.wrong.any()
-    assert_equal(right.facts, facts)
-
-    turned = bulk_check(pairs, 0, ~near, axis)
-    assert turned.wrong_near.all()
-    assert (turned.false_claim == near).all()
-
-    others = (axis + 1) % 32
-    other = bulk_check(pairs, 0, near, others)
-    assert not other.wrong_near.any()
-    assert (other.wrong_claim == ~near).all()
-    assert (other.false_claim == ~near & ~claims_hold(facts, others)).all()
-    assert 0 < other.false_claim.sum() < (~near).sum()

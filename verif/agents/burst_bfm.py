@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from cocotb.triggers import ValueChange
 
+from triaxis.golden.errors import InputError
 from triaxis.verif.agents.items import FULL_SPEED, Pace
 from triaxis.verif.batches import PairBatch, ResultBatch
 
@@ -37,7 +38,7 @@ class BurstBfm:
         """Find the functions in this process; ``dut`` is the top level, triaxis_burst_tb."""
         self.wake = ValueChange(dut.wake_i)
         self._library = ctypes.CDLL(None)
-        for name in ("burst_accepted", "burst_cycles", "input_available", "output_available"):
+        for name in ("burst_accepted", "input_available", "output_available"):
             getattr(self._library, f"triaxis_{name}").restype = ctypes.c_int64
         self._sink_pace = FULL_SPEED
 
@@ -54,7 +55,13 @@ class BurstBfm:
 
         Raises HungBurstError where that takes far longer than the paces of both sides explain.
         """
-        if not len(pairs):
+        count = len(pairs)
+        if pairs.shape != (count, 2, 3, 3) or margins.shape != (count,) or tags.shape != (count,):
+            raise InputError(
+                f"burst: pairs {pairs.shape}, margins {margins.shape}, tags {tags.shape}: must be "
+                "(N, 2, 3, 3), (N,), (N,)"
+            )
+        if not count:
             return
         # Held here: C++ keeps pointers to them while the burst is under way.
         held = (
@@ -64,17 +71,20 @@ class BurstBfm:
         )
         runs = gaps.runs(rng, _RUNS)
         duty = min(gaps.duty, self._sink_pace.duty)
-        budget = int(_BUDGET_FACTOR * len(pairs) / duty) + _BUDGET_CYCLES
-        count = ctypes.c_int64(len(pairs))
+        budget = int(_BUDGET_FACTOR * count / duty) + _BUDGET_CYCLES
         self._library.triaxis_burst_start(
-            *map(_address, held), count, _address(runs), ctypes.c_int64(len(runs)), ctypes.c_int64(budget)
+            *map(_address, held),
+            ctypes.c_int64(count),
+            _address(runs),
+            ctypes.c_int64(len(runs)),
+            ctypes.c_int64(budget),
         )
         while self._library.triaxis_burst_active():
             await self.wake
         accepted = self._library.triaxis_burst_accepted()
-        if accepted < len(pairs):
+        if accepted < count:
             raise HungBurstError(
-                f"{accepted} of {len(pairs)} pairs accepted in {budget} clocks, the budget of this burst:"
+                f"{accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"
             )
 

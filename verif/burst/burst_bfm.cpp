@@ -196,7 +196,11 @@ extern "C" {
 // --- Called by SystemVerilog ----------------------------------------------------------------------
 
 svBit triaxis_source_next(svBitVecVal* data, svBitVecVal* user) {
-    if (source.offered == source.count || source.hung || !source.pattern.On()) return 0;
+    if (source.offered == source.count || source.hung || !source.pattern.On()) {
+        std::memset(data, 0, sizeof(svBitVecVal) * kDataWords);
+        user[0] = user[1] = 0;
+        return 0;
+    }
     source.pattern.Use();
     Pack(source.pairs + kCoordinates * source.offered, data);
     const uint64_t tag = source.tags[source.offered];
@@ -254,8 +258,6 @@ void triaxis_burst_start(const int32_t* pairs, const uint32_t* margins, const ui
 int triaxis_burst_active() { return source.active(); }
 
 int64_t triaxis_burst_accepted() { return source.accepted; }
-
-int64_t triaxis_burst_cycles() { return source.cycles; }
 
 void triaxis_sink_pace(const uint16_t* runs, int64_t run_count) { sink_pattern.Set(runs, run_count); }
 

@@ -69,7 +69,7 @@ module triaxis_burst_bfm #(
       waiting_q <= 1'b0;
     end else if (!s_axis_tvalid_o || s_axis_tready_i) begin
       if (s_axis_tvalid_o) triaxis_source_accepted();
-      // Fills data and user where there is a beat; where there is none they do not matter.
+      // Fills data and user, with zeros where there is no beat.
       s_axis_tvalid_o <= triaxis_source_next(data, user);
       s_axis_tdata_o  <= data;
       s_axis_tuser_o  <= user[UserWidth-1:0];

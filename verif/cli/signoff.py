@@ -30,7 +30,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
     parser.add_argument(
-        "--pairs", type=int, default=VOLUME, help=f"pairs of the volume runs ({VOLUME}): fewer fail"
+        "--pairs",
+        type=int,
+        default=VOLUME,
+        help=f"pairs of the volume runs ({VOLUME}); a sign-off from fewer fails",
     )
     parser.set_defaults(run=run)
 
@@ -70,11 +73,16 @@ def _print(result: SignoffResult) -> None:
     for problem in result.problems:
         print(f"PROBLEM {problem}")
     verdict = "FAILED" if result.problems else "PASSED"
-    print(f"{verdict}: {result.checked} pairs checked against the golden model, {result.seconds:.0f} s")
+    if not result.provenance.git_clean:
+        print("the checkout is not clean: what was signed off is in no commit")
+    print(
+        f"{verdict}: {result.checked} pairs checked, {result.judged} of them also judged by the golden "
+        f"model, {result.seconds:.0f} s"
+    )
 
 
 def _runs_table(runs: list[RunResult]) -> Table:
-    table = Table(title="core against golden model")
+    table = Table(title="core against bulk checker and golden model")
     for heading in ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches"):
         table.add_column(heading, justify="left" if heading == "configuration" else "right")
     groups: dict[str, list[RunResult]] = defaultdict(list)

@@ -57,6 +57,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"seed {options.seed}: must not be negative")
     if not 1 <= options.judged <= MOST_SELDOM:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
+    if options.soak and options.agent != BURST:
+        raise InputError("--soak goes with --agent burst, and only with it")
     configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.exhaustive.claims import claims_prove_clear
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.expectation import expected_words
 from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, NEAR, encode

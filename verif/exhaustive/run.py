@@ -18,7 +18,7 @@ import numpy as np
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
-from triaxis.verif.build import content_hash, rtl_hash
+from triaxis.verif.build import content_hash, library, rtl_hash
 from triaxis.verif.checking import Failure
 from triaxis.verif.engine import RtlEngine
 from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
@@ -76,7 +76,9 @@ def identity_of(size: int, seed: int) -> Identity:
         *(ROOT / "verif" / name for name in ("engine.py", "harness.cpp", "expectation.py", "result.py")),
         ROOT / "verif/sequences/symmetry.py",
     ]
-    return Identity(size, seed, CONFIGURATION.name, rtl_hash(), content_hash(sorted(checker)))
+    # The name of its folder changes with everything that goes into the build.
+    core = library(CONFIGURATION).parent.name
+    return Identity(size, seed, CONFIGURATION.name, rtl_hash(), content_hash(sorted(checker), core))
 
 
 def run_grid(

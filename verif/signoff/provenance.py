@@ -1,10 +1,13 @@
-"""What was signed off: the RTL and the commit."""
+"""What was signed off, and by what: the RTL, its environment, the commit."""
 
 import subprocess
 from dataclasses import dataclass
 
-from triaxis.verif.build import rtl_hash
+from triaxis.verif.build import content_hash, rtl_hash
 from triaxis.verif.paths import ROOT
+
+_CHECKING = ("golden", "coverage", "verif")
+_SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".toml", ".json", ".csv")
 
 
 @dataclass(frozen=True)
@@ -12,6 +15,7 @@ class Provenance:
     """What was signed off: taken before the first run, and compared after the last."""
 
     rtl_hash: str
+    environment_hash: str
     git_commit: str | None
     git_clean: bool | None
 
@@ -19,7 +23,18 @@ class Provenance:
 def provenance() -> Provenance:
     """Return what stands in the checkout now."""
     changed = _git("status", "--porcelain")
-    return Provenance(rtl_hash(), _git("rev-parse", "HEAD"), None if changed is None else not changed)
+    return Provenance(
+        rtl_hash(),
+        _environment_hash(),
+        _git("rev-parse", "HEAD"),
+        None if changed is None else not changed,
+    )
+
+
+def _environment_hash() -> str:
+    """Return the hash of everything that checks: a checkout that is not clean may change and stay so."""
+    files = [path for folder in _CHECKING for path in (ROOT / folder).rglob("*") if path.suffix in _SOURCES]
+    return content_hash(sorted(files))
 
 
 def _git(*arguments: str) -> str | None:

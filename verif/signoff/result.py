@@ -3,9 +3,12 @@
 import json
 import platform
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 
 from triaxis.coverage.report import ModelReport, percent
+from triaxis.golden.axes import NUM_AXES
+from triaxis.golden.pairs import NO_AXIS
 from triaxis.verif.paths import BUILD
 from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
 from triaxis.verif.signoff.provenance import Provenance, provenance
@@ -15,6 +18,8 @@ from triaxis.verif.toolchain import verilator
 
 FOLDER = BUILD / "signoff"
 RESULT = FOLDER / "signoff.json"
+# Tests send whole groups: some pairs less than they were asked for.
+_MOST_OF = 0.9
 
 
 @dataclass(frozen=True)
@@ -41,9 +46,24 @@ class SignoffResult:
         return sum(int(result.counts["judged_by_golden_model"]) for result in self.runs if result.counts)
 
     @property
+    def judged_axes(self) -> dict[str, set[int]]:
+        """Return, by configuration, the claims of which the golden model judged a pair."""
+        found: dict[str, set[int]] = {}
+        for result in self.runs:
+            axes = set(result.counts["judged_axes"]) if result.counts else set()
+            found.setdefault(result.settings.config, set()).update(axes)
+        return found
+
+    @cached_property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each."""
+        """Return what stands against a pass, one line each: as it is when first asked."""
         found = [f"{r.settings.test} in {r.settings.config} failed" for r in self.runs if not r.passed]
+        found += [
+            f"{r.settings.test} in {r.settings.config}: {r.counts['accepted']} of {r.settings.pairs} "
+            "pairs sent"
+            for r in self.runs
+            if r.counts and r.counts["accepted"] < _MOST_OF * r.settings.pairs
+        ]
         found += [
             f"scene {s.name}: {s.found}, expected {s.expected}"
             + ("" if s.agrees else "; the golden model disagrees")
@@ -59,13 +79,22 @@ class SignoffResult:
         if self.detector.wrong or not self.detector.pairs:
             found.append(f"CollisionDetector: {self.detector.wrong} of {self.detector.pairs} pairs wrong")
         found += [problem for model in self.coverage for problem in model.problems]
-        if not self.judged:
-            found.append("the golden model judged nothing")
+        found += [
+            f"the golden model judged no pair that is decided by {name}, in {config}"
+            for config, axes in self.judged_axes.items()
+            for name in _claim_names(axes)
+        ]
         if not self.coverage:
             found.append("no coverage was collected")
         if provenance() != self.provenance:
             found.append("the RTL or the checkout changed during the run")
         return found
+
+
+def _claim_names(judged: set[int]) -> list[str]:
+    """Return the names of the claims that are missing."""
+    missing = sorted({NO_AXIS, *range(NUM_AXES)} - judged)
+    return ["nothing, being near" if axis == NO_AXIS else f"axis {axis}" for axis in missing]
 
 
 def write_json(result: SignoffResult, seed: int) -> Path:

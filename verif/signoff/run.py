@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import load
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
-from triaxis.golden.judge import default_solver
 from triaxis.verif.build import library
 from triaxis.verif.engine import configuration_for
 from triaxis.verif.settings import RunSettings
@@ -59,15 +59,14 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
         progress(1)
         return result
 
-    # In the main thread, which the solver's signal handling wants.
-    default_solver()
     with ThreadPoolExecutor(_JOBS) as pool:
         built = [pool.submit(one_build, build) for build in builds]
-        made = pool.submit(one_check, partial(check_scenes, FOLDER / "scenes"))
-        real = pool.submit(one_check, partial(check_real_meshes, FOLDER / "scenes"))
-        detector = pool.submit(one_check, partial(check_detector, seed))
         results = [pool.submit(one_run, settings) for settings in runs]
         try:
+            # Here, in the main thread: the solver's handler of interrupts works in no other.
+            made = one_check(partial(check_scenes, FOLDER / "scenes"))
+            real = one_check(partial(check_real_meshes, FOLDER / "scenes"))
+            detector = one_check(partial(check_detector, seed))
             for future in (*built, *results):
                 future.result()
         except BaseException:
@@ -78,11 +77,11 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
     seconds = time.monotonic() - start
     return SignoffResult(
         ran,
-        made.result(),
-        real.result(),
-        detector.result(),
+        made,
+        real,
+        detector,
         collect_coverage(ran),
-        volume,
+        max(volume, VOLUME),
         before,
         seconds,
     )
@@ -104,7 +103,9 @@ def collect_coverage(results: list[RunResult]) -> list[ModelReport]:
     database = CoverageDatabase(core_model(*c.covered) for c in configurations.values())
     for result in results:
         if result.passed:
-            database.add_file(result.coverage)
+            # Of its own configuration, and of no other.
+            model = core_model(*result.settings.configuration.covered)
+            database.add(load(result.coverage, model))
     database.save(FOLDER / "coverage.json")
     write_page(FOLDER / "coverage.html", database)
     return [report(model, counts) for model, counts in database]

@@ -1,5 +1,7 @@
 """What all tests share: clock, reset, environment, the end of the test."""
 
+import faulthandler
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -50,6 +52,10 @@ class CoreTest(uvm_test):
     async def run_phase(self) -> None:
         """Run the test."""
         self.raise_objection()
+        # The solver's handler of interrupts would jump out of the worker's thread.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        # Whatever else happens, no run lasts for ever.
+        faulthandler.dump_traceback_later(self.settings.time_limit, exit=True)
         # The burst simulation makes its own clock.
         if not self.in_bursts:
             Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
@@ -61,6 +67,8 @@ class CoreTest(uvm_test):
         await self.stimulus()
         await self.drain()
         watchdog.cancel()
+        self.env.scoreboard.sent = self.env.source.driver.next_tag
+        faulthandler.cancel_dump_traceback_later()
         self.drop_objection()
 
     def check_phase(self) -> None:
@@ -83,10 +91,12 @@ class CoreTest(uvm_test):
         """Wait for some clocks. Bursts go on meanwhile, which they would not for each edge."""
         await Timer(count * PERIOD_NS, "ns")
 
-    async def reset(self, cycles: int) -> None:
-        """Hold the core in reset for some clocks."""
+    async def reset(self, cycles: int, late_ns: int = 0) -> None:
+        """Hold the core in reset for some clocks, from some time after the edge on."""
+        if late_ns:
+            await Timer(late_ns, "ns")
         self.dut.rst_ni.value = 0
-        await self.clocks(cycles)
+        await Timer(cycles * PERIOD_NS - late_ns, "ns")
         self.dut.rst_ni.value = 1
         await self.clocks(1)
 

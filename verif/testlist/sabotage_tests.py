@@ -8,6 +8,7 @@ from pyuvm import uvm_factory
 
 from triaxis.verif.agents.burst_agent import BurstSinkMonitor, BurstSourceMonitor
 from triaxis.verif.batches import PairBatch, ResultBatch
+from triaxis.verif.checking import Checker
 from triaxis.verif.result import AXIS_SHIFT, NEAR
 from triaxis.verif.testlist.tests import MixedTest
 
@@ -54,6 +55,17 @@ class DuplicatingSinkMonitor(LyingSinkMonitor):
         return _chosen(batch, np.insert(np.arange(len(batch)), _BEAT, _BEAT))
 
 
+class ReorderingSinkMonitor(LyingSinkMonitor):
+    """Sees two results in each other's place."""
+
+    @staticmethod
+    def falsify(batch: ResultBatch) -> ResultBatch:
+        """Exchange them."""
+        rows = np.arange(len(batch))
+        rows[[_BEAT - 1, _BEAT]] = _BEAT, _BEAT - 1
+        return _chosen(batch, rows)
+
+
 class CorruptClaimSinkMonitor(LyingSinkMonitor):
     """Sees another axis than the one that a clear pair was claimed with."""
 
@@ -67,22 +79,30 @@ class CorruptClaimSinkMonitor(LyingSinkMonitor):
 
 
 class CorruptPairSourceMonitor(BurstSourceMonitor):
-    """Sees pairs that lie apart where the core was sent others."""
+    """Sees other pairs than the core was sent."""
 
-    def build_phase(self) -> None:
-        """Put the lie in front of the analysis port."""
-        super().build_phase()
-        publish = self.ap.write
+    def fetch(self) -> tuple[PairBatch, bool]:
+        """Put a point into the place of each B."""
+        batch, reset = super().fetch()
+        batch.pairs[:, 1] = batch.pairs.min(initial=0)
+        return batch, reset
 
-        def write(datum: Any) -> None:
-            if isinstance(datum, PairBatch):
-                pairs = datum.pairs.copy()
-                # A point, far from everything but what is as far.
-                pairs[:, 1] = pairs.min()
-                datum = PairBatch(pairs, datum.margins, datum.tags, datum.waits)
-            publish(datum)
 
-        self.ap.write = write
+class MissingPairSourceMonitor(BurstSourceMonitor):
+    """Misses the last pair of each fetch."""
+
+    def fetch(self) -> tuple[PairBatch, bool]:
+        """Leave it out."""
+        batch, reset = super().fetch()
+        return batch[:-1], reset
+
+
+class RaisingChecker(Checker):
+    """A checker with a fault of its own, in the worker's thread."""
+
+    def check(self, pairs: PairBatch, results: ResultBatch) -> None:
+        """Fail as code does that was not foreseen."""
+        raise ZeroDivisionError("the checker is broken")
 
 
 class _SabotagedTest(MixedTest):
@@ -107,6 +127,26 @@ class DuplicatedResultTest(_SabotagedTest):
     """A result reaches the scoreboard twice."""
 
     honest, liar = BurstSinkMonitor, DuplicatingSinkMonitor
+
+
+class ReorderedResultTest(_SabotagedTest):
+    """Two results reach the scoreboard in each other's place."""
+
+    honest, liar = BurstSinkMonitor, ReorderingSinkMonitor
+
+
+class MissingPairTest(_SabotagedTest):
+    """A pair is not seen by the input monitor."""
+
+    honest, liar = BurstSourceMonitor, MissingPairSourceMonitor
+
+
+class RaisingCheckerTest(MixedTest):
+    """The checker raises an exception in the worker's thread."""
+
+    def end_of_elaboration_phase(self) -> None:
+        """Put the broken checker in the place of the scoreboard's."""
+        self.env.scoreboard.checker = RaisingChecker(self.settings.configuration)
 
 
 class CorruptClaimTest(_SabotagedTest):

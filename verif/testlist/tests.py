@@ -6,6 +6,7 @@ import cocotb
 import numpy as np
 
 from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.counterexample.regressions import load_regressions
 from triaxis.verif.failing_pairs import read_failing_pairs
 from triaxis.verif.metamorphic import GROUPS
@@ -226,7 +227,8 @@ class ResetsTest(CoreTest):
         while not traffic.done():
             await self.clocks(int(moments.integers(1, 200)))
             if not traffic.done():
-                await self.reset(int(moments.integers(1, 4)))
+                cycles = int(moments.choice([1, 2, 3, 30]))
+                await self.reset(cycles, int(moments.integers(0, PERIOD_NS - 1)))
         await self.send(StimulusSequence(make, self.settings, 64))
 
 

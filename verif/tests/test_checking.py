@@ -12,7 +12,7 @@ from triaxis.verif.checking import DESCRIBED, Checker
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.expectation import expected_words
 from triaxis.verif.golden_sample import GoldenSample, Share, kinds
-from triaxis.verif.result import AXIS_SHIFT, COPLANAR, NEAR
+from triaxis.verif.result import COPLANAR, NEAR
 from triaxis.verif.sequences.families import mixed_pairs
 from triaxis.verif.tests.traffic import Traffic
 
@@ -71,25 +71,31 @@ def test_a_wrong_tag(traffic):
     assert "tag 8 where 7 was due" in checker.failures[0].message
 
 
-def test_a_false_claim_is_disproved_whatever_was_expected(traffic, monkeypatch):
-    """Even an expectation that agreed with the core would not save a false "clear"."""
-    near = int(np.flatnonzero(traffic.words & NEAR)[0])
-    words = traffic.words.copy()
-    words[near] = 4 << AXIS_SHIFT
-    monkeypatch.setattr(checking, "expected_words", lambda *_: words)
-    checker = checked(traffic, words)
+def lying_facts(traffic, monkeypatch, **changes):
+    """Let the bulk checker say otherwise of one pair; return the words of a core that agrees with it."""
+    wrong = replace(bulk_facts(traffic.pairs, traffic.margins), **changes)
+    monkeypatch.setattr(checking, "bulk_facts", lambda *_: wrong)
+    return expected_words(wrong, CONFIGURATION)
+
+
+def test_a_false_clear_is_disproved_even_where_core_and_bulk_checker_agree(traffic, monkeypatch):
+    facts = bulk_facts(traffic.pairs, traffic.margins)
+    above = facts.above.copy()
+    above[np.flatnonzero(facts.near)[0]] = axis_bit(4)
+    words = lying_facts(traffic, monkeypatch, above=above)
+    checker = checked(traffic, words, Share(1 << 15, 0))
+    assert checker.failed == 1
     assert "claimed axis 4 (normal B) does not separate" in checker.failures[0].message
-    assert "claim of axis 4 is no certificate" in checker.failures[-1].message
 
 
 def test_a_bulk_checker_that_errs_with_the_core_is_caught_by_the_golden_model(traffic, monkeypatch):
     facts = bulk_facts(traffic.pairs, traffic.margins)
-    near = int(np.flatnonzero(facts.near)[0])
-    above = facts.above.copy()
-    above[near] = axis_bit(20)
-    wrong = replace(facts, above=above)
-    monkeypatch.setattr(checking, "bulk_facts", lambda *_: wrong)
-    checker = checked(traffic, expected_words(wrong, CONFIGURATION))
+    clear = np.flatnonzero(~facts.near)[0]
+    above, below = facts.above.copy(), facts.below.copy()
+    above[clear] = below[clear] = 0
+    words = lying_facts(traffic, monkeypatch, above=above, below=below)
+    checker = checked(traffic, words)
+    assert checker.failed == 1
     assert "bulk checker and golden model disagree" in checker.failures[0].message
 
 

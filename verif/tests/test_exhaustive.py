@@ -10,6 +10,7 @@ import pytest
 from triaxis.golden.axes import NUM_AXES, axis_vector, separating
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.certificate import axis_proves_clear
+from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import coordinate_range
@@ -17,7 +18,6 @@ from triaxis.verif.cli import exhaustive, main
 from triaxis.verif.engine import RtlEngine
 from triaxis.verif.exhaustive import run
 from triaxis.verif.exhaustive.check import CONFIGURATION, ClassChecker
-from triaxis.verif.exhaustive.claims import claims_prove_clear
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import load, other_states, save, state_file
 from triaxis.verif.expectation import expected_words

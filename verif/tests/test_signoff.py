@@ -19,7 +19,14 @@ from triaxis.verif.signoff.run import collect_coverage
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult, run_settings
 
-COUNTS: dict[str, float] = {"checked": 200_000, "judged_by_golden_model": 100, "failed": 0}
+ALL_AXES = list(range(-1, 32))
+COUNTS = {
+    "accepted": 200_000,
+    "checked": 200_000,
+    "judged_by_golden_model": 100,
+    "judged_axes": ALL_AXES,
+    "failed": 0,
+}
 ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
 ILLEGAL = IllegalHit("flags", 1, "never")
 
@@ -36,6 +43,10 @@ def good():
     return SignoffResult([run], [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
 
 
+def counted(result, **changes):
+    return replace(result, runs=[replace(result.runs[0], counts={**COUNTS, **changes})])
+
+
 def test_all_well():
     assert good().problems == []
 
@@ -45,14 +56,11 @@ def test_all_well():
     [
         (lambda r: replace(r, runs=[replace(r.runs[0], passed=False)]), "RandomTest in w16_m0 failed"),
         (lambda r: replace(r, runs=[replace(r.runs[0], counts=None)]), "0 pairs checked"),
-        (
-            lambda r: replace(r, runs=[replace(r.runs[0], counts={**COUNTS, "checked": 199_999})]),
-            "199999 pairs",
-        ),
-        (
-            lambda r: replace(r, runs=[replace(r.runs[0], counts={**COUNTS, "judged_by_golden_model": 0})]),
-            "judged",
-        ),
+        (lambda r: counted(r, checked=199_999), "199999 pairs"),
+        (lambda r: counted(r, accepted=8), "8 of 10 pairs sent"),
+        (lambda r: counted(r, judged_axes=ALL_AXES[:-1]), "decided by axis 31, in w16_m0"),
+        (lambda r: counted(r, judged_axes=ALL_AXES[1:]), "decided by nothing, being near"),
+        (lambda r: replace(r, provenance=replace(r.provenance, environment_hash="x")), "changed during"),
         (lambda r: replace(r, scenes=[]), "no scene"),
         (lambda r: replace(r, scenes=[replace(r.scenes[0], found="clear")]), "clear, expected near"),
         (lambda r: replace(r, scenes=[replace(r.scenes[0], agrees=False)]), "golden model disagrees"),
@@ -85,10 +93,14 @@ def test_plan_covers_widths_margins_and_builds():
 def test_coverage_of_another_model_ends_the_signoff(tmp_path):
     """A run of one configuration that left the coverage of another."""
     settings = run_settings("RandomTest", Configuration(), 1, 10, folder=tmp_path)
-    other = core_model(*Configuration(16, 16).covered)
-    Counts.empty(other).save(coverage_file(tmp_path))
+    other = run_settings("RandomTest", Configuration(16, 16), 1, 10, folder=tmp_path / "other")
+    (tmp_path / "other").mkdir()
+    model = core_model(*other.configuration.covered)
+    for folder in (tmp_path, tmp_path / "other"):
+        Counts.empty(model).save(coverage_file(folder))
+    good = RunResult(other, True, 1.0, COUNTS, (), tmp_path / "log")
     foreign = RunResult(settings, True, 1.0, COUNTS, (), tmp_path / "log")
     with pytest.raises(InputError, match="counts of coverage model core_w16_m16"):
-        collect_coverage([foreign])
+        collect_coverage([good, foreign])
     with pytest.raises(InputError, match="cannot read"):
         collect_coverage([replace(foreign, settings=replace(settings, folder=str(tmp_path / "none")))])
