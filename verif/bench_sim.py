@@ -38,8 +38,9 @@ class SimSpeeds:
 
     bare: the Verilated core behind a C++ loop, no checks. burst_unchecked: the burst environment
     with its stimulus and monitors. burst_checked: with checks and functional coverage. burst_soak: with
-    checks, and the restrictions of a soak. pin: the pin-level environment, checked. bulk_checker: the bulk
-    checker alone, on one core.
+    checks, and the restrictions of a soak. pin: the pin-level environment, checked; its simulator is
+    compiled quickly, not for speed, as it is always used: most of its time is Python's, at each clock.
+    bulk_checker: the bulk checker alone, on one core.
     """
 
     bare: float
