@@ -20,8 +20,8 @@ from triaxis.verif.toolchain import verilator
 # No signal is public: Verilator's default for cocotb costs most of the speed. Functions of moderate length:
 # g++ makes code of the whole core in one function that runs a third slower.
 _SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast", "--output-split-cfuncs", "1000"]
-# Verilator's own -Os comes before this on the compiler's command line.
-_FAST_CODE = "-O2 -march=native -std=c++20"
+
+_FAST_CODE = "-march=native -std=c++20"
 _BURST_TOP = "triaxis_burst_tb"
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
 # Simulation time is kept by the model itself, not by a function of the main program.

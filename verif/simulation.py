@@ -136,6 +136,9 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
                 "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
                 # A crash must end the process: the solver's loader would fork a debugger, which hangs.
                 "CYSIGNALS_CRASH_NDEBUG": "1",
+                # For a quick start: no rewriting of assert statements, no threads for linear algebra.
+                "COCOTB_REWRITE_ASSERTION_FILES": "",
+                "OPENBLAS_NUM_THREADS": "1",
             },
         )
         ended_well = True

@@ -50,6 +50,8 @@ class Verilator:
         }
         if not with_runtime:
             settings |= {"VM_GLOBAL_FAST": "", "VM_GLOBAL_SLOW": ""}
+            # What runs once, at the start, is half of the code: compiled as it is.
+            settings |= {"OPT_FAST": "-O2", "OPT_SLOW": "-O0"}
         environment["MAKEFLAGS"] = " ".join(f"{name}={value}" for name, value in settings.items())
         folder, path = str(_shim(self.executable)), environment.get("PATH", "")
         if path.split(os.pathsep)[0] != folder:
