@@ -42,7 +42,7 @@ def test_compiles_once_and_again_after_a_change(build, sources):
 
 def test_another_processor_or_compiler_compiles_again(build, sources, monkeypatch):
     answer_of(sources)
-    monkeypatch.setattr(native, "_target", lambda compiler: "another")
+    monkeypatch.setattr(native, "target", lambda compiler: "another")
     answer_of(sources)
     assert len(list(build.iterdir())) == 2
 
