@@ -3,7 +3,7 @@
 The bulk checker checks every pair; the linear program is too slow for that. It gets a random share,
 and pairs of kinds of situation that it has not judged in this run: which axis decides, at which step of the
 decision, between triangles of which ranks, touching with which features. A few at a time, in random order:
-a long run gets through nearly all kinds, a short one counts how many it saw and how many it judged.
+no run gets through all kinds; each counts how many it met and how many it judged.
 """
 
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ MOST_SELDOM = 1 << 16
 
 @dataclass(frozen=True)
 class Share:
-    """How much the golden model judges: one in ``one_in`` at random (1: all), and ``kinds``, those of
-    new kinds, at most ``at_a_time`` in a batch.
+    """How much the golden model judges: one pair in ``one_in`` at random (1: all), and of kinds that are
+    new at most ``at_a_time`` in a batch.
     """
 
     one_in: int

@@ -38,7 +38,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )  # fmt: skip
     parser.add_argument(
         "--judged", type=int, default=1, metavar="N",
-        help="the golden model judges one pair in N, and the first of each kind (1: all); the bulk checker "
+        help="the golden model judges one pair in N, and a few of new kinds (1: all); the bulk checker "
         "checks every pair",
     )  # fmt: skip
     parser.add_argument(

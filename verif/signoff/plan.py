@@ -25,7 +25,7 @@ _SHARES = {
 }
 # Pairs of one volume run at most: what fails is replayed by running it again from its start.
 _LONGEST_RUN = 8_000_000
-# The share that the golden model judges in volume runs, beside the first pairs of each kind.
+# The share that the golden model judges in volume runs, beside pairs of new kinds.
 _JUDGED_ONE_IN = 1 << 16
 
 # Directed runs in every configuration, with bursts, all of it judged by the golden model.

@@ -2,7 +2,6 @@
 
 import faulthandler
 import signal
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,6 @@ from triaxis.verif.sequences.pair_sequence import ItemSequence
 from triaxis.verif.settings import BURST, from_environment
 
 _RESET_CYCLES = 3
-_SWITCH_SECONDS = 5e-3
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
 _PATIENCE_CYCLES = 5000
 # Clocks in which a result too many would show: more than any latency.
@@ -44,8 +42,6 @@ class CoreTest(uvm_test):
         publish(self.settings, self.dut, BurstBfm(self.dut) if self.in_bursts else None)
         if self.in_bursts:
             use_bursts()
-            # The simulation must not wait long for the worker where it needs Python.
-            sys.setswitchinterval(_SWITCH_SECONDS)
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
         self.env = create(CoreEnv, "env", self)
 
@@ -68,7 +64,6 @@ class CoreTest(uvm_test):
         await self.drain()
         watchdog.cancel()
         self.env.scoreboard.sent = self.env.source.driver.next_tag
-        faulthandler.cancel_dump_traceback_later()
         self.drop_objection()
 
     def check_phase(self) -> None:
