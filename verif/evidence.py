@@ -1,0 +1,53 @@
+"""Evidence: the JSON files in which each part of a sign-off leaves its result, stamped with what it is valid for.
+
+Every file says ``passed``, ``problems`` (one line each), ``summary`` (one line), ``command`` and ``seconds``,
+and carries the stamp; what else it holds is the part's own. What was not measured is null, never 0.
+"""
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.provenance import provenance
+from triaxis.verif.toolchain import verilator
+
+_REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
+
+
+def write_evidence(path: Path, content: Mapping[str, Any]) -> Path:
+    """Write a result with its stamp (RTL, environment, commit, tools), whole or not at all."""
+    stamped = {
+        **content,
+        **asdict(provenance()),
+        "verilator": str(verilator()),
+        "python": platform.python_version(),
+    }
+    missing = [key for key in _REQUIRED if key not in stamped]
+    if missing:
+        raise ValueError(f"{path.name}: evidence without {', '.join(missing)}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
+    try:
+        partial.write_text(json.dumps(stamped, indent=2) + "\n", encoding="utf-8")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def read_evidence(path: Path) -> dict[str, Any] | None:
+    """Return a result, None where there is none; raise InputError where it is damaged."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: not readable as evidence: {error}") from error
+    if not isinstance(content, dict) or any(key not in content for key in _REQUIRED):
+        raise InputError(f"{path}: not evidence: it needs {', '.join(_REQUIRED)}")
+    return content
