@@ -1,0 +1,1 @@
+"""The fault catalogue: known faults as switchable builds, each caught."""

@@ -1,0 +1,1 @@
+"""Proofs: what is proved of the core for all inputs."""

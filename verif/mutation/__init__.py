@@ -1,0 +1,1 @@
+"""Mutation: generated mutants of dut/ and the runs that kill them."""

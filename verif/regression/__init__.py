@@ -1,0 +1,1 @@
+"""Regressions on dvsim: its configuration, and what goes around it."""
