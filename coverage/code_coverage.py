@@ -26,6 +26,7 @@ from pathlib import Path
 from triaxis.coverage.arithmetic import BoundError
 from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
 from triaxis.coverage.elaboration import Instance
+from triaxis.coverage.waiver_upkeep import WaivedPlace, stale_patterns
 from triaxis.coverage.waivers import KINDS, Waiver
 from triaxis.golden.errors import InputError
 
@@ -107,14 +108,15 @@ class Bin:
 class Assessment:
     """Totals by file and kind, what is not covered, and what is wrong.
 
-    ``waived`` counts the bins of each waiver by its number; ``elaborated`` holds the generate blocks
-    that exist in some model, by module and label.
+    ``waived`` counts the bins of each waiver by its number, ``places`` says where they are;
+    ``elaborated`` holds the generate blocks that exist in some model, by module and label.
     """
 
     files: dict[tuple[str, str], Total] = field(default_factory=dict)
     uncovered: list[Bin] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
     waived: dict[int, int] = field(default_factory=dict)
+    places: dict[int, set[WaivedPlace]] = field(default_factory=dict)
     elaborated: set[tuple[str, str]] = field(default_factory=set)
 
     @property
@@ -138,7 +140,13 @@ class Assessment:
         self.problems += other.problems
         for number, count in other.waived.items():
             self.waived[number] = self.waived.get(number, 0) + count
+        for number, places in other.places.items():
+            self.places.setdefault(number, set()).update(places)
         self.elaborated |= other.elaborated
+
+    def cover(self, waiver: Waiver, place: WaivedPlace) -> None:
+        """Take note of where a waiver covers bins."""
+        self.places.setdefault(waiver.number, set()).add(place)
 
     def count_hit(self, file: str, kind: str, count: int) -> None:
         """Count bins that were hit and that no waiver is about."""
@@ -207,10 +215,15 @@ class _ModelAssessor:
                 found.append((waiver, {**known, **numbers}))
         return found
 
+    def _place(self, instance: Instance, what: str) -> WaivedPlace:
+        return WaivedPlace(self._model.name, instance.module, instance.path, what)
+
     def _toggles(self, instance: Instance) -> None:
         waivers = self._applying("toggle", instance)
         for signal in instance.signals:
             waived = _constant_bits(waivers, signal.name, signal.bits)
+            for waiver in waived.values():
+                self.assessment.cover(waiver, self._place(instance, signal.name))
             names = [f"{signal.name}[{bit}]" for bit in signal.bits] or [signal.name]
             for bit, name in zip(signal.bits or range(1), names, strict=True):
                 self._bit(instance.path, name, waived.get(bit))
@@ -234,6 +247,8 @@ class _ModelAssessor:
         waivers = {kind: self._applying(kind, instance) for kind in {point.kind for point in points}}
         for p in points:
             waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known)), None)
+            if waiver is not None:
+                self.assessment.cover(waiver, self._place(instance, p.what))
             place = Bin(self._model.name, p.kind, p.file, p.line, p.what, instance.path)
             self.assessment.count(place, p.count > 0, waiver)
 
@@ -260,17 +275,23 @@ def conclude(
 ) -> Assessment:
     """Return the assessment of all models with what only all together show.
 
-    Generate blocks that no model elaborates; waivers that have expired, or that cover no bin.
+    Generate blocks that no model elaborates; waivers that have expired, that cover no bin, or with a
+    pattern that fits none.
     """
     whole = Assessment()
     whole.add(assessment)
     for block in blocks:
         fitting = (w for w in _for_module(waivers, "generate", block.module) if w.waives(block.label, {}))
+        first = next(fitting, None)
         place = Bin("any model", "generate", block.file, block.line, block.label, block.module)
-        whole.count(place, (block.module, block.label) in whole.elaborated, next(fitting, None))
+        whole.count(place, (block.module, block.label) in whole.elaborated, first)
+        if first is not None:
+            whole.cover(first, WaivedPlace(place.model, block.module, block.module, block.label))
     for waiver in waivers:
         if waiver.expires < today:
             whole.problems.append(f"{waiver.name}: expired on {waiver.expires}")
         if not whole.waived.get(waiver.number):
             whole.problems.append(f"{waiver.name}: covers no bin that an earlier one does not cover")
+        else:
+            whole.problems += stale_patterns(waiver, whole.places.get(waiver.number, ()))
     return whole

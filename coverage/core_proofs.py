@@ -6,12 +6,24 @@ and the cube of the margin: an axis separates when a plane normal to it has D st
 origin, and D not holding the origin is separated by the normal of one of its facets. Facets are normal
 to axes 3..13 where D is full-dimensional without the cube; axes made of edge x k (k = x, y, z) act in the
 plane with normal N as N_k times the perpendicular of the edge.
+
+Proofs do not expire: each run tries them again, and the test that an exclusion names does so on all
+pairs of a tiny grid.
 """
 
 from collections.abc import Callable
 
 from triaxis.coverage.core_sample import Build, Decision, Relation
 from triaxis.coverage.cover_model import Exclusion, Kind
+
+# Kinds of argument; every exclusion is of one of these.
+GEOMETRY, BUILD, CONTRACT = "geometry", "build", "contract"
+CATEGORIES = {
+    GEOMETRY: "no two triangles lie so",
+    BUILD: "the parameters of the build leave it out",
+    CONTRACT: "the core must not answer so",
+}
+OWNER = "verif"
 
 POINT, SEGMENT, TRIANGLE = range(3)
 FACE = 2
@@ -21,8 +33,8 @@ _GRID = f"{_TEST}::test_no_excluded_bin_is_hit"
 _ANSWERS = "coverage/tests/test_core_coverage.py::test_wrong_answers_hit_illegal_bins"
 
 
-def _never(reason: str, when: Callable[..., bool], test: str = _GRID) -> Exclusion:
-    return Exclusion(Kind.ILLEGAL, reason, test, when)
+def _never(reason: str, when: Callable[..., bool], test: str = _GRID, category: str = GEOMETRY) -> Exclusion:
+    return Exclusion(Kind.ILLEGAL, reason, test, when, category, OWNER)
 
 
 def _edge_of_a(axis: int) -> bool:
@@ -145,7 +157,11 @@ def decision(build: Build) -> tuple[Exclusion, ...]:
     ]
     if not build.edge_box:
         proofs.append(
-            _never(_COPLANAR_BLIND, lambda d, coplanar, a, b, m=0: d == Decision.OTHER and bool(coplanar))
+            _never(
+                _COPLANAR_BLIND,
+                lambda d, coplanar, a, b, m=0: d == Decision.OTHER and bool(coplanar),
+                category=BUILD,
+            )
         )
     return tuple(proofs)
 
@@ -159,6 +175,7 @@ def flags(build: Build) -> tuple[Exclusion, ...]:
                 "operand gating: the flags of a pair that its boxes decide read 0",
                 lambda d, flags: d == Decision.BOX and flags != 0,
                 _ANSWERS,
+                CONTRACT,
             )
         )
     if not build.margin_bits:
@@ -170,7 +187,11 @@ def flags(build: Build) -> tuple[Exclusion, ...]:
         )
     if not build.edge_box:
         proofs.append(
-            _never(_COPLANAR_BLIND, lambda d, flags: d == Decision.OTHER and bool(flags & 1)),
+            _never(
+                _COPLANAR_BLIND,
+                lambda d, flags: d == Decision.OTHER and bool(flags & 1),
+                category=BUILD,
+            ),
         )
     return tuple(proofs)
 
@@ -194,6 +215,7 @@ def answer() -> tuple[Exclusion, ...]:
             "the core must answer as the golden model does: verdict, lowest axis, spare bits 0",
             lambda answer: answer not in (2, 3),
             _ANSWERS,
+            CONTRACT,
         ),
     )
 

@@ -67,13 +67,15 @@ class Exclusion:
     """Bins that do not count: those for whose codes, one argument for each point, ``when`` is true.
 
     ``reason`` says why, for what cannot happen the proof in a few words; ``test`` names the test that
-    supports it.
+    supports it. ``category`` names the kind of the argument, ``owner`` who answers for it.
     """
 
     kind: Kind
     reason: str
     test: str
     when: Callable[..., bool]
+    category: str = ""
+    owner: str = ""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ Fields of a waiver (coverage/waivers.toml):
     what        patterns of bins, one must fit: not for toggles
     signals     patterns of signals, one must fit: toggles
     range       the smallest and the largest value, or
-    bits        the numbers of the constant bits, as in ["4..7", "12"]: toggles
+    bits        the numbers of the constant bits, as in ["4..7", "12"], all of which exist: toggles
     step        what every value is a multiple of, a power of two (1): toggles with range
 
 In a pattern ``*`` stands for anything, ``{name}`` for a number that expressions then know by that
@@ -42,14 +42,15 @@ from triaxis.golden.errors import InputError
 
 WAIVERS = Path(__file__).with_name("waivers.toml")
 
-CATEGORIES = (
-    "constant by contract",
-    "constant by parameter",
-    "bounded",
-    "split operand",
-    "unused input",
-    "elaboration guard",
-)
+# Why there are bins that nothing can hit; every waiver is of one of these.
+CATEGORIES = {
+    "constant by contract": "the value is fixed in every build: a literal, a reserved bit, the origin",
+    "constant by parameter": "the parameters of a build leave nothing to change or to run",
+    "bounded": "the width holds more than the largest value that can occur, by a bound that is proved",
+    "split operand": "a piece of an operand that is multiplied in pieces fills its port only in part",
+    "unused input": "an input that the contract has and the logic does not need",
+    "elaboration guard": "a block that refuses parameters, so that no build has it",
+}
 KINDS = ("line", "branch", "expression", "toggle", "generate")
 _REQUIRED = ("category", "reason", "owner", "expires", "kind", "modules")
 _SHORTEST_REASON = 20
@@ -136,6 +137,9 @@ class Waiver:
         places = bits or range(1)
         if self.values is None:
             listed = set(_listed(self.bits, variables))
+            beyond = sorted(listed.difference(places))
+            if beyond:
+                raise BoundError(f"{signal} has no bit {beyond[0]}")
             return [bit for bit in places if bit in listed]
         low, high, step = (evaluate(text, variables) for text in (*self.values, self.step))
         if low > high or step < 1 or step & (step - 1):

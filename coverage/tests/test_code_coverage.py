@@ -169,6 +169,27 @@ def test_a_waiver_for_nothing_fails(tmp_path: Path, change: dict[str, tuple[str]
     assert ["covers no bin" in problem for problem in found.problems] == [True]
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"modules": ("top", "other")}, "modules: other"),
+        ({"models": ("model", "w9_*")}, "models: w9_*"),
+        ({"instances": ("TOP.top", "TOP.top.*")}, "instances: TOP.top.*"),
+        ({"signals": ("sum", "difference")}, "signals: difference"),
+        ({"kind": "branch", "signals": (), "bits": (), "what": ("if", "else")}, "what: else"),
+        ({"kind": "generate", "signals": (), "bits": (), "what": ("g_*", "h_*")}, "what: h_*"),
+    ],
+)
+def test_a_pattern_of_a_waiver_that_fits_nothing_fails(
+    tmp_path: Path, change: dict[str, object], said: str
+) -> None:
+    lines = never("\x02if\x01" if change.get("kind") == "branch" else "sum[1]")
+    hidden = change.get("kind") == "generate"
+    design = replace(DESIGN, blocks=frozenset()) if hidden else DESIGN
+    found = assessed(tmp_path, GOOD if hidden else lines, [waiver(**change)], design)
+    assert [f": {said}: fits no bin" in problem for problem in found.problems] == [True]
+
+
 def test_a_waiver_that_repeats_another_fails(tmp_path: Path) -> None:
     found = assessed(tmp_path, never("sum[1]"), [waiver(), waiver(number=2)])
     assert [problem.startswith("waiver 2") for problem in found.problems] == [True]

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -5,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from triaxis.coverage.arithmetic import BoundError
 from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
 from triaxis.golden.errors import InputError
 
@@ -59,7 +61,13 @@ def test_a_file_is_read(tmp_path: Path) -> None:
     ("old", "new", "said"),
     [
         ('owner = "dut"', "", "owner is missing"),
-        ('"bounded"', '"because"', "category because"),
+        ('category = "bounded"', "", "category is missing"),
+        ('reason = "A reason that is long enough to be one."', "", "reason is missing"),
+        ("expires = 2030-01-31", "", "expires is missing"),
+        ('kind = "toggle"', "", "kind is missing"),
+        ('modules = ["m"]', "", "modules is missing"),
+        ('"dut"', '" "', "owner: must be a text"),
+        ('"bounded"', '"because"', "category because: one of: constant by contract, .*elaboration guard"),
         ('"toggle"', '"toggles"', "kind toggles"),
         ('modules = ["m"]', 'modules = "m"', "modules: must be a list"),
         ('modules = ["m"]', "modules = []", "modules: must be a list"),
@@ -75,8 +83,9 @@ def test_a_file_is_read(tmp_path: Path) -> None:
 )
 def test_what_is_not_well_formed_is_named(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert old in GOOD
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=said) as caught:
         read_waivers(written(tmp_path, GOOD.replace(old, new)))
+    assert "\n" not in str(caught.value) and "waivers.toml: " in str(caught.value)
 
 
 def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
@@ -99,6 +108,13 @@ def test_constant_bits_are_those_that_no_value_changes(low: int, span: int, log_
 def test_a_signal_without_range_has_bit_0() -> None:
     assert waiver("1", "1").constant_bits("s", range(0), {}) == [0]
     assert waiver("0", "1").constant_bits("s", range(0), {}) == []
+
+
+def test_bits_that_are_listed_must_exist() -> None:
+    listed = replace(waiver("0", "0"), values=None, bits=("2..3", "W - 1"))
+    assert listed.constant_bits("s", range(8), {"W": 8}) == [2, 3, 7]
+    with pytest.raises(BoundError, match="s has no bit 8"):
+        listed.constant_bits("s", range(8), {"W": 9})
 
 
 def test_bits_are_numbered_as_declared() -> None:

@@ -1,0 +1,1 @@
+"""Coverage for other tools: lcov tracefiles and UCIS XML."""

@@ -1,0 +1,73 @@
+"""The gate opens for a sign-off of this very RTL that passed, and for nothing else."""
+
+import json
+from datetime import date, timedelta
+
+import pytest
+
+from triaxis.coverage.gate import refusals
+from triaxis.coverage.stages import read_figures
+from triaxis.coverage.waiver_upkeep import waiver_records
+from triaxis.coverage.waivers import read_waivers
+
+RTL = "a" * 64
+WAIVERS = read_waivers()
+# The first to expire allows it for the last time.
+LAST_DAY = min(waiver.expires for waiver in WAIVERS)
+
+
+def signed(**changes):
+    figures = {figure.name: figure.bounds["V3"] for figure in read_figures()}
+    waivers = waiver_records(WAIVERS, {waiver.number: 1 for waiver in WAIVERS})
+    common = {"passed": True, "problems": [], "rtl_hash": RTL, "figures": figures, "waivers": waivers}
+    return {**common, **changes}
+
+
+def refused(tmp_path, content, today: date = LAST_DAY):
+    path = tmp_path / "signoff.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content))
+    return refusals(path, RTL, today)
+
+
+def test_a_waiver_that_has_expired_shuts_the_gate_later(tmp_path):
+    assert "expired on" in refused(tmp_path, signed(), LAST_DAY + timedelta(1))[0]
+
+
+def test_waivers_that_changed_since_shut_the_gate(tmp_path):
+    other = signed()
+    other["waivers"][0]["reason"] = "because"
+    assert "reason changed" in refused(tmp_path, other)[0]
+    assert "measured with 0" in refused(tmp_path, signed(waivers=None))[0]
+
+
+def test_a_pass_of_this_rtl_opens(tmp_path):
+    assert refused(tmp_path, signed()) == []
+
+
+def test_no_sign_off_is_refused(tmp_path):
+    assert "run `make signoff`" in refusals(tmp_path / "none.json", RTL)[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("", "not readable"),
+        (json.dumps(signed())[:-20], "not readable"),
+        ("[]", "not a sign-off"),
+        (signed(rtl_hash="b" * 64), "signed off for RTL bbbbbbbbbbbb, this is aaaaaaaaaaaa"),
+        (signed(rtl_hash=None), "of unknown hash"),
+        (signed(passed=False), "did not pass"),
+        (signed(passed="yes"), "did not pass"),
+        (signed(problems=["mutation: 1 survivor"]), "mutation: 1 survivor"),
+        (signed(problems=None), "what stands against"),
+        (signed(figures=None), "no figures"),
+        (signed(figures={**signed()["figures"], "mutation_score": "100"}), "no figures"),
+        (signed(figures={**signed()["figures"], "mutation_score": True}), "no figures"),
+        (signed(figures={**signed()["figures"], "mutation_score": 99.99}), "wanted at least 100 %"),
+        (signed(figures={**signed()["figures"], "proofs_passed": None}), "not measured"),
+        (signed(figures={}), "only on one side"),
+    ],
+)
+def test_each_reason_to_refuse(tmp_path, content, reason):
+    found = refused(tmp_path, content)
+    assert any(reason in line for line in found), found

@@ -1,0 +1,84 @@
+"""The bounds of the stages decide, and a figure that was not measured meets none."""
+
+import pytest
+
+from triaxis.coverage.stages import STAGES, STAGES_FILE, judge, read_figures, share
+from triaxis.golden.errors import InputError
+
+FIGURES = read_figures()
+
+
+def perfect():
+    return {figure.name: figure.bounds["V3"] for figure in FIGURES}
+
+
+def test_all_bounds_met_is_the_last_stage():
+    judgement = judge(FIGURES, perfect())
+    assert judgement.passed
+    assert judgement.stage == "V3"
+    assert judgement.shortfalls == ()
+
+
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.name)
+def test_each_figure_alone_stands_against_a_pass(figure):
+    bound = figure.bounds["V3"]
+    for value in (bound + 0.01 if figure.is_most else bound - 0.01, None):
+        judgement = judge(FIGURES, {**perfect(), figure.name: value})
+        assert not judgement.passed
+        assert judgement.stage in (None, *STAGES[:-1])
+        assert len(judgement.shortfalls) == 1
+        assert figure.meaning in judgement.shortfalls[0]
+    assert "not measured" in judgement.shortfalls[0]
+
+
+def test_stages_are_reached_in_order():
+    lowest = {figure.name: figure.bounds.get("V1", 1e9 if figure.is_most else None) for figure in FIGURES}
+    assert judge(FIGURES, lowest).stage == "V1"
+    assert judge(FIGURES, {**lowest, "runs_passed": 99}).stage is None
+    second = {figure.name: figure.bounds.get("V2", 1e9 if figure.is_most else None) for figure in FIGURES}
+    assert judge(FIGURES, second).stage == "V2"
+
+
+def test_the_last_stage_asks_for_everything():
+    for figure in FIGURES:
+        wanted = 0 if figure.is_most else 1e8 if figure.name == "pairs_checked" else 100
+        assert figure.bounds["V3"] == wanted
+
+
+def test_figures_of_another_sign_off_are_refused():
+    with pytest.raises(InputError, match="mutation_score"):
+        judge(FIGURES, {name: value for name, value in perfect().items() if name != "mutation_score"})
+    with pytest.raises(InputError, match="unheard_of"):
+        judge(FIGURES, {**perfect(), "unheard_of": 1})
+
+
+def test_shares_are_rounded_down():
+    assert share(99_999, 100_000) == 99.99
+    assert share(3, 3) == 100
+    assert share(0, 0) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("at_least = { V2 = 90, V3 = 100 }", "at_least = { V2 = 90 }", "V3 needs one"),
+        ("at_least = { V2 = 90, V3 = 100 }", "at_least = { V2 = 100, V3 = 90 }", "asks for less"),
+        ("at_least = { V2 = 90, V3 = 100 }", "at_least = { V2 = 90, V9 = 100 }", "must be numbers"),
+        ("at_least = { V2 = 90, V3 = 100 }", "wanted = 100", "must hold meaning"),
+        ('unit = "%"', "unit = ", "cannot be read"),
+    ],
+)
+def test_damaged_bounds_are_refused(tmp_path, old, new, message):
+    text = STAGES_FILE.read_text()
+    assert old in text
+    path = tmp_path / "stages.toml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=message):
+        read_figures(path)
+
+
+def test_no_bounds_at_all_are_refused(tmp_path):
+    path = tmp_path / "stages.toml"
+    path.write_text("")
+    with pytest.raises(InputError, match="would pass"):
+        read_figures(path)

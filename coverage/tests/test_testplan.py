@@ -1,0 +1,300 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from triaxis.coverage import testplan as plans
+from triaxis.coverage import testplan_progress as progress
+from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
+from triaxis.coverage.testplan_inventory import Inventory
+from triaxis.coverage.testplan_lint import lint
+from triaxis.golden.errors import InputError
+
+GOOD = """
+{
+  name: "toy"
+  testpoints: [
+    {
+      name: smoke
+      desc: '''
+            **Goal**: It works,
+            after a fashion.
+            **Stimulus**: Some.
+            **Check**: The answer.'''
+      stage: V1
+      tests: ["SmokeTest", "LongTest"]
+      bins: ["answer", "kind.near / *"]
+      assertions: ["sva.Held"]
+      mutants: ["fifo/*"]
+    }
+    {
+      name: rest
+      desc: '''
+            **Goal**: G.
+            **Stimulus**: S.
+            **Check**: C.'''
+      stage: V3
+      tests: ["N/A"]
+      proofs: ["axi"]
+      faults: ["F1"]
+      checks: ["grid"]
+      bins: ["kind.clear / *"]
+      mutants: ["core/swap/*", "core/drop/*"]
+    }
+  ]
+}
+"""
+
+NARROW = frozenset({"answer.right", "kind.near / 0", "kind.clear / 0"})
+INVENTORY = Inventory(
+    tests=frozenset({"SmokeTest", "LongTest"}),
+    proofs=frozenset({"axi"}),
+    faults=frozenset({"F1"}),
+    checks=frozenset({"grid"}),
+    assertions=frozenset({"sva.Held"}),
+    mutants=frozenset({"fifo/swap/1", "core/swap/2", "core/drop/3"}),
+    bins={"narrow": NARROW, "wide": NARROW | {"kind.near / 1"}},
+    illegal={"narrow": frozenset({"answer.wrong"}), "wide": frozenset({"answer.wrong"})},
+)
+
+
+def read(tmp_path: Path, text: str) -> plans.Testplan:
+    path = tmp_path / "plan.hjson"
+    path.write_text(text)
+    return plans.read_testplan(path)
+
+
+def changed(old: str, new: str) -> str:
+    assert GOOD.count(old) == 1, old
+    return GOOD.replace(old, new)
+
+
+def test_a_plan_is_read(tmp_path: Path) -> None:
+    plan = read(tmp_path, GOOD)
+    assert plan.name == "toy"
+    smoke, rest = plan.testpoints
+    assert smoke.goal == "It works, after a fashion." and smoke.check == "The answer."
+    assert smoke.tests == ("SmokeTest", "LongTest") and smoke.simulated
+    assert rest.tests == () and not rest.simulated and rest.proofs == ("axi",)
+
+
+def test_a_good_plan_is_clean(tmp_path: Path) -> None:
+    assert lint(read(tmp_path, GOOD), INVENTORY) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        # What a testpoint lacks.
+        ('tests: ["SmokeTest", "LongTest"]', "tests: []", "testpoint smoke: no tests"),
+        ('["SmokeTest", "LongTest"]', '["N/A"]', "testpoint smoke: nothing runs"),
+        ("**Goal**: G.", "**Goal**:", "testpoint rest: no goal"),
+        ("**Stimulus**: S.\n", "\n", "testpoint rest: no stimulus"),
+        ("**Check**: C.", "", "testpoint rest: no check"),
+        ("stage: V3", "stage: V4", "testpoint rest: stage V4: must be one of V1, V2, V3"),
+        ("stage: V3", "", "testpoint rest: stage missing"),
+        ('mutants: ["fifo/*"]', "mutants: []", "testpoint smoke: no mutants"),
+        ("name: rest", "name: smoke", "testpoint smoke: there are 2 of this name"),
+        # What it names and is not there.
+        ('"LongTest"', '"LongTest", "LogTest"', "testpoint smoke: test LogTest: unknown; perhaps LongTest"),
+        ('["axi"]', '["axi", "exact"]', "testpoint rest: proof exact: unknown; there is no such proof"),
+        ('["F1"]', '["F1", "F2"]', "testpoint rest: fault F2: unknown; there is no such fault"),
+        ('["grid"]', '["grid", "gird"]', "testpoint rest: check gird: unknown; perhaps grid"),
+        ('["sva.Held"]', '["sva.Held", "sva.Hold"]', "testpoint smoke: assertion sva.Hold: unknown; perhaps"),
+        (
+            '["kind.clear / *"]',
+            '["kind.clear / *", "king"]',
+            "testpoint rest: bin king: unknown; perhaps kind",
+        ),
+        ('["kind.clear / *"]', '["kind.clear / *", "kind.far*"]', "bin kind.far*: matches nothing in kind"),
+        ('["kind.clear / *"]', '["kind.clear / *", "ki*"]', "bin ki*: a pattern must write out"),
+        ('"fifo/*"', '"fifo/*", "fido/*"', "testpoint smoke: mutant fido/*: unknown; perhaps fifo"),
+        ('"fifo/*"', '"fifo/*", "fifo/drop/*"', "mutant fifo/drop/*: matches nothing in fifo"),
+        ('"fifo/*"', '"*"', "testpoint smoke: mutant *: a pattern must write out"),
+        ('["F1"]', '["F1", "F1"]', "testpoint rest: faults: F1 is named twice"),
+        # What is there and nobody owns.
+        ('"SmokeTest", "LongTest"', '"SmokeTest"', "test LongTest: no testpoint owns it"),
+        ('proofs: ["axi"]', "", "proof axi: no testpoint owns it"),
+        ('faults: ["F1"]', "", "fault F1: no testpoint owns it"),
+        ('checks: ["grid"]', "", "check grid: no testpoint owns it"),
+        ('assertions: ["sva.Held"]', "", "assertion sva.Held: no testpoint owns it"),
+        ('"core/swap/*", ', "", "mutant core/swap/2: no testpoint owns"),
+        # Of one configuration alone; an illegal one; several of an item.
+        ('"kind.near / *"', '"kind.near / 0"', "bin kind.near / 1: no testpoint owns"),
+        ('"answer"', '"answer.right"', "bin answer.wrong: no testpoint owns"),
+        (', "kind.near / *"', "", "bin kind.near / 0 and 1 more of kind: no testpoint owns"),
+    ],
+)
+def test_each_rule_refuses(tmp_path: Path, old: str, new: str, said: str) -> None:
+    found = lint(read(tmp_path, changed(old, new)), INVENTORY)
+    assert any(said in line for line in found), found
+    assert all(line.startswith(f"{tmp_path / 'plan.hjson'}: ") for line in found)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("stage: V3", "stage: V3\n stage: V1", "rest: key stage given twice"),
+        ('tests: ["N/A"]', "", "testpoint rest: needs `tests`"),
+        ("faults: ", "fault: ", "testpoint rest: fault: no such key"),
+        ('["F1"]', '"F1"', "testpoint rest: faults: must be a list of texts"),
+        ('["F1"]', "[1]", "testpoint rest: faults: must be a list of texts"),
+        ("stage: V3", "stage: 3", "testpoint rest: stage: must be a text"),
+        ("name: rest", "", "testpoint 2: needs a name"),
+        ("**Goal**: G.", "Also. **Goal**: G.", "testpoint rest: desc: must be"),
+        ("**Goal**: G.", "**Goal**: G.\n**Goal**: H.", "testpoint rest: desc: must be"),
+        ('name: "toy"', 'name: "toy"\n authors: "us"', "must hold `name` and `testpoints`"),
+        ("testpoints: [", "testpoints: [\n 3", "testpoint 1: must be an object"),
+    ],
+)
+def test_what_is_not_well_formed_is_named(tmp_path: Path, old: str, new: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(tmp_path, changed(old, new))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"), [("{ name: [", "not a testplan"), ("{ name: x\n testpoints: [] }", "at least one")]
+)
+def test_a_broken_file_is_an_error(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(tmp_path, text)
+    with pytest.raises(InputError, match="cannot read"):
+        plans.read_testplan(tmp_path / "none.hjson")
+
+
+def test_dvsim_reads_the_plan_and_maps_results() -> None:
+    dvsim = pytest.importorskip("dvsim.testplan", reason="dvsim is not installed")
+    plan = plans.read_testplan()
+    theirs = dvsim.Testplan(str(plans.TESTPLAN), plans.TESTPLAN.parents[1], "triaxis")
+    assert {t.name: (t.stage, t.not_mapped) for t in theirs.testpoints} == {
+        t.name: (t.stage, not t.simulated) for t in plan.testpoints
+    }
+    tests = {test for testpoint in plan.testpoints for test in testpoint.tests}
+    theirs.map_test_results([dvsim.Result(test, passing=1, total=1) for test in tests])
+    assert set(theirs.progress) == {"V1", "V2", "V3"}
+    assert all(stage["progress"] == "100.00 %" for stage in theirs.progress.values())
+
+
+# --- Progress ---------------------------------------------------------------------------------------
+
+
+def item(name: str, missing: tuple[str, ...] = (), illegal: tuple[str, ...] = ()) -> ItemReport:
+    hits = tuple(IllegalHit(bin_, 1, "never") for bin_ in illegal)
+    return ItemReport(name, "", 0, 0, missing, (), hits)
+
+
+def report(model: str, missing: tuple[str, ...] = (), illegal: tuple[str, ...] = ()) -> ModelReport:
+    return ModelReport(model, (item("answer", illegal=illegal), item("kind", missing)))
+
+
+ALL_PASSED = {
+    "tests": {"SmokeTest": True, "LongTest": True, "ReplayTest": False},
+    "proofs": {"axi": True},
+    "faults": {"F1": True},
+    "checks": {"grid": True},
+    "mutants": {"fifo/swap/1": True, "core/swap/2": True, "core/drop/3": True},
+    "coverage": (report("narrow"), report("wide")),
+}
+
+
+def status(tmp_path: Path, text: str = GOOD, **changes: Any):
+    """Return the statuses of the two testpoints; all passed but for the changes."""
+    results = progress.PlanResults(**{**ALL_PASSED, **changes})
+    stages = progress.stage_progress(read(tmp_path, text), INVENTORY, results)
+    assert [stage.stage for stage in stages] == ["V1", "V2", "V3"]
+    assert stages[1].testpoints == ()
+    [smoke], [rest] = stages[0].testpoints, stages[2].testpoints
+    return smoke, rest
+
+
+def test_all_passed(tmp_path: Path) -> None:
+    smoke, rest = status(tmp_path)
+    assert smoke.passed is True and rest.passed is True
+    assert smoke.tests == progress.Tally(2, 0, 0) and smoke.proofs == progress.Tally(0, 0, 0)
+    # Two bins of the narrow model, three of the wide one.
+    assert smoke.bins == progress.Tally(5, 0, 0)
+    assert smoke.assertions == progress.Tally(1, 0, 0)
+    assert rest.mutants == progress.Tally(2, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "smoke_passed", "rest_passed", "failing"),
+    [
+        ({"tests": {"SmokeTest": True, "LongTest": False}}, False, True, "LongTest"),
+        ({"tests": {"SmokeTest": True}}, None, True, ""),
+        ({"tests": None}, None, True, ""),
+        ({"proofs": {"axi": False}}, True, False, "axi"),
+        ({"proofs": {}}, True, None, ""),
+        ({"faults": {"F1": False}}, True, False, "F1"),
+        ({"checks": None}, True, None, ""),
+        ({"mutants": {**ALL_PASSED["mutants"], "core/swap/2": False}}, True, False, "core/swap/2"),
+        ({"mutants": {"fifo/swap/1": True}}, True, None, ""),
+        # An equivalent mutant counts neither way, but some mutant must have been killed.
+        ({"mutants": {"core/swap/2": True, "fifo/swap/1": True}, "equivalent": frozenset({"core/drop/3"})},
+         True, True, ""),
+        ({"equivalent": frozenset({"fifo/swap/1"})}, None, True, ""),
+        ({"coverage": None}, None, None, ""),
+        # A configuration that was not run.
+        ({"coverage": (report("narrow"),)}, None, None, ""),
+        ({"coverage": (report("narrow"), report("wide", ("near / 1",)))}, False, True, "kind.near / 1"),
+        ({"coverage": (report("narrow", illegal=("wrong",)), report("wide"))}, False, True, "answer.wrong"),
+        # An item that the report does not have.
+        ({"coverage": (report("narrow"), ModelReport("wide", (item("kind"),)))}, None, True, ""),
+    ],
+)  # fmt: skip
+def test_progress(
+    tmp_path: Path,
+    changes: dict[str, Any],
+    smoke_passed: bool | None,
+    rest_passed: bool | None,
+    failing: str,
+) -> None:
+    smoke, rest = status(tmp_path, **changes)
+    assert (smoke.passed, rest.passed) == (smoke_passed, rest_passed)
+    assert [*smoke.failing, *rest.failing] == ([failing] if failing else [])
+
+
+def test_what_was_not_measured_is_none_and_not_0(tmp_path: Path) -> None:
+    smoke, _ = status(tmp_path, mutants=None, coverage=None)
+    assert smoke.mutants is None and smoke.bins is None
+
+
+def test_what_is_named_and_does_not_exist_has_not_run(tmp_path: Path) -> None:
+    smoke, _ = status(tmp_path, text=changed('"LongTest"', '"LongTest", "NoTest"'))
+    assert smoke.passed is None and smoke.tests == progress.Tally(2, 0, 1)
+
+
+def test_stages_count_their_testpoints(tmp_path: Path) -> None:
+    results = progress.PlanResults(**{**ALL_PASSED, "proofs": {"axi": False}})
+    first, second, third = progress.stage_progress(read(tmp_path, GOOD), INVENTORY, results)
+    assert first.tally == progress.Tally(1, 0, 0)
+    assert second.tally == progress.Tally(0, 0, 0)
+    assert third.tally == progress.Tally(0, 1, 0)
+
+
+def test_content_of_a_testpoint(tmp_path: Path) -> None:
+    _, rest = status(tmp_path, mutants=None, proofs={"axi": False})
+    assert rest.content() == {
+        "name": "rest",
+        "stage": "V3",
+        "goal": "G.",
+        "passed": False,
+        "tests": None,
+        "bins": [2, 2],
+        "mutants": None,
+        "assertions": None,
+        "others": [2, 3],
+        "failing": ["axi"],
+    }
+
+
+def test_what_was_measured_in_part_does_not_look_whole(tmp_path: Path) -> None:
+    smoke, rest = status(tmp_path, proofs=None)
+    assert rest.content()["others"] is None and rest.passed is None
+    # It names no proof: none is missing.
+    assert smoke.passed is True and smoke.proofs == progress.Tally(0, 0, 0)
+
+
+def test_of_several_runs_all_must_pass() -> None:
+    runs = [("A", True), ("B", True), ("A", False), ("A", True)]
+    assert progress.every_run_passed(runs) == {"A": False, "B": True}

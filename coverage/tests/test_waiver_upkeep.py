@@ -1,0 +1,219 @@
+"""A waiver whose bin is hit, whose point is no more, or that has expired is a problem, each in a line."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import date, timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from triaxis.coverage.code_counters import FALL, RISE, Counters
+from triaxis.coverage.code_coverage import Assessment, ModelCoverage, assess_model, conclude
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.core_proofs import CATEGORIES as PROOFS
+from triaxis.coverage.counts import Counts
+from triaxis.coverage.cover_model import CoverItem, Kind
+from triaxis.coverage.elaboration import Instance, Signal
+from triaxis.coverage.report import ModelReport, report
+from triaxis.coverage.waiver_upkeep import (
+    WaivedPlace,
+    exclusion_records,
+    stale_patterns,
+    waiver_problems,
+    waiver_records,
+)
+from triaxis.coverage.waivers import CATEGORIES, Waiver, read_waivers
+
+ROOT = Path(__file__).resolve().parents[2]
+TODAY = date(2026, 1, 1)
+TOP, U_A, U_B = "TOP.top", "TOP.top.u_a", "TOP.top.u_b"
+BITS = Waiver(
+    1, "bounded", "because", "dut", date(2026, 6, 30), "toggle", ("leaf",), signals=("sum",), bits=("4..7",)
+)
+WAYS = replace(
+    BITS, number=2, kind="branch", signals=(), bits=(), what=("cond_*",), instances=("*.u_a", "*.u_b")
+)
+CORES = ((8, 0), (8, 8), (16, 0, False, True), (13, 4, True, False), (16, 0, True, False), (32, 32))
+
+
+def assessed(
+    hit_bits: dict[str, set[int]], hit_ways: set[tuple[str, str]], waivers: list[Waiver]
+) -> Assessment:
+    """Assess two instances of a leaf with a signal of 8 bits and a conditional operator."""
+    counters = Counters()
+    instances = {TOP: Instance(TOP, "top", {"W": 8}, (), frozenset(), frozenset())}
+    for path in (U_A, U_B):
+        signal = Signal(path, "sum", range(8))
+        instances[path] = Instance(path, "leaf", {}, (signal,), frozenset(), frozenset())
+        for bit in range(8):
+            for edge in (RISE, FALL):
+                counters.count_toggle(path, f"sum[{bit}]", "leaf.sv", 3, edge, int(bit in hit_bits[path]))
+        for column, what in enumerate(("cond_then", "cond_else")):
+            counters.count_point(("leaf.sv", 9, column, "branch", what, path), int((path, what) in hit_ways))
+    return conclude(assess_model(ModelCoverage("w8_m0", counters, instances), waivers), [], waivers, TODAY)
+
+
+LOW = {U_A: set(range(4)), U_B: set(range(4))}
+
+
+def test_waivers_that_hold_are_no_problem() -> None:
+    whole = assessed(LOW, set(), [BITS, WAYS])
+    assert whole.problems == [] and whole.uncovered == []
+    assert whole.waived == {1: 16, 2: 4}
+
+
+def test_one_bit_of_many_that_is_hit_is_named() -> None:
+    whole = assessed({**LOW, U_B: {0, 1, 2, 3, 6}}, set(), [BITS, WAYS])
+    assert whole.problems == [
+        f"waiver 1 (toggle, leaf): is hit: leaf.sv:3: toggle sum[6]{edge}, {U_B}, w8_m0"
+        for edge in (RISE, FALL)
+    ]
+    assert not whole.passed
+
+
+def test_one_way_of_one_instance_that_is_hit_is_named() -> None:
+    whole = assessed(LOW, {(U_A, "cond_else")}, [BITS, WAYS])
+    assert whole.problems == [f"waiver 2 (branch, leaf): is hit: leaf.sv:9: branch cond_else, {U_A}, w8_m0"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"modules": ("gone",)}, "waiver 1 (toggle, gone): covers no bin"),
+        ({"signals": ("gone",)}, "waiver 1 (toggle, leaf): covers no bin"),
+        ({"instances": ("*.u_c",)}, "waiver 1 (toggle, leaf): covers no bin"),
+        ({"models": ("w9_*",)}, "waiver 1 (toggle, leaf): covers no bin"),
+        ({"where": "W == 9"}, "waiver 1 (toggle, leaf): covers no bin"),
+        ({"expires": TODAY - timedelta(1)}, "waiver 1 (toggle, leaf): expired on 2025-12-31"),
+    ],
+)
+def test_a_waiver_of_nothing_and_an_expired_one_are_named(change: dict[str, Any], said: str) -> None:
+    whole = assessed(LOW, set(), [replace(BITS, **change), WAYS])
+    assert [problem.startswith(said) for problem in whole.problems] == [True]
+
+
+PLACES = [WaivedPlace("w8_m0", "leaf", U_A, "sum"), WaivedPlace("w8_m8", "leaf", U_B, "carry[3]")]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"signals": ("sum", "carry[{i}]")}, []),
+        ({"signals": ("sum", "carry")}, ["signals: carry"]),
+        ({"modules": ("leaf", "stem")}, ["modules: stem"]),
+        ({"models": ("w8_m8", "w8_m0", "w9_*")}, ["models: w9_*"]),
+        ({"instances": ("*.u_a", "*.u_c", "*.u_d")}, ["instances: *.u_c", "instances: *.u_d"]),
+        ({"signals": (), "what": ("sum", "=> 1")}, ["what: => 1"]),
+    ],
+)
+def test_a_pattern_that_fits_nothing_is_named(change: dict[str, Any], said: list[str]) -> None:
+    found = stale_patterns(replace(BITS, **change), PLACES)
+    assert found == [
+        f"waiver 1 (toggle, {', '.join(change.get('modules', ['leaf']))}): {line}: fits no bin that it covers"
+        for line in said
+    ]
+
+
+def records() -> list[dict[str, Any]]:
+    """What a measurement with the waivers of the core records."""
+    waivers = read_waivers()
+    return waiver_records(waivers, {waiver.number: 1 for waiver in waivers})
+
+
+def test_those_of_the_core_hold_until_they_expire() -> None:
+    waivers = read_waivers()
+    last = min(waiver.expires for waiver in waivers)
+    assert waiver_problems(records(), last) == waiver_problems(None, last) == []
+    first = [waiver for waiver in waivers if waiver.expires == last]
+    expired = [f"{waiver.name}: expired on {last}" for waiver in first]
+    assert waiver_problems(records(), last + timedelta(1)) == expired != []
+
+
+def test_what_is_recorded_of_a_waiver() -> None:
+    [record] = waiver_records([BITS], {1: 16})
+    assert record == {
+        "number": 1,
+        "category": "bounded",
+        "kind": "toggle",
+        "modules": ["leaf"],
+        "reason": "because",
+        "owner": "dut",
+        "expires": "2026-06-30",
+        "bins": 16,
+    }
+    assert waiver_records([BITS], {})[0]["bins"] == 0
+    assert all(record["category"] in CATEGORIES and record["owner"] for record in records())
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda r: r.pop(), "waivers, measured with"),
+        (lambda r: r[0].update(owner="nobody"), "waiver 1 (toggle, triaxis_core): owner changed since"),
+        (
+            lambda r: r[0].update(expires="2030-01-01", reason="x"),
+            "reason, expires changed since it was measured",
+        ),
+        (lambda r: r[1].update(bins=0), "waiver 2 (toggle, triaxis_verdict): covers no bin"),
+    ],
+)
+def test_waivers_that_are_not_those_measured_are_a_problem(
+    spoil: Callable[[list[dict[str, Any]]], None], said: str
+) -> None:
+    changed = records()
+    spoil(changed)
+    [problem] = waiver_problems(changed, TODAY)
+    assert said in problem
+
+
+def test_a_file_that_is_not_well_formed_is_one_problem(tmp_path: Path) -> None:
+    path = tmp_path / "waivers.toml"
+    path.write_text("[[waiver]]\ncategory = 'bounded'\n")
+    assert waiver_problems(None, TODAY, path) == [f"{path}: waiver 1: reason is missing"]
+
+
+def full(parameters: tuple[Any, ...], spoilt: str = "") -> ModelReport:
+    """Report a build all of whose goals are met; one excluded bin of an item is hit as well."""
+    model = core_model(*parameters)
+    hits = {item.name: item.goals.copy() for item in model.items}
+    if spoilt:
+        [item] = [item for item in model.items if item.name == spoilt]
+        hits[spoilt][np.flatnonzero(item.illegal)[0]] = 3
+    return report(model, Counts(model.name, model.hash, hits))
+
+
+@pytest.mark.parametrize("item", ["answer", "flags", "sole_axis", "relation", "contact", "decision"])
+def test_an_excluded_bin_of_the_core_that_is_hit_is_a_problem(item: str) -> None:
+    assert full((16, 0)).problems == [] and full((16, 0)).complete
+    found = full((16, 0), item)
+    [problem] = found.problems
+    assert problem.startswith(f"coverage core_w16_m0, {item}: illegal bin ") and "hit 3 times: " in problem
+    assert not found.complete
+    assert [r["item"] for r in exclusion_records([found]) if r["hits"]] == [item]
+
+
+def excluding(parameters: tuple[Any, ...]) -> list[CoverItem[Any]]:
+    return [item for item in core_model(*parameters).items if item.exclusions]
+
+
+@pytest.mark.parametrize("parameters", CORES)
+def test_every_exclusion_is_illegal_proved_owned_and_of_some_bin(parameters: tuple[Any, ...]) -> None:
+    for item in excluding(parameters):
+        used = {id(one.exclusion) for one in item.bins}
+        for exclusion in item.exclusions:
+            assert exclusion.kind is Kind.ILLEGAL
+            assert exclusion.category in PROOFS and exclusion.owner and len(exclusion.reason) > 30
+            assert id(exclusion) in used, f"{item.name}: excludes no bin: {exclusion.reason}"
+            file, _, test = exclusion.test.partition("::")
+            assert f"def {test}(" in (ROOT / file).read_text()
+
+
+def test_exclusions_are_recorded_with_all_that_a_signature_needs() -> None:
+    found = exclusion_records([full((16, 0)), full((8, 8))])
+    assert {record["model"] for record in found} == {"core_w16_m0", "core_w8_m8"}
+    assert {record["kind"] for record in found} == {"illegal"}
+    assert {record["category"] for record in found} <= set(PROOFS)
+    assert all(record["bins"] > 0 and record["hits"] == 0 for record in found)
+    assert all(record["expires"] is None and record["owner"] == "verif" for record in found)

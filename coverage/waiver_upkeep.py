@@ -1,0 +1,118 @@
+"""Upkeep of waivers and of exclusions: what no longer holds, and what a sign-off records of each.
+
+Code coverage itself finds what only counters show: a waived bin that is hit, and a waiver that covers no
+bin. Here is what shows without running again, so that the gate sees it too on a later day: a waiver that
+has expired, that is not well formed, or that is not the one that code coverage was measured with; and
+patterns of a waiver that fit nothing any more.
+
+Exclusions of functional coverage are proofs, see `triaxis.coverage.core_proofs`: they do not expire,
+because each run tries them again. A hit of an excluded bin is a problem of its `ModelReport`.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from triaxis.coverage.report import ModelReport
+from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
+from triaxis.golden.errors import InputError
+
+Record = dict[str, Any]
+
+_AGAIN = "run `triaxis code-coverage` again"
+
+
+@dataclass(frozen=True)
+class WaivedPlace:
+    """Where a waiver covers bins: the signal, for toggles, else the bin."""
+
+    model: str
+    module: str
+    instance: str
+    what: str
+
+
+def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
+    """Return a line for each pattern of a waiver that fits none of the places where it covers bins."""
+    seen = set(places)
+    texts: dict[str, set[str]] = {
+        "modules": {place.module for place in seen},
+        "instances": {place.instance for place in seen},
+        "models": {place.model for place in seen},
+        "what": {place.what for place in seen},
+        "signals": {place.what for place in seen},
+    }
+    return [
+        f"{waiver.name}: {name}: {pattern}: fits no bin that it covers"
+        for name, found in texts.items()
+        for pattern in getattr(waiver, name)
+        if all(fit((pattern,), text) is None for text in found)
+    ]
+
+
+def waiver_records(waivers: Iterable[Waiver], bins: Mapping[int, int]) -> list[Record]:
+    """Return what is recorded of each waiver; ``bins``: how many it covers, by its number."""
+    return [
+        {
+            "number": waiver.number,
+            "category": waiver.category,
+            "kind": waiver.kind,
+            "modules": list(waiver.modules),
+            "reason": waiver.reason.strip(),
+            "owner": waiver.owner,
+            "expires": str(waiver.expires),
+            "bins": bins.get(waiver.number, 0),
+        }
+        for waiver in waivers
+    ]
+
+
+def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
+    """Return what is recorded of each exclusion of functional coverage, by model and item."""
+    return [
+        {
+            "model": one.model,
+            "item": item.name,
+            "category": group.exclusion.category,
+            "kind": group.exclusion.kind.value,
+            "reason": group.exclusion.reason,
+            "owner": group.exclusion.owner,
+            "expires": None,
+            "proof": group.exclusion.test,
+            "bins": group.bins,
+            "hits": group.hits,
+        }
+        for one in reports
+        for item in one.items
+        for group in item.excluded
+    ]
+
+
+def waiver_problems(recorded: Sequence[Record] | None, today: date, path: Path = WAIVERS) -> list[str]:
+    """Return what is wrong with the waivers as they stand, a line each.
+
+    ``recorded``: those of the last measurement, as `waiver_records` gives them; None where there is none,
+    which is no problem of the waivers.
+    """
+    try:
+        waivers = read_waivers(path)
+    except InputError as error:
+        return [str(error)]
+    found = [f"{w.name}: expired on {w.expires}" for w in waivers if w.expires < today]
+    return found if recorded is None else [*found, *_unlike(waivers, recorded)]
+
+
+def _unlike(waivers: Sequence[Waiver], recorded: Sequence[Record]) -> Iterator[str]:
+    """Give the waivers that are not as they were measured, and those that covered nothing."""
+    if len(waivers) != len(recorded):
+        yield f"{len(waivers)} waivers, measured with {len(recorded)}: {_AGAIN}"
+        return
+    bins = {record["number"]: record["bins"] for record in recorded}
+    for waiver, now, then in zip(waivers, waiver_records(waivers, bins), recorded, strict=True):
+        changed = [key for key, value in now.items() if then.get(key) != value]
+        if changed:
+            yield f"{waiver.name}: {', '.join(changed)} changed since it was measured: {_AGAIN}"
+        elif not then["bins"]:
+            yield f"{waiver.name}: covers no bin"
