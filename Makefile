@@ -13,13 +13,16 @@ export VERILATOR
 
 # Seed of the sign-off run and of `make sim`.
 SEED ?= 1
+# Where regressions run: local, slurm or lsf.
+LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff nightly test lint format sim exhaustive code-coverage bench-sim fpga-report lock clean
+.PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
+.PHONY: code-coverage bench-sim fpga-report lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
-	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID"
+	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER"
 
 setup: $(READY) ## create .venv with the pinned dependencies
 
@@ -41,13 +44,28 @@ $(DVSIM): requirements-regress.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-regress.lock
 	@touch $@
 
-signoff: $(READY) ## build the core, run it against its references, print the summary
+signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
-nightly: $(READY) ## the same from a billion pairs
-	@$(BIN)/triaxis signoff --seed $(SEED) --pairs 1000000000
+regress: $(READY) $(DVSIM) ## every test in every configuration, on dvsim: minutes
+	@$(BIN)/triaxis regress smoke --launcher $(LAUNCHER)
 
-test: $(READY) lint ## lint, then the tests of every part
+nightly: $(READY) $(DVSIM) ## the same from a billion pairs
+	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
+
+mutate: $(READY) $(YOSYS) ## break every line of dut/ and see each mutant killed or shown equivalent
+	@$(BIN)/triaxis mutate --seed $(SEED)
+
+faults: $(READY) ## build every fault of the catalogue and see it caught
+	@$(BIN)/triaxis faults --seed $(SEED)
+
+formal: $(READY) $(YOSYS) ## prove what holds for all inputs
+	@$(BIN)/triaxis formal
+
+gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
+	@$(BIN)/triaxis gate
+
+test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
 	@$(BIN)/pytest -n 2
 
 lint: $(READY) ## check style and types: Verilator, verible, ruff, basedpyright

@@ -9,29 +9,18 @@ from typing import Any
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import CoverItem, CoverModel
 from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.html import page
 from triaxis.coverage.report import ItemReport, ModelReport, percent, report
 from triaxis.coverage.sampling import Hits
 from triaxis.coverage.terminal import summary_line
 from triaxis.golden.errors import InputError
-
-_STYLE = """
-:root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }
-summary { cursor: pointer; padding: .15rem 0; }
-table { border-collapse: collapse; margin: .4rem 0 1rem 1rem; font-size: .85rem; }
-td, th { padding: .1rem .8rem .1rem 0; text-align: left; vertical-align: top; }
-tr { border-bottom: 1px solid #8884; }
-td.n { text-align: right; font-variant-numeric: tabular-nums; }
-.bad { color: #c22; font-weight: 600; } .good { color: #283; } .why { opacity: .75; }
-"""
 
 
 def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:
     """Write the page, whole or not at all; raise InputError where that cannot be done."""
     partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
     try:
-        partial.write_text("".join(_page(database, title)), encoding="utf-8")
+        partial.write_text(page(title, _body(database, title)), encoding="utf-8")
         partial.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
@@ -39,12 +28,10 @@ def write_page(path: Path, database: CoverageDatabase, title: str = "Functional 
         partial.unlink(missing_ok=True)
 
 
-def _page(database: CoverageDatabase, title: str) -> Iterator[str]:
+def _body(database: CoverageDatabase, title: str) -> Iterator[str]:
     reports = [(model, counts, report(model, counts)) for model, counts in database]
     total = [r for _, _, r in reports]
-    yield "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
-    yield "<meta name='viewport' content='width=device-width'>"
-    yield f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>\n<h1>{escape(title)}</h1>\n"
+    yield f"<h1>{escape(title)}</h1>\n"
     yield f"<p>{escape(summary_line(total))}</p>\n<table><tr><th>model<th>bins<th>goals met<th>%<th>illegal\n"
     for one in total:
         hits = sum(len(item.illegal_hits) for item in one.items)
@@ -54,7 +41,6 @@ def _page(database: CoverageDatabase, title: str) -> Iterator[str]:
     yield "</table>\n"
     for model, counts, one in reports:
         yield from _model(model, counts, one)
-    yield "</body></html>\n"
 
 
 def _mark(good: bool) -> str:

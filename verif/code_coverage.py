@@ -3,7 +3,6 @@
 Results are checked against the bulk checker: coverage by a core that answers wrongly is worth nothing.
 """
 
-import json
 import signal
 import time
 from collections.abc import Callable, Sequence
@@ -29,9 +28,9 @@ from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.build import rtl_hash
 from triaxis.verif.code_coverage_stimulus import disturbed, pairs_with_margins, stimulus
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.evidence import write_evidence
 from triaxis.verif.expectation import expected_words
 from triaxis.verif.instrumented_core import (
     DELIVERED,
@@ -43,7 +42,6 @@ from triaxis.verif.instrumented_core import (
     elaborated,
 )
 from triaxis.verif.paths import BUILD, rtl_sources
-from triaxis.verif.toolchain import verilator
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
@@ -209,6 +207,10 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
     assessment = result.assessment
     content = {
         "passed": result.passed,
+        "summary": ", ".join(
+            f"{kind} {total.hit + total.waived:,} of {total.total:,}"
+            for kind, total in assessment.totals.items()
+        ),
         "totals": {kind: _as_json(total) for kind, total in assessment.totals.items()},
         "files": {
             file: {k: _as_json(total) for (f, k), total in sorted(assessment.files.items()) if f == file}
@@ -232,12 +234,6 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         "runs": [{**asdict(run), "seconds": round(run.seconds, 1)} for run in result.runs],
         "seed": seed,
         "seconds": round(result.seconds, 1),
-        "rtl_hash": rtl_hash(),
-        "verilator": str(verilator()),
         "command": f"triaxis code-coverage --seed {seed}",
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(content, indent=2) + "\n")
-    partial.replace(path)
-    return path
+    return write_evidence(path, content)

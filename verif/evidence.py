@@ -1,4 +1,4 @@
-"""Evidence: the JSON files in which each part of a sign-off leaves its result, stamped with what it is valid for.
+"""Evidence: the JSON files in which each part of a sign-off leaves its result, with what it is valid for.
 
 Every file says ``passed``, ``problems`` (one line each), ``summary`` (one line), ``command`` and ``seconds``,
 and carries the stamp; what else it holds is the part's own. What was not measured is null, never 0.

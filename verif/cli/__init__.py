@@ -17,10 +17,11 @@ from triaxis.verif.cli import (
     check,
     code_coverage,
     exhaustive,
+    export,
     fpga_report,
+    gate,
     scenes,
     shrink,
-    signoff,
     sim,
     verdict,
 )
@@ -28,7 +29,18 @@ from triaxis.verif.engine import CoreError
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
-_COMMANDS = (verdict, check, scenes, sim, signoff, exhaustive, shrink, code_coverage, bench_sim, fpga_report)
+_COMMANDS = (
+    verdict,
+    check,
+    scenes,
+    sim,
+    exhaustive,
+    shrink,
+    code_coverage,
+    bench_sim,
+    fpga_report,
+    gate,
+)
 
 
 class _Parser(argparse.ArgumentParser):

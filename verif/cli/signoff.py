@@ -1,31 +1,37 @@
-"""``triaxis signoff``: everything against the golden model, and a summary."""
+"""``triaxis signoff``: everything that a signature stands on, a verdict, and its page."""
 
 import argparse
 from collections import defaultdict
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.coverage.terminal import coverage_lines, summary_line
+from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
 from triaxis.verif.cli.progress import progress_bar
+from triaxis.verif.regression.history import read_history
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
+from triaxis.verif.signoff.folder import RESULT
 from triaxis.verif.signoff.plan import VOLUME
-from triaxis.verif.signoff.result import SignoffResult, write_json
+from triaxis.verif.signoff.result import Signoff, write
 from triaxis.verif.signoff.run import signoff, step_count
-from triaxis.verif.signoff.scene_checks import SceneResult
-from triaxis.verif.simulation import RunResult
 from triaxis.verif.toolchain import verilator
 
 PASSED, FAILED = 0, 1
+# Problems that are printed; the page has all.
+_SHOWN = 30
+
+Evidence = dict[str, Any]
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command."""
     parser = commands.add_parser(
         "signoff",
-        help="run everything against the golden model and print a summary",
-        description="Run every test in every configuration of the core. Writes build/signoff/signoff.json.",
+        help="simulate, measure, prove, and give a verdict",
+        description="Run every test in every configuration of the core, measure coverage, catch the faults "
+        "of the catalogue, prove, take the stored mutation result, and judge. Writes build/signoff/.",
         epilog="Exit codes: 0 passed, 1 failed, 2 error.",
     )
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
@@ -39,58 +45,89 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the sign-off and print the summary."""
+    """Run the sign-off, print its summary, and write its files."""
     if options.seed < 0:
         raise InputError(f"seed {options.seed}: must not be negative")
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
+    nights = read_history()
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
     with progress_bar("sign-off", step_count(options.seed, options.pairs)) as progress:
         result = signoff(options.seed, progress, options.pairs)
-    path = write_json(result, options.seed)
+    page = write(result, nights)
     _print(result)
-    print(f"written to {path}")
-    return FAILED if result.problems else PASSED
+    print(f"written to {RESULT} and {page}")
+    return PASSED if result.passed else FAILED
 
 
-def _print(result: SignoffResult) -> None:
+def _print(result: Signoff) -> None:
     console = Console(width=110)
-    console.print(_runs_table(result.runs))
-    console.print(_scenes_table(result.scenes + (result.real_meshes or [])))
-    if result.real_meshes is None:
-        print("real meshes: skipped, none found (set TRIAXIS_DATA to a folder with vmc/*.stl)")
-    detector = result.detector
-    print(
-        f"CollisionDetector: {detector.seed_vectors_clear} of {SEED_VECTORS} seed vectors clear; "
-        f"{detector.wrong} of {detector.pairs} random pairs wrong"
-    )
-    print(f"functional coverage: {summary_line(result.coverage)}")
-    for model in result.coverage:
-        for line in coverage_lines(model, everything=False):
-            print(f"  {line}")
-    for failed in (r for r in result.runs if not r.passed):
-        print(failed.explain())
-    for problem in result.problems:
+    simulation = result.parts["simulation"].evidence
+    if simulation:
+        _print_simulation(console, simulation)
+    console.print(_parts_table(result))
+    console.print(_figures_table(result))
+    for problem in result.problems[:_SHOWN]:
         print(f"PROBLEM {problem}")
-    verdict = "FAILED" if result.problems else "PASSED"
+    if len(result.problems) > _SHOWN:
+        print(f"PROBLEM .. and {len(result.problems) - _SHOWN} more, all on the page")
     if not result.provenance.git_clean:
         print("the checkout is not clean: what was signed off is in no commit")
+    verdict = "PASSED" if result.passed else "FAILED"
+    print(f"{verdict}: stage {result.judgement.stage or 'none'} reached, {result.seconds:.0f} s")
+
+
+def _print_simulation(console: Console, evidence: Evidence) -> None:
+    console.print(_runs_table(evidence["runs"]))
+    console.print(_scenes_table(evidence["scenes"] + (evidence["real_meshes"] or [])))
+    if evidence["real_meshes"] is None:
+        print("real meshes: skipped, none found (set TRIAXIS_DATA to a folder with vmc/*.stl)")
+    detector = evidence["detector"]
     print(
-        f"{verdict}: {result.checked} pairs checked, {result.judged} of them also judged by the golden "
-        f"model, {result.seconds:.0f} s"
+        f"CollisionDetector: {detector['seed_vectors_clear']} of {SEED_VECTORS} seed vectors clear; "
+        f"{detector['wrong']} of {detector['pairs']} random pairs wrong"
     )
+    for failed in (r for r in evidence["runs"] if not r["passed"]):
+        print("\n".join(failed["explanation"]))
 
 
-def _runs_table(runs: list[RunResult]) -> Table:
+def _parts_table(result: Signoff) -> Table:
+    table = Table(title="evidence")
+    for heading in ("part", "", "what", "seconds"):
+        table.add_column(heading, justify="right" if heading == "seconds" else "left")
+    for name, part in result.parts.items():
+        found = part.evidence
+        state = "absent" if found is None else "passed" if found["passed"] else "FAILED"
+        text = part.absent or "" if found is None else found["summary"]
+        seconds = "" if found is None else f"{found['seconds']:.0f}"
+        table.add_row(name.replace("_", " "), state, text, seconds)
+    return table
+
+
+def _figures_table(result: Signoff) -> Table:
+    table = Table(title="figures and stages")
+    for heading in ("figure", "measured", *STAGES):
+        table.add_column(heading, justify="left" if heading == "figure" else "right")
+    for figure in read_figures():
+        value = result.figures[figure.name]
+        met = (
+            ("" if stage not in figure.bounds else "met" if figure.is_met(value, stage) else "NOT MET")
+            for stage in STAGES
+        )
+        table.add_row(figure.meaning, figure.text(value), *met)
+    return table
+
+
+def _runs_table(runs: list[Evidence]) -> Table:
     table = Table(title="core against bulk checker and golden model")
     for heading in ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches"):
         table.add_column(heading, justify="left" if heading == "configuration" else "right")
-    groups: dict[str, list[RunResult]] = defaultdict(list)
-    for result in runs:
-        groups[result.settings.config].append(result)
+    groups: dict[str, list[Evidence]] = defaultdict(list)
+    for run_ in runs:
+        groups[run_["config"]].append(run_)
     for config, group in groups.items():
-        counts = [result.counts or {} for result in group]
-        passed = sum(result.passed for result in group)
+        counts = [run_["counts"] or {} for run_ in group]
+        passed = sum(run_["passed"] for run_ in group)
         table.add_row(
             config,
             f"{passed} of {len(group)} passed",
@@ -102,7 +139,7 @@ def _runs_table(runs: list[RunResult]) -> Table:
     return table
 
 
-def _scenes_table(scenes: list[SceneResult]) -> Table:
+def _scenes_table(scenes: list[Evidence]) -> Table:
     table = Table(title="meshes end to end through the RTL")
     for heading in (
         "scene",
@@ -117,10 +154,10 @@ def _scenes_table(scenes: list[SceneResult]) -> Table:
         table.add_column(heading, justify="left" if heading == "scene" else "right")
     for scene in scenes:
         table.add_row(
-            scene.name,
-            scene.expected,
-            scene.found,
-            "yes" if scene.agrees else "NO",
-            *(str(n) for n in (scene.pairs, scene.skipped, scene.tested, scene.near)),
+            scene["name"],
+            scene["expected"],
+            scene["found"],
+            "yes" if scene["agrees"] else "NO",
+            *(str(scene[key]) for key in ("pairs", "skipped", "tested", "near")),
         )
     return table

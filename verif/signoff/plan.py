@@ -3,7 +3,7 @@
 from triaxis.verif.configuration import Configuration, parse_configuration
 from triaxis.verif.settings import BURST, PIN, RunSettings
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
-from triaxis.verif.signoff.result import FOLDER
+from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.simulation import run_settings
 from triaxis.verif.testnames import REGRESSIONS
 

@@ -1,4 +1,4 @@
-"""Runs the sign-off: builds, tests, scenes, the wrapper, coverage."""
+"""The simulations of a sign-off: builds, tests, scenes, the wrapper, functional coverage."""
 
 import os
 import time
@@ -15,12 +15,13 @@ from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
 from triaxis.verif.build import library
 from triaxis.verif.engine import configuration_for
+from triaxis.verif.provenance import provenance
 from triaxis.verif.settings import RunSettings
 from triaxis.verif.signoff.detector_check import check_detector
+from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.provenance import provenance
-from triaxis.verif.signoff.result import FOLDER, RESULT, SignoffResult
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
+from triaxis.verif.signoff.simulation_result import SimulationResult
 from triaxis.verif.simulation import RunResult, build_for, run
 
 Answer = TypeVar("Answer")
@@ -31,16 +32,14 @@ _CHECKS = 3
 
 
 def step_count(seed: int, volume: int) -> int:
-    """Return how many steps a sign-off has."""
+    """Return how many steps the simulations have."""
     runs = plan(seed, volume)
     return len(_builds(runs)) + len(runs) + _CHECKS
 
 
-def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> SignoffResult:
+def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> SimulationResult:
     """Run everything; ``progress`` is told of each step done."""
     start = time.monotonic()
-    # An old result must not outlive a run that ends early.
-    RESULT.unlink(missing_ok=True)
     before = provenance()
     runs = plan(seed, volume)
     builds = _builds(runs)
@@ -75,7 +74,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
             raise
     ran = [future.result() for future in results]
     seconds = time.monotonic() - start
-    return SignoffResult(
+    return SimulationResult(
         ran,
         made,
         real,

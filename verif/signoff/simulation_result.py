@@ -1,30 +1,24 @@
-"""The result of a sign-off: what it found, what stands against it, and its file."""
+"""What the simulations of a sign-off found, and what stands against a pass."""
 
-import json
-import platform
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from pathlib import Path
+from typing import Any
 
-from triaxis.coverage.report import ModelReport, percent
+from triaxis.coverage.report import ModelReport
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.verif.paths import BUILD
-from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
 from triaxis.verif.provenance import Provenance, provenance
+from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult
-from triaxis.verif.toolchain import verilator
 
-FOLDER = BUILD / "signoff"
-RESULT = FOLDER / "signoff.json"
 # Tests send whole groups: some pairs less than they were asked for.
 _MOST_OF = 0.9
 
 
 @dataclass(frozen=True)
-class SignoffResult:
-    """Everything that the sign-off found; ``real_meshes`` is None where none were there."""
+class SimulationResult:
+    """What the runs, scenes and the wrapper's check found; ``real_meshes`` is None where none were there."""
 
     runs: list[RunResult]
     scenes: list[SceneResult]
@@ -44,6 +38,11 @@ class SignoffResult:
     def judged(self) -> int:
         """Return how many of them the golden model judged as well."""
         return sum(int(result.counts["judged_by_golden_model"]) for result in self.runs if result.counts)
+
+    @property
+    def mismatches(self) -> int:
+        """Return how many pairs were answered wrongly."""
+        return sum(int(result.counts["failed"]) for result in self.runs if result.counts)
 
     @property
     def judged_axes(self) -> dict[str, set[int]]:
@@ -97,27 +96,28 @@ def _claim_names(judged: set[int]) -> list[str]:
     return ["nothing, being near" if axis == NO_AXIS else f"axis {axis}" for axis in missing]
 
 
-def write_json(result: SignoffResult, seed: int) -> Path:
-    """Write the result as build/signoff/signoff.json, whole or not at all."""
-    content = {
+def as_evidence(result: SimulationResult, seed: int) -> dict[str, Any]:
+    """Return the result as it stands in the sign-off's file."""
+    return {
         "passed": not result.problems,
         "problems": result.problems,
-        "seed": seed,
-        "seconds": round(result.seconds, 1),
-        **asdict(result.provenance),
-        "verilator": str(verilator()),
-        "python": platform.python_version(),
+        "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model",
         "command": f"triaxis signoff --seed {seed} --pairs {result.least_pairs}",
+        "seconds": round(result.seconds, 1),
+        "rtl_hash": result.provenance.rtl_hash,
         "pairs_checked": result.checked,
         "pairs_judged_by_golden_model": result.judged,
+        "mismatches": result.mismatches,
         "runs": [
             {
                 "test": r.settings.test,
                 "config": r.settings.config,
+                "agent": r.settings.agent,
                 "seed": r.settings.seed,
                 "passed": r.passed,
                 "seconds": round(r.seconds, 1),
                 "counts": r.counts,
+                "explanation": None if r.passed else r.explain().splitlines(),
                 "replay": r.settings.replay_command,
             }
             for r in result.runs
@@ -126,15 +126,10 @@ def write_json(result: SignoffResult, seed: int) -> Path:
         "real_meshes": None if result.real_meshes is None else [asdict(s) for s in result.real_meshes],
         "detector": asdict(result.detector),
         "coverage": {
-            "percent": percent(result.coverage),
-            "models": {
-                model.model: {item.name: {"hit": item.hit, "total": item.total} for item in model.items}
-                for model in result.coverage
-            },
+            model.model: {
+                item.name: {"hit": item.hit, "total": item.total, "meaning": item.meaning}
+                for item in model.items
+            }
+            for model in result.coverage
         },
     }
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    partial = RESULT.with_suffix(".partial")
-    partial.write_text(json.dumps(content, indent=2) + "\n")
-    partial.replace(RESULT)
-    return RESULT

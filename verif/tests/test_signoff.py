@@ -10,12 +10,12 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.provenance import provenance
 from triaxis.verif.settings import BURST, PIN, coverage_file
 from triaxis.verif.signoff.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.provenance import provenance
-from triaxis.verif.signoff.result import SignoffResult
-from triaxis.verif.signoff.run import collect_coverage
+from triaxis.verif.signoff.simulation_result import SimulationResult
+from triaxis.verif.signoff.simulation_part import collect_coverage
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.simulation import RunResult, run_settings
 
@@ -40,7 +40,7 @@ def good():
     run = RunResult(settings, True, 1.0, COUNTS, (), Path("log"))
     scene = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
     detector = DetectorResult(15, 3000, 0)
-    return SignoffResult([run], [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
+    return SimulationResult([run], [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
 
 
 def counted(result, **changes):

@@ -1,0 +1,70 @@
+"""The gate before a bitstream: whether a stored sign-off allows the RTL that is about to be built."""
+
+import json
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from triaxis.coverage.stages import judge, read_figures
+from triaxis.coverage.waiver_upkeep import waiver_problems
+from triaxis.golden.errors import InputError
+
+_SHOWN = 3
+
+
+def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str]:
+    """Return why the sign-off in ``result`` does not cover the RTL of that hash ``today``; empty: it does.
+
+    The verdict is computed again from the figures: a file that merely says "passed" opens nothing.
+    """
+    try:
+        content = json.loads(result.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return [f"{result}: no sign-off: run `make signoff`"]
+    except (OSError, ValueError) as error:
+        return [f"{result}: not readable ({error}): run `make signoff` again"]
+    if not isinstance(content, dict):
+        return [f"{result}: not a sign-off: run `make signoff` again"]
+    found: list[str] = []
+    signed = content.get("rtl_hash")
+    if signed != rtl_hash:
+        found.append(
+            f"{result}: signed off for RTL {_short(signed)}, this is {_short(rtl_hash)}: run `make signoff`"
+        )
+    if content.get("passed") is not True:
+        found.append(f"{result}: the sign-off did not pass")
+    problems = content.get("problems")
+    if not isinstance(problems, list):
+        found.append(f"{result}: does not say what stands against it: run `make signoff` again")
+    else:
+        found += _first([str(problem) for problem in problems])
+    found += _shortfalls(content.get("figures"))
+    # A sign-off is not for ever: the waivers that it rests on expire, or change.
+    return found + _first(waiver_problems(_waivers(content), today or date.today()))
+
+
+def _short(rtl_hash: Any) -> str:
+    return rtl_hash[:12] if isinstance(rtl_hash, str) else "of unknown hash"
+
+
+def _first(lines: list[str]) -> list[str]:
+    more = [f".. and {len(lines) - _SHOWN} more"] if len(lines) > _SHOWN else []
+    return lines[:_SHOWN] + more
+
+
+def _waivers(content: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the waivers that were signed with; a file that tells none was signed with none."""
+    waivers = content.get("waivers")
+    return waivers if isinstance(waivers, list) and all(isinstance(w, dict) for w in waivers) else []
+
+
+def _shortfalls(values: Any) -> list[str]:
+    """Return what today's bounds say of the stored figures."""
+    if not isinstance(values, dict) or any(
+        isinstance(value, bool) or not isinstance(value, int | float | None) for value in values.values()
+    ):
+        return ["the sign-off holds no figures: run `make signoff` again"]
+    try:
+        return list(judge(read_figures(), values).shortfalls)
+    except InputError as error:
+        return [f"{error}: run `make signoff` again"]

@@ -1,0 +1,85 @@
+"""The linter of the testplan: what a testpoint lacks, and what exists and no testpoint owns."""
+
+from collections import Counter
+from collections.abc import Iterator
+from difflib import get_close_matches
+
+from triaxis.coverage.stages import STAGES
+from triaxis.coverage.testplan import KINDS, NOT_SIMULATED, PARTS, RUNS, Testplan, Testpoint
+from triaxis.coverage.testplan_inventory import PATTERNS, Inventory, grouped
+
+_SINGULAR = {
+    "tests": "test",
+    "proofs": "proof",
+    "faults": "fault",
+    "checks": "check",
+    "bins": "bin",
+    "assertions": "assertion",
+    "mutants": "mutant",
+}
+
+
+def lint(plan: Testplan, inventory: Inventory) -> list[str]:
+    """Return what is wrong with a testplan, a line each: where, what, and what to do; empty: nothing."""
+    found = [f"{plan.path}: {line}" for line in _twice(plan)]
+    for testpoint in plan.testpoints:
+        where = f"{plan.path}: testpoint {testpoint.name}"
+        found += [f"{where}: {line}" for line in (*_lacks(testpoint), *_unknown(testpoint, inventory))]
+    return found + [f"{plan.path}: {line}" for kind in KINDS for line in _unowned(plan, inventory, kind)]
+
+
+def _twice(plan: Testplan) -> Iterator[str]:
+    for name, count in Counter(testpoint.name for testpoint in plan.testpoints).items():
+        if count > 1:
+            yield f"testpoint {name}: there are {count} of this name; give each its own"
+
+
+def _lacks(testpoint: Testpoint) -> Iterator[str]:
+    for part in PARTS:
+        if not getattr(testpoint, part):
+            yield f"no {part}: add **{part.capitalize()}**: to its desc"
+    if testpoint.stage not in STAGES:
+        yield f"stage {testpoint.stage or 'missing'}: must be one of {', '.join(STAGES)}"
+    if testpoint.simulated and not testpoint.tests:
+        yield f'no tests: name them, or ["{NOT_SIMULATED}"] where no simulation belongs to it'
+    if not any(testpoint.entries(kind) for kind in RUNS):
+        yield f"nothing runs: name at least one of {', '.join(RUNS)}"
+    if not testpoint.mutants:
+        yield "no mutants: name those that its tests must kill, or nothing shows that it can fail"
+
+
+def _unknown(testpoint: Testpoint, inventory: Inventory) -> Iterator[str]:
+    for kind in KINDS:
+        entries = testpoint.entries(kind)
+        yield from (f"{kind}: {entry} is named twice" for entry, n in Counter(entries).items() if n > 1)
+        for entry in dict.fromkeys(entries):
+            if not inventory.matching(kind, entry):
+                yield f"{_SINGULAR[kind]} {entry}: {_why(kind, entry, inventory)}"
+
+
+def _why(kind: str, entry: str, inventory: Inventory) -> str:
+    end = PATTERNS.get(kind)
+    head = entry.partition(end)[0] if end else entry
+    if end and "*" in head:
+        return f"a pattern must write out what comes before `{end}`"
+    known = inventory.heads(kind)
+    if end and head in known:
+        return f"matches nothing in {head}; correct it, or drop it"
+    close = get_close_matches(head, known, n=1)
+    return f"unknown; {f'perhaps {close[0]}' if close else f'there is no such {_SINGULAR[kind]}'}"
+
+
+def _unowned(plan: Testplan, inventory: Inventory, kind: str) -> Iterator[str]:
+    """Name what nobody owns, bins and mutants by cover item and module."""
+    owned = frozenset().union(*(inventory.owned(testpoint, kind) for testpoint in plan.testpoints))
+    left = sorted(inventory.names(kind) - owned)
+    singular, end = _SINGULAR[kind], PATTERNS.get(kind)
+    if end is None:
+        yield from (
+            f"{singular} {name}: no testpoint owns it; add it to the one that it verifies" for name in left
+        )
+        return
+    for head, names in grouped(left, end).items():
+        first, *more = sorted(names)
+        others = f" and {len(more)} more of {head}" if more else ""
+        yield f"{singular} {first}{others}: no testpoint owns them; add a pattern to the one that they verify"

@@ -1,0 +1,7 @@
+"""Where a sign-off leaves its results."""
+
+from triaxis.verif.paths import BUILD
+
+FOLDER = BUILD / "signoff"
+RESULT = FOLDER / "signoff.json"
+PAGE = FOLDER / "index.html"

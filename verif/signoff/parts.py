@@ -1,0 +1,80 @@
+"""The parts of a sign-off: each leaves evidence, or the reason why it has none."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.verif import code_coverage
+from triaxis.verif.evidence import read_evidence
+from triaxis.verif.exhaustive.grid import Grid
+from triaxis.verif.exhaustive.run import identity_of, run_grid
+from triaxis.verif.faults import run as faults
+from triaxis.verif.formal import run as formal
+from triaxis.verif.mutation.result import stored_result
+from triaxis.verif.signoff.folder import FOLDER
+
+# Points along each coordinate; `make exhaustive` does a larger grid in minutes.
+GRID = 3
+
+# In the order of the report.
+PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
+
+Progress = Callable[[int], None]
+Evidence = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a part found, or why it found nothing: then it is absent, and the sign-off fails."""
+
+    evidence: Evidence | None
+    absent: str | None = None
+
+    @property
+    def as_json(self) -> dict[str, Any]:
+        """Return the part as it stands in the file."""
+        return {"absent": self.absent, **(self.evidence or {})}
+
+
+def attempt(make: Callable[[], Evidence | None], why_not: str = "no result") -> Part:
+    """Return the part that ``make`` finds; a missing tool or result makes it absent, not the run fail."""
+    try:
+        evidence = make()
+    except InputError as error:
+        return Part(None, str(error))
+    return Part(evidence, None if evidence else why_not)
+
+
+def code_coverage_part(seed: int, progress: Progress) -> Evidence | None:
+    """Measure code coverage."""
+    return read_evidence(code_coverage.write_json(code_coverage.measure(seed, progress=progress), seed))
+
+
+def exhaustive_part(seed: int) -> Evidence:
+    """Run every ordered pair on a small grid."""
+    identity = identity_of(GRID, seed)
+    outcome = run_grid(Grid(GRID), identity, folder=FOLDER / "exhaustive")
+    return {
+        "passed": not outcome.problems,
+        "problems": outcome.problems,
+        "summary": f"{outcome.grid.ordered_pairs:,} ordered pairs, all those on a grid of {GRID}",
+        "command": f"triaxis exhaustive --grid {GRID} --seed {seed}",
+        "seconds": round(outcome.progress.seconds, 1),
+        "rtl_hash": identity.rtl,
+    }
+
+
+def faults_part(seed: int, progress: Progress) -> Evidence | None:
+    """Let every fault of the catalogue be caught."""
+    return read_evidence(faults.write_json(faults.catch_all(progress, seed)))
+
+
+def proofs_part(progress: Progress) -> Evidence | None:
+    """Prove everything."""
+    return read_evidence(formal.write_json(formal.prove_all(progress)))
+
+
+def mutation_part() -> Evidence | None:
+    """Return the stored result of mutation, where it is of this RTL."""
+    return stored_result()

@@ -1,0 +1,51 @@
+"""Runs a sign-off: every part in turn, what fails soonest first; each has both cores to itself."""
+
+import time
+from collections.abc import Callable
+
+from triaxis.verif.code_coverage import CORES
+from triaxis.verif.faults.run import fault_names
+from triaxis.verif.formal.run import proof_names
+from triaxis.verif.provenance import provenance
+from triaxis.verif.signoff import simulation_part
+from triaxis.verif.signoff.folder import PAGE, RESULT
+from triaxis.verif.signoff.parts import (
+    PARTS,
+    Part,
+    attempt,
+    code_coverage_part,
+    exhaustive_part,
+    faults_part,
+    mutation_part,
+    proofs_part,
+)
+from triaxis.verif.signoff.plan import VOLUME
+from triaxis.verif.signoff.result import Signoff
+from triaxis.verif.signoff.simulation_result import as_evidence
+from triaxis.verif.signoff.testplan_part import testplan_part
+
+
+def step_count(seed: int, volume: int) -> int:
+    """Return how many steps a sign-off has."""
+    code_coverage = 2 * (len(CORES) + 1)
+    return simulation_part.step_count(seed, volume) + code_coverage + len(fault_names()) + len(proof_names())
+
+
+def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> Signoff:
+    """Run everything; ``progress`` is told of each step done."""
+    start = time.monotonic()
+    # An old result must not outlive a run that ends early.
+    RESULT.unlink(missing_ok=True)
+    PAGE.unlink(missing_ok=True)
+    before = provenance()
+    parts: dict[str, Part] = {}
+    parts["mutation"] = attempt(mutation_part, "no stored result is of this RTL: run `make mutate`")
+    simulated = simulation_part.simulate(seed, progress, volume)
+    parts["simulation"] = Part(as_evidence(simulated, seed))
+    parts["exhaustive"] = attempt(lambda: exhaustive_part(seed))
+    parts["faults"] = attempt(lambda: faults_part(seed, progress))
+    parts["code_coverage"] = attempt(lambda: code_coverage_part(seed, progress))
+    parts["proofs"] = attempt(lambda: proofs_part(progress))
+    parts["testplan"] = attempt(lambda: testplan_part(parts, simulated.coverage))
+    ordered = {name: parts[name] for name in PARTS}
+    return Signoff(ordered, before, seed, volume, time.monotonic() - start)

@@ -1,0 +1,86 @@
+"""Evidence of a sign-off in which all is well, for tests that break it."""
+
+from triaxis.coverage.stages import STAGES
+from triaxis.verif.provenance import provenance
+from triaxis.verif.signoff.parts import Part
+from triaxis.verif.signoff.result import Signoff
+
+RTL = provenance().rtl_hash
+
+
+def evidence(**content):
+    common = {"passed": True, "problems": [], "summary": "all well", "command": "triaxis x", "seconds": 1.0}
+    return {**common, "rtl_hash": RTL, **content}
+
+
+def _simulation():
+    counts = {"checked": 100_000_000, "judged_by_golden_model": 7, "clear_claims_rechecked": 9, "failed": 0}
+    run = {
+        "test": "VolumeTest", "config": "w16_m0", "agent": "burst", "seed": 1, "passed": True, "seconds": 2.0,
+        "counts": counts, "explanation": None, "replay": "triaxis sim VolumeTest",
+    }  # fmt: skip
+    scene = {
+        "name": "tool", "expected": "near", "found": "near", "agrees": True, "pairs": 3, "skipped": 1,
+        "tested": 2, "near": 1,
+    }  # fmt: skip
+    return evidence(
+        pairs_checked=100_000_000, mismatches=0, runs=[run], scenes=[scene], real_meshes=None,
+        detector={"seed_vectors_clear": 15, "pairs": 3000, "wrong": 0},
+        coverage={"core_w16_m0": {"claim": {"hit": 33, "total": 33, "meaning": "the claim"}}},
+    )  # fmt: skip
+
+
+def _code_coverage():
+    totals = {k: {"hit": 9, "waived": 1, "total": 10} for k in ("line", "branch", "expression", "toggle")}
+    waiver = {
+        "category": "constant by contract", "kind": "toggle", "bins": 1, "reason": "tied", "owner": "dut",
+        "expires": "2027-11-30", "modules": ["triaxis_core"], "number": 1,
+    }  # fmt: skip
+    return evidence(totals=totals, files={"triaxis_core.sv": totals}, waivers=[waiver])
+
+
+def _faults():
+    fault = {
+        "name": "F1", "title": "sign", "test": "RandomTest", "config": "w16_m0", "pairs": 3, "caught": True,
+        "message": "core says clear", "seconds": 1.0,
+        "counterexample": {"after": "margin 0, [[[0, 0, 0]]]", "meaning": "clear where near"},
+    }  # fmt: skip
+    return evidence(faults=[fault, {**fault, "name": "F9", "counterexample": None}])
+
+
+def _mutation():
+    counts = {"killed": 10, "equivalent": 2, "surviving": 0}
+    entry = {"id": "triaxis_sum/arithmetic/1", "reason": "same sum", "evidence": "proved"}
+    return evidence(files={"a.sv": counts}, operators={"add": counts}, survivors=[], equivalents=[entry])
+
+
+def _proofs():
+    proof = {
+        "name": "order", "claim": "results come in order", "method": "k-induction", "parameters": "W = 16",
+        "assumptions": "", "passed": True, "seconds": 1.0,
+    }  # fmt: skip
+    return evidence(proofs=[proof])
+
+
+def _testplan():
+    point = {
+        "name": "general", "goal": "general pairs", "passed": True, "tests": [1, 1], "bins": [3, 3],
+        "mutants": [10, 10], "assertions": None, "others": [1, 1],
+    }  # fmt: skip
+    return evidence(testpoints=[{**point, "stage": stage} for stage in STAGES])
+
+
+def good_parts():
+    return {
+        "simulation": Part(_simulation()),
+        "exhaustive": Part(evidence()),
+        "code_coverage": Part(_code_coverage()),
+        "faults": Part(_faults()),
+        "mutation": Part(_mutation()),
+        "proofs": Part(_proofs()),
+        "testplan": Part(_testplan()),
+    }
+
+
+def signed(parts=None):
+    return Signoff(parts or good_parts(), provenance(), 1, 100_000_000, 1.0)

@@ -1,0 +1,107 @@
+"""Any part broken, stale or absent turns the sign-off red, says so on its page, and shuts the gate."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+from triaxis.verif.tests.signoff_evidence import good_parts, signed
+
+from triaxis.coverage.gate import refusals
+from triaxis.coverage.signoff_page import signoff_page
+from triaxis.coverage.stages import read_figures
+from triaxis.verif.signoff.parts import Part
+
+
+def changed(name, change):
+    """Return the good parts after ``change`` has had its way with the evidence of one."""
+    parts = good_parts()
+    change(parts[name].evidence)
+    return parts
+
+
+def survivor(mutation):
+    mutation["files"]["a.sv"]["surviving"] = 1
+    mutation["survivors"] = [{"id": "x", "file": "a.sv", "line": 3, "original": "a < b", "changed": "a <= b"}]
+
+
+BREAKS = [
+    ("simulation", lambda e: e["runs"][0].update(passed=False), "runs that passed: 0.0 %"),
+    ("simulation", lambda e: e.update(mismatches=1), "answered wrongly: 1"),
+    ("simulation", lambda e: e.update(pairs_checked=99_999_999), "checked: 99,999,999"),
+    ("simulation", lambda e: e["coverage"]["core_w16_m0"]["claim"].update(hit=32), "goals: 96.96 %"),
+    ("code_coverage", lambda e: e["totals"]["line"].update(hit=8), "lines hit or waived: 90.0 %"),
+    ("code_coverage", lambda e: e["totals"]["branch"].update(hit=8), "branches hit or waived: 90.0 %"),
+    ("code_coverage", lambda e: e["totals"]["expression"].update(hit=8), "terms hit or waived: 90.0 %"),
+    ("code_coverage", lambda e: e["totals"]["toggle"].update(hit=8), "toggles hit or waived: 90.0 %"),
+    ("code_coverage", lambda e: e["problems"].append("waiver 3: expired on 2020-01-01"), "expired on"),
+    ("faults", lambda e: e["faults"][0].update(caught=False, pairs=None), "were caught: 50.0 %"),
+    ("mutation", survivor, "shown equivalent: 92.3 %"),
+    ("proofs", lambda e: e["proofs"][0].update(passed=False), "proofs that hold: 0.0 %"),
+    ("testplan", lambda e: e["testpoints"][2].update(passed=False), "testpoints of V3 that are met: 0.0 %"),
+    (
+        "testplan",
+        lambda e: e["problems"].append("testpoint general: no tests"),
+        "testplan: testpoint general",
+    ),
+    ("mutation", lambda e: e.update(rtl_hash="0" * 64), "mutation: is of another RTL: 000000000000"),
+    ("proofs", lambda e: e.update(passed=False), "proofs: did not pass"),
+    ("exhaustive", lambda e: e.update(problems=["1 mismatches"]), "exhaustive: 1 mismatches"),
+]
+
+
+def test_all_well_passes_at_the_last_stage(tmp_path):
+    result = signed()
+    assert result.problems == []
+    assert result.passed
+    assert refused(tmp_path, result) == []
+
+
+@pytest.mark.parametrize(("part", "change", "message"), BREAKS)
+def test_each_break_turns_it_red(tmp_path, part, change, message):
+    result = signed(changed(part, change))
+    assert not result.passed
+    assert any(message in problem for problem in result.problems), result.problems
+    page = page_of(result)
+    assert "FAILED" in page
+    assert message.split(":")[0] in page
+    assert refused(tmp_path, result)
+
+
+@pytest.mark.parametrize("name", good_parts())
+def test_what_is_absent_is_null_and_fails(tmp_path, name):
+    result = signed({**good_parts(), name: Part(None, "the tool is not there")})
+    assert not result.passed
+    assert f"{name.replace('_', ' ')}: not measured: the tool is not there" in result.problems
+    content = json.loads(json.dumps(result.content()))
+    assert name == "exhaustive" or None in content["figures"].values()
+    assert content["parts"][name] == {"absent": "the tool is not there"}
+    assert "not measured: the tool is not there" in page_of(result)
+    assert refused(tmp_path, result)
+
+
+def test_a_change_of_the_checkout_fails():
+    result = signed()
+    moved = replace(result, provenance=replace(result.provenance, environment_hash="0"))
+    assert any("changed during the run" in problem for problem in moved.problems)
+
+
+def test_page_stands_alone_and_shows_the_trend():
+    night = {
+        "date": "2026-01-02T03:04:05+00:00", "commit": "abc", "seed": 1, "pairs": 10**9, "failures": 0,
+        "seconds": 100.0, "pairs_per_second": 1e7, "coverage_percent": 100.0,
+    }  # fmt: skip
+    page = signoff_page(signed().content(), read_figures(), [night, {**night, "coverage_percent": None}])
+    assert not re.findall(r"""(?:src|href)=["']?(?:https?:)?//""", page)
+    assert page.count("<svg") == 8
+    assert "2026-01-02 03:04" in page
+
+
+def page_of(result):
+    return signoff_page(result.content(), read_figures(), [])
+
+
+def refused(tmp_path, result):
+    path = tmp_path / "signoff.json"
+    path.write_text(json.dumps(result.content()))
+    return refusals(path, result.provenance.rtl_hash)
