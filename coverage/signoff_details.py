@@ -142,14 +142,31 @@ def faults(part: Content) -> Iterator[str]:
             fault["title"],
             fault["test"] or "",
             fault["config"] or "",
-            fault["pairs"] if fault["caught"] else mark("not caught", False),
+            _took(fault),
             fault["message"] or "",
             _counterexample(fault),
         ]
         for fault in part["faults"]
     )
-    headings = ["fault", "what it is", "caught by", "in", "after pairs", "how", "smallest counterexample"]
+    headings = [
+        "fault",
+        "what it is",
+        "caught by",
+        "in",
+        "after pairs",
+        "how it showed",
+        "smallest counterexample",
+    ]
     yield from table(headings, rows)
+
+
+def _took(fault: Content) -> Cell:
+    """Return after how many pairs, or clocks, it was caught."""
+    if not fault["caught"]:
+        return mark("not caught", False)
+    if fault["pairs"] is not None:
+        return fault["pairs"]
+    return f"{fault['clocks']:,} clocks" if fault["clocks"] is not None else Marked("")
 
 
 def _counterexample(fault: Content) -> Marked:

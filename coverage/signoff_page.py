@@ -88,9 +88,13 @@ def _plots(content: Content, parts: Mapping[str, Content]) -> Iterator[str]:
             {name: (f["killed"], f["equivalent"], f["surviving"]) for name, f in files.items()}
         )
     if parts["faults"]["absent"] is None:
-        yield plots.pairs_until_caught(
-            {f["name"]: f["pairs"] if f["caught"] else None for f in parts["faults"]["faults"]}
-        )
+        # Those that a rule or a refusal catches need no wrong answer, and so no number of pairs.
+        caught = {
+            f["name"]: f["pairs"] if f["caught"] else None
+            for f in parts["faults"]["faults"]
+            if f["pairs"] is not None or not f["caught"]
+        }
+        yield plots.pairs_until_caught(caught)
     seconds = {name.replace("_", " "): part["seconds"] for name, part in parts.items() if "seconds" in part}
     yield plots.time_by_part(seconds)
     yield "</div>\n"

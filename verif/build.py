@@ -168,10 +168,10 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
     )
 
 
-def detector_library(width: int) -> Path:
-    """Return the shared library of the wrapper CollisionDetector; see detector.py."""
+def detector_library(width: int, dut: Path = DUT) -> Path:
+    """Return the shared library of the wrapper CollisionDetector; see detector.py. ``dut``: as `library`."""
     harness = Path(__file__).with_name("detector.cpp")
-    return _library(f"detector_w{width}", "CollisionDetector", "Vdetector", {"W": width}, harness, [])
+    return _library(f"detector_w{width}", "CollisionDetector", "Vdetector", {"W": width}, harness, [], dut)
 
 
 def simulation(configuration: Configuration, dut: Path = DUT) -> Path:

@@ -60,6 +60,8 @@ class Checker:
         self.judged_axes: set[int] = set()
         self.failed = 0
         self.failures: list[Failure] = []
+        # Pairs up to and including the first that failed; None: none did.
+        self.until_failure: int | None = None
         self.sample = GoldenSample(share, seed)
         # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
         default_solver()
@@ -115,6 +117,9 @@ class Checker:
 
     def _fail(self, message: str, pairs: PairBatch, i: int) -> None:
         self.failed += 1
+        # Each batch is gone through several times.
+        until = self.checked + i + 1
+        self.until_failure = min(self.until_failure or until, until)
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)

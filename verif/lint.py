@@ -1,4 +1,4 @@
-"""Style and types: Verilator and verible on the RTL, ruff and basedpyright on Python."""
+"""Style, types, testplan: Verilator and verible on the RTL, ruff and basedpyright on Python."""
 
 import argparse
 import json
@@ -9,6 +9,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, rtl_sources
+from triaxis.verif.plan_check import check_plan
 from triaxis.verif.toolchain import verilator
 
 # Builds that differ in what they elaborate.
@@ -47,6 +48,15 @@ def _verilator(top: str, parameters: dict[str, int]) -> list[str]:
         *(f"-G{name}={value}" for name, value in parameters.items()),
         *map(str, rtl_sources()),
     ]  # fmt: skip
+
+
+def _testplan() -> bool:
+    """Check that the testplan names everything there is, and nothing else."""
+    plan, problems = check_plan()
+    print(f"{'FAILED' if problems else 'ok    '} testplan, {len(plan.testpoints)} testpoints", flush=True)
+    for problem in problems:
+        print(problem)
+    return not problems
 
 
 def _types() -> bool:
@@ -95,6 +105,7 @@ def lint(fix: bool) -> bool:
     )
     good &= _run("ruff check", [_bin("ruff"), "check", "."])
     good &= _run("ruff format", [_bin("ruff"), "format", "--check", "."])
+    good &= _testplan()
     return good & _types()
 
 

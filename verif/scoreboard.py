@@ -106,6 +106,7 @@ class Scoreboard(uvm_scoreboard):
             "accepted": matcher.accepted,
             "returned": matcher.returned,
             "checked": checker.checked,
+            "checked_until_failure": checker.until_failure,
             "clear_claims_rechecked": checker.clear_claims,
             "judged_by_golden_model": checker.judged,
             "judged_axes": sorted(checker.judged_axes),

@@ -7,7 +7,10 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import parse_configuration
 from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.verif.faults.broken_rtl import faulty_rtl
+from triaxis.verif.faults.catalogue import fault_of
 from triaxis.verif.golden_sample import MOST_SELDOM
+from triaxis.verif.paths import DUT
 from triaxis.verif.sequences.seed_vectors import seed_vectors
 from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import run as simulate
@@ -44,6 +47,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
     )
+    parser.add_argument(
+        "--fault", metavar="NAME", help="break the core by a fault of the catalogue: triaxis faults --list"
+    )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.set_defaults(run=run)
 
@@ -78,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         judged_one_in=options.judged,
         soak=options.soak,
     )
-    result = simulate(settings)
+    result = simulate(settings, DUT if options.fault is None else faulty_rtl(fault_of(options.fault)))
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
@@ -87,5 +93,6 @@ def run(options: argparse.Namespace) -> int:
             f"{result.seconds:.1f} s"
         )
         return PASSED
-    print(result.explain(), file=sys.stderr)
+    # The last line is the command that repeats the run.
+    print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
     return FAILED

@@ -28,6 +28,11 @@ def _columns(points: tuple[str, ...]) -> npt.NDArray[np.int64]:
     )
 
 
+def seed_vectors_as_written() -> Pairs:
+    """Return the fifteen pairs where they were: (15, 2, 3, 3). They need 17 bits."""
+    return _columns(_POINTS).reshape(-1, 2, 3, 3)
+
+
 def seed_vectors(width: int) -> Pairs:
     """Return the fifteen pairs, moved into range: (15, 2, 3, 3). All are clear.
 

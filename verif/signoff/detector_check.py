@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.pairs import Pairs, coordinate_range
 from triaxis.verif.detector import WIDTH, detect
 from triaxis.verif.sequences.families import mixed_pairs
 from triaxis.verif.sequences.seed_vectors import seed_normals, seed_vectors
@@ -23,12 +24,22 @@ class DetectorResult:
     wrong: int
 
 
-def check_detector(seed: int) -> DetectorResult:
-    """Check the wrapper on the seed vectors and on random pairs with random normals handed in."""
-    clear = int((~detect(seed_vectors(WIDTH), seed_normals())).sum())
+def wrapper_questions(seed: int) -> tuple[Pairs, npt.NDArray[np.int64]]:
+    """Return the pairs (N, 2, 3, 3) that the wrapper is asked, and the normals handed in (N, 2, 3).
+
+    First the seed vectors with theirs, then random pairs with random ones.
+    """
     rng = np.random.default_rng([seed, WIDTH])
     low, high = coordinate_range(WIDTH)
     pairs = mixed_pairs(rng, _PAIRS, WIDTH)
     normals = rng.integers(low, high + 1, (_PAIRS, 2, 3))
-    near = judge_pairs(pairs, np.zeros(_PAIRS, np.int64))["near"]
-    return DetectorResult(clear, len(pairs), int((detect(pairs, normals) != near).sum()))
+    return np.concatenate([seed_vectors(WIDTH), pairs]), np.concatenate([seed_normals(), normals])
+
+
+def check_detector(seed: int) -> DetectorResult:
+    """Check the wrapper on the seed vectors and on random pairs with random normals handed in."""
+    pairs, normals = wrapper_questions(seed)
+    collides = detect(pairs, normals)
+    wrong = collides != judge_pairs(pairs, np.zeros(len(pairs), np.int64))["near"]
+    clear = int((~collides[:SEED_VECTORS]).sum())
+    return DetectorResult(clear, _PAIRS, int(wrong[SEED_VECTORS:].sum()))

@@ -5,7 +5,7 @@ from triaxis.verif.settings import BURST, PIN, RunSettings
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.simulation import run_settings
-from triaxis.verif.testnames import REGRESSIONS
+from triaxis.verif.testnames import FAMILY_TESTS, REGRESSIONS
 
 # Pairs of the volume runs in all.
 VOLUME = 100_000_000
@@ -34,6 +34,8 @@ _JUDGED = 3_000
 # in the builds that users start with, stalls and resets at each depth of the pipeline, the rarest bins
 # where there is little volume.
 _DIRECTED = {
+    # Each family by itself, so that a failure says what it is about; volume sends them all to every build.
+    **{test: (20_000, ("w16_m0", "w16_m16")) for test in FAMILY_TESTS},
     "SeedVectorsTest": (SEED_VECTORS, ("w16_m0", "w16_m16", "w24_m24", "w32_m32")),
     "MeshTest": (20_000, ("w16_m0", "w16_m16", "w24_m24", "w32_m32")),
     "MetamorphicTest": (200_000, ("w16_m0", "w16_m16", "w8_m8", "w16_m0_no_edge_box", "w24_m24")),

@@ -6,10 +6,12 @@ that runs is registered, here and not where it is defined.
 
 import pyuvm
 
+from triaxis.verif.faults import uvm_tests
 from triaxis.verif.settings import from_environment
 from triaxis.verif.testlist import bench_tests, sabotage_tests, tests
 
 _NAME = from_environment().test
-_FOUND = [vars(module)[_NAME] for module in (tests, bench_tests, sabotage_tests) if _NAME in vars(module)]
+_MODULES = (tests, bench_tests, sabotage_tests, uvm_tests)
+_FOUND = [vars(module)[_NAME] for module in _MODULES if _NAME in vars(module)]
 
 SELECTED = pyuvm.test()(_FOUND[0])

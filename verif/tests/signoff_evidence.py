@@ -42,10 +42,12 @@ def _code_coverage():
 def _faults():
     fault = {
         "name": "F1", "title": "sign", "test": "RandomTest", "config": "w16_m0", "pairs": 3, "caught": True,
-        "message": "core says clear", "seconds": 1.0,
+        "message": "core says clear", "seconds": 1.0, "clocks": None,
         "counterexample": {"after": "margin 0, [[[0, 0, 0]]]", "meaning": "clear where near"},
     }  # fmt: skip
-    return evidence(faults=[fault, {**fault, "name": "F9", "counterexample": None}])
+    return evidence(
+        faults=[fault, {**fault, "name": "F9", "counterexample": None, "pairs": None, "clocks": 7}]
+    )
 
 
 def _mutation():

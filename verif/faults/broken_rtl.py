@@ -1,0 +1,32 @@
+"""Folders of broken RTL: copies of dut/ with one fault each, kept in build/faults/."""
+
+import shutil
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import built, content_hash, rtl_hash
+from triaxis.verif.faults.catalogue import Fault
+from triaxis.verif.faults.patching import apply_patch
+from triaxis.verif.paths import BUILD, DUT
+
+FOLDER = BUILD / "faults"
+
+
+def faulty_rtl(fault: Fault, dut: Path = DUT) -> Path:
+    """Return a folder with the files of ``dut`` and the fault in them, made where needed.
+
+    Raises InputError where the fault is not one of the RTL, or the RTL is no longer what its diff changes.
+    """
+    if fault.patch is None:
+        raise InputError(f"fault {fault.name}: is tried on the environment; there is no RTL of it")
+    if not fault.patch.is_file():
+        raise InputError(f"{fault.patch}: cannot read: no such file")
+    patch = fault.patch
+    key = content_hash([patch], rtl_hash(dut))
+
+    def make(partial: Path) -> None:
+        for source in sorted([*dut.glob("*.sv"), *dut.glob("*.svh"), *dut.glob("*.f")]):
+            shutil.copy(source, partial)
+        apply_patch(patch, partial)
+
+    return built(FOLDER / f"{fault.name}-{key[:12]}", make)

@@ -1,0 +1,141 @@
+"""The catalogue of faults: those of the design that this core replaces, and further ones.
+
+Each fault of the core is a diff in patches/, by the fault's name. F9 and F10 were no faults of the design but
+of its testbench: they are tried on our own environment.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+
+PATCHES = Path(__file__).with_name("patches")
+
+
+class Kind(Enum):
+    """Where a fault sits, and so what must catch it."""
+
+    CORE = auto()
+    WRAPPER = auto()
+    ENVIRONMENT = auto()
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault; ``story`` says what it does, ``config`` names the build in which it is looked for.
+
+    ``replaced``: it is one of the replaced design's, which a sign-off must see caught. ``patch`` is None for
+    faults of an environment.
+    """
+
+    name: str
+    title: str
+    story: str
+    kind: Kind = Kind.CORE
+    config: str = "w16_m0"
+    replaced: bool = True
+    patch: Path | None = None
+
+
+def _replaced(name: str, title: str, story: str, kind: Kind = Kind.CORE) -> Fault:
+    patch = None if kind is Kind.ENVIRONMENT else PATCHES / f"{name}.patch"
+    return Fault(name, title, story, kind, patch=patch)
+
+
+def _further(name: str, story: str, config: str = "w16_m0") -> Fault:
+    title = name.replace("-", " ")
+    return Fault(name, title, story, config=config, replaced=False, patch=PATCHES / f"{name}.patch")
+
+
+FAULTS = (
+    _replaced(
+        "F1-box", "sign, box axes",
+        "The second half of the overlap test asks for max > min where max < min is meant: here in the test "
+        "of the boxes.",
+    ),
+    _replaced(
+        "F1-space", "sign, axes in space",
+        "The same sign in the test of the normals and of edge x edge.",
+    ),
+    _replaced(
+        "F1-plane", "sign, axes in the plane",
+        "The same sign in the test of the axes that decide coplanar pairs.",
+    ),
+    _replaced(
+        "F2", "coplanarity",
+        "One branch tests axes in space, the other axes in the plane. The choice compares N_A . A1 with "
+        "N_B . B1, so normals that are opposite or of different length, or equality by accident, choose "
+        "wrongly.",
+    ),
+    _replaced(
+        "F3", "wrong operand",
+        "The axis edge 1 of A x edge 2 of B takes an edge of A where one of B is meant, in one component.",
+    ),
+    _replaced("F4", "axis truncation", "Cross products are kept in W bits; they need 2W+1."),
+    _replaced("F5", "edge truncation", "Differences of coordinates are kept in W bits; they need W+1."),
+    _replaced("F6", "product truncation", "Sums of three products are kept in 2W bits; they need 3W+2."),
+    _replaced(
+        "F7", "given normals",
+        "The wrapper CollisionDetector tests the normals that it is handed, not those of the vertices.",
+        Kind.WRAPPER,
+    ),
+    _replaced(
+        "F8", "degenerate input",
+        "The branch is chosen rightly, and its axes are right, but for a zero normal: that makes every pair "
+        "coplanar, and all axes N_A x edge in the plane zero.",
+    ),
+    _replaced(
+        "F9", "testbench range",
+        "Vectors with coordinates up to 33,293 wrap silently in 16 signed bits. Here every way in must "
+        "refuse them.",
+        Kind.ENVIRONMENT,
+    ),
+    _replaced(
+        "F10-late", "testbench timing",
+        "A driver puts the last vertex on the pins a clock after the rest of its pair.",
+        Kind.ENVIRONMENT,
+    ),
+    _replaced(
+        "F10-unsent", "nothing checked: nothing sent",
+        "A test sends nothing, and so cannot fail.",
+        Kind.ENVIRONMENT,
+    ),
+    _replaced(
+        "F10-unseen", "nothing checked: nothing seen",
+        "Pairs are sent and answered, and nobody looks.",
+        Kind.ENVIRONMENT,
+    ),
+    _further("touching-is-clear", "Contact from one side counts as separation."),
+    _further("narrow-cross", "Cross products are kept in one bit less than they need."),
+    _further("wrong-edge", "One projection takes edge 0 of A for edge 2."),
+    _further("last-axis", "The claim is the highest-numbered separating axis."),
+    _further("late-margin", "The box axes get their margin a clock late.", "w16_m16"),
+    _further("moving-operands", "Operands move for pairs that their boxes decide."),
+    _further("moving-margins", "Margins move for pairs that their boxes decide.", "w16_m16"),
+    _further("overfull-queue", "More pairs are accepted than the result queue holds."),
+    _further("withdrawn-result", "A result that waits is withdrawn now and then."),
+    _further("short-queue", "The result queue has an eighth of its places."),
+    _further("early-result", "Results are taken from the pipeline a clock too early."),
+    _further("hang", "A pair with a certain tag is never accepted."),
+    _further("lost-results", "Results with certain tags are lost."),
+)  # fmt: skip
+
+
+def fault_names() -> tuple[str, ...]:
+    """Return the names of all faults, in the order of the catalogue."""
+    return tuple(fault.name for fault in FAULTS)
+
+
+def fault_of(name: str) -> Fault:
+    """Return the fault of that name; raise InputError where there is none."""
+    for fault in FAULTS:
+        if fault.name == name:
+            return fault
+    raise InputError(f"fault {name}: unknown; one of: {', '.join(fault_names())}")
+
+
+def faults_of(name: str) -> tuple[Fault, ...]:
+    """Return the fault of that name, or all variants of it: F1 stands for F1-box, F1-space, F1-plane."""
+    variants = tuple(fault for fault in FAULTS if fault.name.startswith(f"{name}-"))
+    return variants or (fault_of(name),)

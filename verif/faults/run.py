@@ -1,0 +1,105 @@
+"""Runs the catalogue: every fault is put in, and must be caught; where there is none, nothing may be."""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from triaxis.golden.judge import default_solver
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.faults.attempt import Attempt
+from triaxis.verif.faults.broken_rtl import faulty_rtl
+from triaxis.verif.faults.catalogue import FAULTS, Fault, Kind
+from triaxis.verif.faults.core_faults import try_core
+from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
+from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
+from triaxis.verif.faults.wrapper_faults import try_wrapper
+from triaxis.verif.paths import DUT
+
+__all__ = ["catch", "catch_all", "control", "fault_names", "write_json"]
+
+_JOBS = min(2, os.cpu_count() or 1)
+
+
+def _signed_off() -> tuple[Fault, ...]:
+    return tuple(fault for fault in FAULTS if fault.replaced)
+
+
+def fault_names() -> tuple[str, ...]:
+    """Return the names of the faults that a sign-off must see caught."""
+    return tuple(fault.name for fault in _signed_off())
+
+
+def catch(fault: Fault, seed: int, dut: Path = DUT) -> Outcome:
+    """Put the fault into a copy of ``dut``, or into the environment, and see what catches it.
+
+    Raises InputError where the RTL is no longer what the fault changes.
+    """
+    broken = faulty_rtl(fault, dut) if fault.patch else dut
+    return _concluded(fault, *_tried(fault, broken, seed), seed)
+
+
+def catch_all(
+    progress: Callable[[int], None], seed: int = 1, faults: Sequence[Fault] | None = None, dut: Path = DUT
+) -> FaultsResult:
+    """Try the faults, those of a sign-off unless others are named; ``progress`` is told of each.
+
+    Raises InputError, before anything runs, where the RTL is no longer what a fault changes.
+    """
+    start = time.monotonic()
+    chosen = _signed_off() if faults is None else tuple(faults)
+    before = rtl_hash(dut)
+    folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
+    # The solver must be loaded by the main thread.
+    default_solver()
+    outcomes: list[Outcome] = []
+    with ThreadPoolExecutor(_JOBS) as pool:
+        tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]
+        healthy = pool.submit(control, chosen, seed, dut)
+        try:
+            for fault, future in zip(chosen, tries, strict=True):
+                # Shrinking and drawing are for the main thread, beside the tries of other faults.
+                outcomes.append(_concluded(fault, *future.result(), seed))
+                progress(1)
+            wrong = healthy.result()
+        except BaseException:
+            # An error or an interrupt: start nothing more.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return FaultsResult(outcomes, wrong, rtl_hash(dut) != before, seed, time.monotonic() - start)
+
+
+def _tried(fault: Fault, broken: Path, seed: int) -> tuple[Attempt, float]:
+    """Return what came of trying the fault, and the seconds that it took."""
+    start = time.monotonic()
+    if fault.kind is Kind.CORE:
+        attempt = try_core(fault, broken, seed)
+    elif fault.kind is Kind.WRAPPER:
+        attempt = try_wrapper(broken, seed)
+    else:
+        attempt = try_environment(fault, seed)
+    return attempt, time.monotonic() - start
+
+
+def _concluded(fault: Fault, attempt: Attempt, seconds: float, seed: int) -> Outcome:
+    start = time.monotonic()
+    example = attempt.example()
+    seconds += time.monotonic() - start
+    return Outcome(fault, seed, seconds, attempt.catch, example, attempt.reason)
+
+
+def control(faults: Sequence[Fault], seed: int, dut: Path = DUT) -> list[str]:
+    """Return what goes wrong where the faults would be put in and are not: nothing, or no catch counts."""
+    wanted: dict[str, Callable[[], Attempt]] = {}
+    for fault in faults:
+        if fault.kind is Kind.CORE:
+            healthy = Fault("no-fault", "", "", config=fault.config)
+            wanted[fault.config] = partial(try_core, healthy, dut, seed)
+        elif fault.kind is Kind.WRAPPER:
+            wanted["wrapper"] = partial(try_wrapper, dut, seed)
+        else:
+            wanted["environment"] = partial(try_healthy_environment, seed)
+    tried = [attempt() for attempt in wanted.values()]
+    return [f"{a.catch.test}: {a.catch.message}" if a.catch else str(a.reason) for a in tried if not a.clean]

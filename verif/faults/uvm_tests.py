@@ -1,0 +1,90 @@
+"""UVM tests with the faults of the replaced design's testbench: the environment must fail each of them."""
+
+from typing import Any
+
+import numpy as np
+from cocotb.handle import HierarchyObject, LogicObject
+from cocotb.triggers import RisingEdge
+from pyuvm import uvm_factory
+
+from triaxis.verif.agents.source_agent import SourceDriver
+from triaxis.verif.agents.source_bus import SourceBus
+from triaxis.verif.env import CoreEnv
+from triaxis.verif.handles import dut_of
+from triaxis.verif.packing import COORDINATES
+from triaxis.verif.sequences.pair_sequence import ArraySequence
+from triaxis.verif.sequences.seed_vectors import seed_vectors_as_written
+from triaxis.verif.testlist.base_test import CoreTest
+from triaxis.verif.testlist.tests import MixedTest, StallsTest
+
+
+class WrappingVectorsTest(CoreTest):
+    """Sends the seed vectors as they were written: some need 17 bits."""
+
+    async def stimulus(self) -> None:
+        """Send them unmoved."""
+        pairs = seed_vectors_as_written()
+        await self.send(ArraySequence(self.settings, pairs, np.zeros(len(pairs), np.int64)))
+
+
+class LateBus(SourceBus):
+    """Offers each pair without its last vertex, which follows a clock later."""
+
+    def __init__(self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, width: int) -> None:
+        """Know where the last vertex lies."""
+        super().__init__(dut, clock, reset_n)
+        self._clock_edge = RisingEdge(clock)
+        self._early = (1 << (COORDINATES - 3) * width) - 1
+
+    async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
+        if sync:
+            await self._clock_edge
+        data, user = transaction
+        self.pins.tdata.value, self.pins.tuser.value = data & self._early, user
+        self.pins.tvalid.value = 1
+        await self._clock_edge
+        while not int(self.pins.tready.value):
+            self.pins.tdata.value = data
+            await self._clock_edge
+
+
+class LateDriver(SourceDriver):
+    """Drives the pins late."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the pins."""
+        dut = dut_of(self)
+        self.bus = LateBus(dut, dut.clk_i, dut.rst_ni, self.settings.configuration.width)
+
+
+class LateOperandTest(StallsTest):
+    """Part of each pair comes a clock late, while results are stalled and pairs wait."""
+
+    def build_phase(self) -> None:
+        """Put the late driver in the place of the punctual one."""
+        super().build_phase()
+        uvm_factory().set_type_override_by_type(SourceDriver, LateDriver)
+
+
+class NothingSentTest(CoreTest):
+    """Sends nothing."""
+
+    async def stimulus(self) -> None:
+        """Do nothing."""
+
+
+class BlindEnv(CoreEnv):
+    """Connects no monitor to the scoreboard."""
+
+    def connect_phase(self) -> None:
+        """Connect the stalls alone."""
+        self.source.driver.stalls_ap.connect(self.sink.ready.analysis_export)
+
+
+class NothingSeenTest(MixedTest):
+    """Sends the mixture to a core that nobody watches."""
+
+    def build_phase(self) -> None:
+        """Put the blind environment in the place of the watchful one."""
+        uvm_factory().set_type_override_by_type(CoreEnv, BlindEnv)
+        super().build_phase()

@@ -1,0 +1,411 @@
+"""The faults of the replaced design: each does what it says, and is caught; where there is none, none is."""
+
+import json
+import os
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.cli import faults as command
+from triaxis.verif.cli import main
+from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.verif.counterexample.bare_core import BareCore
+from triaxis.verif.counterexample.regressions import REGRESSIONS
+from triaxis.verif.counterexample.size import bit_lengths
+from triaxis.verif.counterexample.stream import Stream
+from triaxis.verif.counterexample.symptom import Symptom
+from triaxis.verif.detector import WIDTH, detect
+from triaxis.verif.evidence import read_evidence
+from triaxis.verif.faults import broken_rtl, core_faults, entrances, environment_faults, result, runs
+from triaxis.verif.faults.broken_rtl import faulty_rtl
+from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of
+from triaxis.verif.faults.patching import apply_patch, read_hunks
+from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
+from triaxis.verif.faults.run import catch, catch_all, control
+from triaxis.verif.faults.runs import Sign, run_test, sign_of
+from triaxis.verif.paths import DUT, ROOT
+from triaxis.verif.sequences.families import mixed_pairs
+from triaxis.verif.sequences.seed_vectors import seed_vectors, seed_vectors_as_written
+from triaxis.verif.settings import BURST, PIN
+from triaxis.verif.simulation import RunResult, run_settings
+
+CORE = [fault.name for fault in FAULTS if fault.replaced and fault.kind is Kind.CORE]
+PATCHED = [fault.name for fault in FAULTS if fault.patch]
+
+
+@pytest.fixture(autouse=True)
+def own_folders(tmp_path, monkeypatch):
+    """Let no test disturb another that runs beside it, nor the results of the catalogue."""
+    monkeypatch.setattr(runs, "RUNS", tmp_path / "runs")
+    monkeypatch.setattr(core_faults, "PICTURES", tmp_path / "pictures")
+    monkeypatch.setattr(result, "RESULT", tmp_path / "faults.json")
+
+
+# --- The catalogue ---------------------------------------------------------------------------------
+
+
+def test_every_fault_of_the_design_is_there():
+    named = {name.partition("-")[0] for name in fault_names() if fault_of(name).replaced}
+    assert named == {f"F{number}" for number in range(1, 11)}
+    assert [fault.name for fault in faults_of("F1")] == ["F1-box", "F1-space", "F1-plane"]
+    assert faults_of("F2") == (fault_of("F2"),)
+    with pytest.raises(InputError, match="fault F11: unknown; one of: F1-box"):
+        faults_of("F11")
+
+
+@pytest.mark.parametrize("name", PATCHED)
+def test_diffs_are_ordinary_ones(tmp_path, name):
+    """As `git apply` reads them, they do the same."""
+    ours = faulty_rtl(fault_of(name))
+    shutil.copytree(DUT, tmp_path / "dut")
+    patch = ["git", "apply", "--whitespace=nowarn", str(fault_of(name).patch)]
+    # Else git would look for the repository around, and for its paths.
+    alone = {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path.parent)}
+    subprocess.run(patch, cwd=tmp_path, check=True, env=alone)
+    changed = 0
+    for source in sorted(DUT.glob("*.*")):
+        theirs = (tmp_path / "dut" / source.name).read_text()
+        assert (ours / source.name).read_text() == theirs
+        changed += theirs != source.read_text()
+    assert changed == len({hunk.file for hunk in read_hunks(PATCHES / f"{name}.patch")})
+
+
+def test_changed_rtl_is_noticed(tmp_path):
+    """By every fault of that file, before anything is built."""
+    dut = tmp_path / "dut"
+    shutil.copytree(DUT, dut)
+    cross = dut / "triaxis_cross.sv"
+    cross.write_text(cross.read_text().replace("plus - minus", "minus - plus"))
+    for name in ("F4", "narrow-cross"):
+        with pytest.raises(InputError, match=r"triaxis_cross\.sv is there 0 times.*adapt the fault"):
+            catch_all(lambda _: None, faults=[fault_of(name)], dut=dut)
+    cross.unlink()
+    with pytest.raises(InputError, match="adapt the fault"):
+        apply_patch(PATCHES / "F4.patch", dut)
+    # What it replaces may stand elsewhere, but not twice.
+    cross.write_text("\n\n" + (DUT / "triaxis_cross.sv").read_text())
+    apply_patch(PATCHES / "F4.patch", dut)
+    cross.write_text(2 * (DUT / "triaxis_cross.sv").read_text())
+    with pytest.raises(InputError, match="there 2 times"):
+        apply_patch(PATCHES / "F4.patch", dut)
+
+
+def test_what_is_no_diff_is_refused(tmp_path):
+    patch = tmp_path / "x.patch"
+    for text in ("", "assign a = b;\n", "--- a/dut/x.sv\n+++ b/dut/x.sv\n@@ -1 +1 @@\n same\n"):
+        patch.write_text(text)
+        with pytest.raises(InputError, match="not a unified diff"):
+            read_hunks(patch)
+    with pytest.raises(InputError, match="cannot read"):
+        read_hunks(tmp_path / "none.patch")
+    with pytest.raises(InputError, match="there is no RTL of it"):
+        faulty_rtl(fault_of("F9"))
+
+
+# --- Faults of the core ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CORE)
+def test_caught_with_a_small_counterexample(seed, name):
+    fault = fault_of(name)
+    outcome = catch(fault, seed)
+    found, example = outcome.catch, outcome.example
+    assert found, outcome.reason
+    assert example
+    assert found.pairs and 1 <= found.pairs <= runs.PAIRS
+    assert found.test == runs.TESTS[len(found.missed_by)]
+    assert "exact answer" in found.message
+
+    pairs = np.array([[each["A"], each["B"]] for each in example.sent])
+    stream = Stream(pairs, np.array([each["margin"] for each in example.sent]))
+    configuration = parse_configuration(fault.config)
+    assert BareCore(configuration, faulty_rtl(fault)).symptom(stream) != Symptom.RIGHT
+    assert BareCore(configuration).symptom(stream) == Symptom.RIGHT
+    assert len(stream) == 1
+    # Of 288 bits. Truncations need large numbers; the others show on the smallest grid.
+    assert bit_lengths(pairs).sum() <= (64 if name in ("F4", "F5", "F6") else 16)
+    assert (core_faults.PICTURES / f"{name}.png").stat().st_size > 10_000
+
+
+def wrong_answers(name, pairs):
+    """Return which of the pairs (N, 2, 3, 3) the fault's bare core answers wrongly."""
+    configuration = parse_configuration(fault_of(name).config)
+    core = BareCore(configuration, faulty_rtl(fault_of(name)))
+    zeros = np.zeros((len(pairs), 1), np.int64)
+    return core.symptoms_together(pairs[:, None], zeros) != Symptom.RIGHT
+
+
+def test_a_zero_normal_is_all_that_misleads_f8(rng):
+    """Its branch and its axes are right for every triangle A."""
+    pairs = mixed_pairs(rng, 20_000, 16)
+    facts = bulk_facts(pairs, np.zeros(len(pairs), np.int64))
+    wrong = wrong_answers("F8", pairs)
+    assert (facts.rank_a[wrong] < 2).all()
+    assert wrong.sum() > 100
+    assert (facts.coplanar & (facts.rank_a == 2)).sum() > 100
+
+
+def test_f2_takes_the_wrong_branch_and_no_other_way(rng):
+    """Wrong only where one plane's normals differ, or different planes have the same N . vertex."""
+    pairs = mixed_pairs(rng, 20_000, 13)
+    p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
+    offset = (np.cross(p, q) * pairs[:, :, 0]).sum(2)
+    coplanar = bulk_facts(pairs, np.zeros(len(pairs), np.int64)).coplanar
+    wrong = wrong_answers("F2", pairs)
+    assert (coplanar != (offset[:, 0] == offset[:, 1]))[wrong].all()
+    assert (wrong & coplanar).any()
+    assert (wrong & ~coplanar).any()
+
+
+@pytest.mark.parametrize(("name", "bits"), [("F4", 7), ("F5", 15), ("F6", 10)])
+def test_truncations_are_of_large_numbers_only(rng, name, bits):
+    """What fits the width that they keep is answered rightly."""
+    pairs = mixed_pairs(rng, 5000, 8)
+    assert not wrong_answers(name, pairs << bits >> 8).any()
+    assert wrong_answers(name, pairs << 8).any()
+
+
+def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch):
+    """And turns the result red."""
+    monkeypatch.setattr(core_faults, "TESTS", ("RandomTest", "StallsTest"))
+    header = "// Computes: the cross product a_i x b_i of two differences from a common vertex.\n"
+    patch = tmp_path / "comment.patch"
+    patch.write_text(
+        f"--- a/dut/triaxis_cross.sv\n+++ b/dut/triaxis_cross.sv\n@@ -4 +4 @@\n-{header}+// Nothing.\n"
+    )
+    fault = Fault("comment", "a comment", "None.", patch=patch)
+    found = catch_all(lambda _: None, seed, [fault])
+    assert not found.passed
+    assert found.problems == ["comment (a comment) is not caught: RandomTest, StallsTest pass"]
+
+
+def test_nothing_is_caught_where_there_is_no_fault(seed):
+    chosen = [fault for fault in FAULTS if fault.replaced]
+    assert control(chosen, seed) == []
+
+
+def test_a_core_that_is_always_caught_fails_the_control(seed):
+    broken = faulty_rtl(fault_of("F4"))
+    found = control([fault_of("F2")], seed, broken)
+    assert len(found) == 1
+    assert found[0].startswith("RandomTest: core says")
+
+
+def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
+    """A simulator that cannot start finds no fault."""
+
+    def ended_early(test, configuration, *_, **__):
+        settings = run_settings(test, configuration, seed, 1)
+        return RunResult(settings, False, 0.0, None, ("no error line in the log",), tmp_path / "log")
+
+    monkeypatch.setattr(core_faults, "run_test", ended_early)
+    outcome = catch(fault_of("F2"), seed)
+    assert not outcome.caught
+    assert outcome.reason and "RandomTest ended without a verdict" in outcome.reason
+    assert control([fault_of("F2")], seed)[0].startswith("RandomTest ended without a verdict")
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (
+            "21.0ns ERROR ..board.py(1) [top.env]: core says (1) (0x1), exact answer (2): margin 0, [[[1]]]",
+            Sign("core says (1) (0x1), exact answer (2)", pairs=7),
+        ),
+        ("9ns ERROR ..board.py(1) [top.env]: nothing was checked", Sign("nothing was checked", pairs=7)),
+        (
+            "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.Held: it moved",
+            Sign("Held: it moved", clocks=13),
+        ),
+        ("HungBurstError: the core hangs", Sign("the core hangs", pairs=7)),
+        ("Traceback (most recent call last):", None),
+    ],
+)
+def test_signs_are_read_from_the_log(tmp_path, line, expected):
+    settings = run_settings("RandomTest", Configuration(), 1, 1)
+    counts = {"checked_until_failure": 7}
+    assert sign_of(RunResult(settings, False, 0.0, counts, ("noise", line), tmp_path)) == expected
+
+
+# --- Faults of the wrapper ---------------------------------------------------------------------------
+
+
+def test_given_normals_are_caught(seed):
+    outcome = catch(fault_of("F7"), seed)
+    example = outcome.example
+    assert outcome.catch, outcome.reason
+    assert example
+    pair = np.array([[each["A"], each["B"]] for each in example.sent])
+    normals = np.array([example.normals])
+    assert not normals.any()
+    assert np.abs(pair).max() <= 1
+    assert detect(pair, normals, faulty_rtl(fault_of("F7"))) != detect(pair, normals)
+
+
+def test_f7_trusts_the_normals_and_is_right_where_they_are(rng):
+    pairs = mixed_pairs(rng, 3000, 8) // 2
+    p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
+    broken = faulty_rtl(fault_of("F7"))
+    assert (detect(pairs, np.cross(p, q), broken) == detect(pairs, np.cross(p, q))).all()
+
+
+# --- Faults of a testbench ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", list(entrances.ENTRANCES))
+def test_every_way_in_refuses_what_does_not_fit(tmp_path, name):
+    enter = entrances.ENTRANCES[name]
+    inside, outside = entrances.boundary()
+    low, high = coordinate_range(WIDTH)
+    assert {inside.min(), inside.max(), outside.min(), outside.max()} == {low, high, low - 1, high + 1}
+    enter(inside, tmp_path)
+    for pairs in (seed_vectors_as_written(), outside[:1], outside[1:]):
+        with pytest.raises(InputError, match=rf"{low}\.\.{high}|{WIDTH} bits"):
+            enter(pairs, tmp_path)
+
+
+def test_seed_vectors_are_moved_and_never_wrapped():
+    written, moved = seed_vectors_as_written(), seed_vectors(WIDTH)
+    assert written.max() == 33_293
+    step = (written - moved)[0, 0, 0]
+    assert (written - moved == step).all()
+    for width in range(8, WIDTH):
+        with pytest.raises(InputError, match="at least 16 bits"):
+            seed_vectors(width)
+
+
+def test_command_line_refuses_vectors_that_do_not_fit(tmp_path, capsys):
+    pairs = seed_vectors_as_written()
+    np.save(tmp_path / "pairs.npy", pairs)
+    np.savez(tmp_path / "pairs.npz", pairs=pairs, margins=np.zeros(len(pairs), np.int64))
+    verdict = ["verdict", str(tmp_path / "pairs.npy"), "--engine", "bulk", "--out", str(tmp_path / "out.npy")]
+    for arguments in (verdict, ["sim", "ReplayTest", "--replay", str(tmp_path / "pairs.npz")]):
+        assert main(arguments) == 2
+        assert "33243 is outside -32768..32767 (width 16)" in capsys.readouterr().err
+    assert not (tmp_path / "out.npy").exists()
+
+
+@pytest.mark.parametrize("agent", [BURST, PIN])
+def test_drivers_refuse_vectors_that_do_not_fit(seed, agent):
+    found = run_test("WrappingVectorsTest", Configuration(), seed, agent, agent=agent)
+    assert not found.passed
+    sign = sign_of(found)
+    assert sign and "stimulus: pair 0, triangle B, vertex 1, coordinate x: 33243 is outside" in sign.message
+
+
+def test_a_way_in_that_is_open_is_reported(seed, monkeypatch):
+    ways = {**entrances.ENTRANCES, "back door": lambda *_: None}
+    monkeypatch.setattr(entrances, "ENTRANCES", ways)
+    outcome = catch(fault_of("F9"), seed)
+    assert not outcome.caught
+    assert outcome.reason == "let in, or refused without the limit: back door"
+
+
+@pytest.mark.parametrize("name", ["F9", "F10-late", "F10-unsent", "F10-unseen"])
+def test_faults_of_a_testbench_are_caught(seed, name):
+    outcome = catch(fault_of(name), seed)
+    assert outcome.catch, outcome.reason
+    if name == "F10-late":
+        assert "PairHeld: a pair was withdrawn or changed while it waited" in outcome.catch.message
+        assert outcome.catch.clocks and outcome.catch.clocks > 0
+
+
+def test_an_environment_that_lets_it_pass_is_reported(seed, monkeypatch):
+    table = {"F10-unsent": ("RandomTest", BURST, "nothing"), "F10-unseen": ("NothingSentTest", BURST, "Held")}
+    monkeypatch.setattr(environment_faults, "_SABOTAGE", table)
+    assert catch(fault_of("F10-unsent"), seed).reason == "RandomTest passes"
+    reason = catch(fault_of("F10-unseen"), seed).reason
+    assert reason and reason.startswith("NothingSentTest fails, but not by 'Held': nothing was checked")
+
+
+# --- The result ----------------------------------------------------------------------------------------
+
+
+def whole_result(**changes):
+    outcomes = [Outcome(fault, 1, 0.5, Catch("T", "m")) for fault in FAULTS if fault.replaced]
+    return FaultsResult(
+        **{"outcomes": outcomes, "control": [], "changed": False, "seed": 1, "seconds": 2.0, **changes}
+    )
+
+
+def test_result_is_red_for_every_reason():
+    good = whole_result()
+    assert good.passed and good.complete
+    first, *rest = good.outcomes
+    missed = replace(first, catch=None, reason="all pass")
+    assert whole_result(outcomes=[missed, *rest]).problems == [
+        "F1-box (sign, box axes) is not caught: all pass"
+    ]
+    bare = replace(first, catch=Catch("T", "m", pairs=3))
+    assert whole_result(outcomes=[bare, *rest]).problems == ["F1-box is caught without a counterexample"]
+    assert whole_result(control=["RandomTest: core says"]).problems == [
+        "without a fault: RandomTest: core says"
+    ]
+    assert whole_result(changed=True).problems == ["the RTL changed during the run"]
+    assert whole_result(outcomes=[]).problems == ["no fault was tried"]
+
+
+def test_evidence_is_of_whole_runs_only(tmp_path):
+    path = tmp_path / "faults.json"
+    with pytest.raises(ValueError, match="no evidence"):
+        write_json(whole_result(outcomes=whole_result().outcomes[1:]), path)
+    assert not path.exists()
+    evidence = read_evidence(write_json(whole_result(), path))
+    assert evidence and evidence["passed"]
+    assert evidence["summary"] == "14 of 14 faults caught"
+    assert [fault["name"] for fault in evidence["faults"]] == [f.name for f in FAULTS if f.replaced]
+    # What there was not is null.
+    assert evidence["faults"][0]["pairs"] is None
+    red = whole_result(outcomes=[replace(o, catch=None, reason="r") for o in whole_result().outcomes])
+    content = json.loads(write_json(red, path).read_text())
+    assert not content["passed"]
+    assert len(content["problems"]) == 14
+
+
+def test_command_line(seed, capsys, monkeypatch):
+    assert main(["faults", "--list"]) == 0
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in fault_names())
+    assert main(["faults", "--fault", "F1", "--list"]) == 0
+    listed = capsys.readouterr().out
+    assert "F1-plane" in listed
+    assert "F2" not in listed
+    for wrong in (["--fault", "F11"], ["--all", "--fault", "F1"], ["--seed", "-1"]):
+        assert main(["faults", *wrong]) == 2
+    assert main(["faults", "--fault", "F9", "--seed", str(seed)]) == 0
+    out = capsys.readouterr().out
+    assert "PASSED: 1 of 1 faults caught" in out
+    assert "written to" not in out
+
+    def not_caught(*_):
+        return FaultsResult([Outcome(fault_of("F2"), 1, 0.0, None, reason="all pass")], [], False, 1, 0.0)
+
+    monkeypatch.setattr(command, "catch_all", not_caught)
+    assert main(["faults", "--fault", "F2"]) == 1
+    assert "PROBLEM F2 (coplanarity) is not caught: all pass" in capsys.readouterr().out
+
+
+def test_sim_runs_on_a_broken_core(seed, capsys):
+    arguments = ["RandomTest", "--agent", "burst", "--pairs", "500", "--seed", str(seed + 7000)]
+    before = sorted(REGRESSIONS.iterdir())
+    assert main(["sim", *arguments, "--fault", "F3"]) == 1
+    told = capsys.readouterr().err.strip()
+    assert "right is clear by axis 10 (A edge 1 x B edge 2)" in told
+    assert told.endswith("--fault F3")
+    # What a known fault brings out is no regression of the core.
+    assert sorted(REGRESSIONS.iterdir()) == before
+    assert main(["sim", *arguments, "--fault", "F10-late"]) == 2
+    assert "there is no RTL of it" in capsys.readouterr().err
+
+
+def test_broken_cores_are_kept_apart():
+    folders = {faulty_rtl(fault_of(name)) for name in PATCHED}
+    assert len(folders) == len(PATCHED)
+    assert all(folder.parent == broken_rtl.FOLDER for folder in folders)
+    assert (ROOT / "build") in next(iter(folders)).parents

@@ -1,0 +1,207 @@
+"""The generator of mutants: each operator, the names, the build that holds all of them."""
+
+import re
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.mutation.catalogue import catalogue, mutant_names
+from triaxis.verif.mutation.elaborated import core_latencies, elaborated
+from triaxis.verif.mutation.elaboration import elaboration_mutants
+from triaxis.verif.mutation.killing import mutated, readme_latencies
+from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit, applied
+from triaxis.verif.mutation.schema import schema
+from triaxis.verif.mutation.statements import hosts
+from triaxis.verif.mutation.syntax import read_source
+from triaxis.verif.mutation.targets import TARGETS
+from triaxis.verif.paths import DUT
+
+pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
+
+HEAD = """module snippet (
+    input logic clk_i,
+    input logic signed [7:0] a_i[3],
+    input logic signed [7:0] b_i[3],
+    input logic go_i,
+    input logic hold_i,
+    output logic signed [8:0] x_o,
+    output logic y_o
+);
+  typedef logic signed [8:0] wide_t;
+  logic signed [8:0] p_q, q_q;
+"""
+
+
+def parsed(tmp_path, body):
+    path = tmp_path / "snippet.sv"
+    path.write_text(f"{HEAD}{body}\nendmodule\n")
+    return read_source(path)
+
+
+def runtime(tmp_path, body, ports=None):
+    """Return the operators with the changed statements of a module's body."""
+    source = parsed(tmp_path, body)
+    found = [mutant for host in hosts(source, ports or {}) for mutant in host.mutants]
+    return {(mutant.operator, mutant.changed) for mutant in found}
+
+
+@pytest.mark.parametrize(
+    ("body", "operator", "changed"),
+    [
+        ("assign x_o = p_q + q_q;", "arithmetic", "x_o = p_q - q_q"),
+        ("assign x_o = p_q - q_q;", "operand", "x_o = q_q - p_q"),
+        ("assign x_o = p_q - q_q;", "operand", "x_o = p_q"),
+        ("assign y_o = p_q < q_q;", "relational", "y_o = p_q <= q_q"),
+        ("assign y_o = p_q < q_q;", "relational", "y_o = p_q > q_q"),
+        ("assign y_o = p_q == q_q;", "equality", "y_o = p_q != q_q"),
+        ("assign y_o = go_i && hold_i;", "logical", "y_o = go_i || hold_i"),
+        ("assign y_o = go_i & hold_i;", "bitwise", "y_o = go_i | hold_i"),
+        ("assign y_o = !go_i;", "unary", "y_o = (go_i)"),
+        ("assign y_o = &p_q;", "unary", "y_o = (|p_q)"),
+        ("assign x_o = go_i ? p_q : q_q;", "condition", "x_o = !(go_i) ? p_q : q_q"),
+        ("assign x_o = p_q + 9'd3;", "constant", "x_o = p_q + 9'd4"),
+        ("assign x_o = a_i[1];", "index", "x_o = a_i[next(1)]"),
+        ("assign x_o = a_i[1];", "identifier", "x_o = b_i[1]"),
+        ("assign x_o = p_q;", "identifier", "x_o = q_q"),
+        ("assign x_o = p_q;", "stuck", "x_o = '0"),
+        ("assign x_o = p_q[7:0];", "range", "x_o = (p_q[7:0] >> 1)"),
+        ("assign x_o = p_q <<< 2;", "shift", "x_o = p_q >>> 2"),
+        ("assign x_o = {go_i, hold_i};", "concatenation", "x_o = {hold_i, go_i}"),
+        ("assign x_o = wide_t'(a_i[0]);", "cast", "x_o = wide_t'({a_i[0]})"),
+        ("assign x_o = wide_t'(a_i[0]);", "cast", "x_o = wide_t'($signed({(a_i[0]) <<< 1}) >>> 1)"),
+        ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "condition", "if (!(go_i))"),
+        ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "condition", "if (1'b1)"),
+        ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "deletion", ";"),
+        ("always_comb for (int i = 3; i >= 0; i--) y_o = go_i;", "relational", "for (int i = 3; i > 0"),
+        ("  `TRIAXIS_STAGE(p_q, q_q)", "bypass", "p_q = q_q"),
+        ("  `TRIAXIS_STAGE(p_q, q_q)", "late", "p_q one clock later"),
+        ("  `TRIAXIS_STAGE(p_q, q_q)", "stuck", "p_q = 0"),
+    ],
+)  # fmt: skip
+def test_operator(tmp_path, body, operator, changed):
+    assert (operator, changed) in runtime(tmp_path, body)
+
+
+def test_inputs_of_instances_are_mutated_and_outputs_and_clocks_are_not(tmp_path):
+    ports = {"other": frozenset({"clk_i", "go_i", "v_i"})}
+    found = runtime(tmp_path, "other u (.clk_i, .go_i, .v_i(a_i[0]), .w_o(x_o));", ports)
+    assert ("identifier", ".go_i(hold_i)") in found
+    assert ("stuck", ".v_i('0)") in found
+    assert ("index", ".v_i(a_i[next(0)])") in found
+    assert not any("clk_i" in text or "w_o" in text for _, text in found)
+
+
+@pytest.mark.parametrize(
+    ("body", "operator"),
+    [
+        ("assign x_o = wide_t'({1'b0, p_q[7:0]});", "cast"),
+        ("logic unused; assign unused = ^p_q;", "unary"),
+        ("always_comb begin y_o = '0; if (go_i) y_o = hold_i; end", ""),
+    ],
+)
+def test_what_nothing_could_show_is_not_generated(tmp_path, body, operator):
+    found = runtime(tmp_path, body)
+    assert operator not in {name for name, _ in found}
+    # The default of a variable in always_comb is not deleted: a latch.
+    assert [text for name, text in found if name == "deletion"] == [";"] * (not operator)
+
+
+@pytest.mark.parametrize(
+    ("body", "operator", "changed"),
+    [
+        ("if (2 > 1) begin : g_a end", "generate_condition", "if (!(2 > 1))"),
+        ("for (genvar k = 0; k < 3; k++) begin : g_k end", "generate_loop", "k < 3 - 1"),
+        ("localparam int unsigned Delay = 3;", "constant", "Delay = (3) + 1;"),
+        ("localparam int unsigned XWidth = 3;", "constant", "XWidth = (3) - 1;"),
+        ("localparam int unsigned K1 = (k + 1) % 3;", "constant", "K1 = (k + 1 + 1) % 3;"),
+        ("typedef logic [7:0] byte_t;", "type", "typedef logic [7 - 1:0] byte_t;"),
+        ("other #(.Comb(1'b0), .Cycles(2)) u (.clk_i);", "parameter", ".Comb(!(1'b0))"),
+        ("other #(.Comb(1'b0), .Cycles(2)) u (.clk_i);", "parameter", ".Cycles((2) + 1)"),
+    ],
+)
+def test_elaboration_operator(tmp_path, body, operator, changed):
+    found = {(m.operator, m.changed) for m in elaboration_mutants(parsed(tmp_path, body))}
+    assert any(name == operator and text.endswith(changed) for name, text in found)
+
+
+def test_a_width_is_not_widened(tmp_path):
+    found = elaboration_mutants(parsed(tmp_path, "localparam int unsigned XWidth = 3;"))
+    assert not any("+ 1" in mutant.changed for mutant in found)
+
+
+def test_names_survive_unrelated_edits(tmp_path):
+    body = "assign x_o = p_q + q_q;\nassign y_o = p_q < q_q;"
+    before = {m.id for host in hosts(parsed(tmp_path, body), {}) for m in host.mutants}
+    other = f"// Something else.\nlogic more;\nassign more = go_i;\n\n{body}"
+    after = {m.id for host in hosts(parsed(tmp_path, other), {}) for m in host.mutants}
+    assert before < after
+    assert all(re.fullmatch(r"snippet/\w+/[0-9a-f]{8}", name) for name in after)
+
+
+def test_statements_that_read_the_same_have_names_of_their_own(tmp_path):
+    twice = "if (1) begin : g_a assign y_o = !go_i; end else begin : g_b assign y_o = !go_i; end"
+    names = [m.id for host in hosts(parsed(tmp_path, twice), {}) for m in host.mutants]
+    assert len(names) == len(set(names)) > 2
+
+
+def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
+    names = mutant_names()
+    assert names == mutant_names()
+    assert len(names) == len(set(names)) > 1500
+    found = catalogue()
+    files = {mutant.file for mutant in found.mutants}
+    assert files == {path.name for path in DUT.iterdir() if path.suffix in (".sv", ".svh")}
+    assert {mutant.kind for mutant in found.mutants} == {RUNTIME, ELABORATION}
+
+
+def test_every_mutant_is_in_some_targets_elaborated_code():
+    held = [elaborated(target) for target in TARGETS]
+    missing = [
+        mutant.id
+        for mutant in catalogue().mutants
+        if mutant.needs >= 0 and not any(e.holds(mutant.file, mutant.needs) for e in held)
+    ]
+    assert missing == []
+
+
+def test_the_text_of_every_mutant_parses():
+    from pyslang.syntax import SyntaxTree
+
+    texts = {path.name: path.read_text() for path in DUT.iterdir()}
+    for mutant in catalogue().mutants:
+        tree = SyntaxTree.fromText(applied(texts[mutant.file], [mutant.edit]))
+        # Without the macro file, its uses are unknown.
+        errors = [item for item in tree.diagnostics if item.isError()]
+        assert all("Directive" in str(item.code) or "Include" in str(item.code) for item in errors), mutant
+
+
+def test_a_mutant_that_is_no_systemverilog_is_the_generators_fault():
+    from dataclasses import replace
+
+    mutant = next(m for m in catalogue().mutants if m.operator == "arithmetic")
+    broken = replace(mutant, edit=Edit(mutant.edit.start, mutant.edit.end, "a +* ;"))
+    with pytest.raises(InputError, match="does not parse"), mutated(DUT, broken):
+        pass
+
+
+def test_the_schema_keeps_the_original_statement_beside_each_changed_one(tmp_path):
+    source = parsed(tmp_path, "assign y_o = go_i && hold_i;")
+    found = hosts(source, {})
+    numbers = {m.id: number for number, m in enumerate(found[0].mutants, 7)}
+    text = schema(source.text, found, numbers)
+    assert f"triaxis_mutant::selected - 7 < {len(numbers)}" in text
+    assert "7: y_o = go_i || hold_i;" in text
+    assert "else y_o = go_i && hold_i;" in text
+
+
+def test_the_latency_table_finds_a_wrong_latency(tmp_path):
+    table = readme_latencies()
+    assert core_latencies(DUT, list(table)) == list(table.values())
+    package = (DUT / "triaxis_pkg.sv").read_text()
+    (tmp_path / "triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))
+    assert core_latencies(tmp_path, list(table)) == [value + 1 for value in table.values()]
+
+
+def test_restricting_to_nothing_is_an_error():
+    with pytest.raises(InputError, match="no such mutant"):
+        catalogue().restricted("nothing*", None)

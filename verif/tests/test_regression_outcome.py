@@ -1,0 +1,101 @@
+"""What stands against a regression, and how its reports say so."""
+
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
+from triaxis.verif.evidence import read_evidence
+from triaxis.verif.regression.definition import Regression
+from triaxis.verif.regression.failing import FailingSeed
+from triaxis.verif.regression.history import NightlyRecord
+from triaxis.verif.regression.junit import write_junit
+from triaxis.verif.regression.outcome import Outcome
+from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regression.report_page import write_report
+from triaxis.verif.regression.results_file import history_record, write_results
+from triaxis.verif.regression.run_record import RunRecord
+from triaxis.verif.regression.state import State
+
+RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
+PASSED = RunRecord(
+    RUN, "sources", True, (), (), {"checked": 2000, "judged_by_golden_model": 1990}, 10.0, 12.0,
+    "host", None, "log", "folder", ".venv/bin/triaxis sim MixedTest --seed 7",
+)  # fmt: skip
+FAILED = replace(PASSED, passed=False, errors=("ERROR <tag> 3 & \x1b[31mred", "ERROR more"), counts=None)
+ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
+ILLEGAL = IllegalHit("flags", 1, "never")
+FLAKY = FailingSeed(RUN, "sources", "it failed", flaky=True)
+
+
+def outcome(folder: Path = Path(), **changes) -> Outcome:
+    goals = Regression("nightly", ("MixedTest_w16_m0",), None, 2000, True)
+    state = State("nightly", 7, 1.0, "sources", (10.0,))
+    good = Outcome(
+        goals, state, folder, "triaxis regress nightly", "local", (RUN,), (PASSED,), (), (), 0,
+        (ModelReport("core_w16_m0", (ITEM,)),), 4.0,
+    )  # fmt: skip
+    return replace(good, **changes)
+
+
+def covered(**changes):
+    return (ModelReport("core_w16_m0", (replace(ITEM, **changes),)),)
+
+
+def test_all_well():
+    assert outcome().problems == []
+    assert outcome().summary == (
+        "nightly, seed 7: 1 of 1 runs passed, 2000 pairs checked, 1990 judged by the golden model, "
+        "coverage 100.00 %, 4 s"
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"records": (FAILED,)}, "MixedTest in w16_m0, seed 7 failed: ERROR <tag> N & "),
+        ({"records": ()}, "MixedTest in w16_m0, seed 7: no result"),
+        ({"records": (replace(PASSED, counts={**(PASSED.counts or {}), "checked": 1999}),)}, "1999 pairs"),
+        ({"coverage": covered(hit=32, missing=("near",))}, "32 of 33 bins hit, missing first: near"),
+        ({"coverage": covered(illegal_hits=(ILLEGAL,))}, "illegal bin flags hit 1 times: never"),
+        ({"flaky": (FLAKY,)}, "MixedTest in w16_m0, seed 7 is flaky"),
+    ],
+)
+def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message):
+    found = outcome(tmp_path, **change)
+    assert any(message in problem for problem in found.problems), found.problems
+    root = ElementTree.parse(write_junit(found)).getroot()
+    cases = list(root.iter("testcase"))
+    failures = [case for case in cases if case.find("failure") is not None]
+    assert len(failures) >= 1
+    assert (root.get("tests"), root.get("failures")) == (str(len(cases)), str(len(failures)))
+    assert "FAILED" in write_report(found).read_text()
+
+
+def test_smoke_has_no_goals_but_nothing_illegal_may_be_hit():
+    smoke = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
+    assert outcome(regression=smoke, coverage=covered(hit=1, missing=("near",))).problems == []
+    (problem,) = outcome(regression=smoke, coverage=covered(illegal_hits=(ILLEGAL,))).problems
+    assert problem == "illegal coverage bin flags hit 1 times: never"
+
+
+def test_results_and_history_tell_nothing_from_zero(tmp_path):
+    found = outcome(tmp_path, records=(FAILED,), coverage=())
+    result = read_evidence(write_results(found))
+    assert result is not None
+    assert result["passed"] is False
+    assert result["runs"][0]["pairs_checked"] is None
+    assert result["coverage"]["percent"] is None
+    line = history_record(found)
+    assert isinstance(line, NightlyRecord)
+    assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
+    assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
+
+
+def test_a_seed_that_was_replayed_and_passes_is_fixed():
+    seed = FailingSeed(RUN, "other sources", "it failed")
+    assert outcome(replayed=(seed,)).fixed == [seed]
+    assert outcome(replayed=(seed,), records=(FAILED,)).fixed == []
+    assert outcome(replayed=(FLAKY,), flaky=(FLAKY,)).fixed == []

@@ -1,0 +1,225 @@
+"""The parts of a regression on their own: buckets, failing seeds, history, state, view of the testplan."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.regression import dispatch
+from triaxis.verif.regression.buckets import buckets, general
+from triaxis.verif.regression.definition import Item
+from triaxis.verif.regression.failing import FailingSeeds
+from triaxis.verif.regression.history import NightlyRecord, append_record, now, read_history
+from triaxis.verif.regression.launchers import LSF, SLURM, launcher
+from triaxis.verif.regression.one_build import error_file
+from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regression.run_record import RunRecord, read_record, record_file, write_record
+from triaxis.verif.regression.state import State, begin, previous, read_state, write_state
+from triaxis.verif.regression.testplan_view import write_view
+
+RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
+PASSED = RunRecord(
+    RUN, "sources", True, (), (), {"checked": 2000, "judged_by_golden_model": 2000}, 10.0, 12.0,
+    "host", None, "log", "folder", "replay",
+)  # fmt: skip
+FAILED = replace(PASSED, passed=False, errors=("12.00ns ERROR 3 pairs accepted and never answered",))
+LINE = NightlyRecord("2026-01-31T01:17:00+00:00", "nightly", None, "f" * 64, 1, True, 9, 0, None, 1.5, None)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (
+            "40695.00ns ERROR    ..me/ci/verif/scoreboard.py(125) [top.env]: tag 78 where 77 was due",
+            "  1.00us ERROR    ..ild/other/verif/scoreboard.py(125) [top.env]: tag 8 where 7 was due",
+        ),
+        ("margin 3, [[[1, -2, 3], [4, 5, 6]]]: wrong", "margin 0, [[[10, 20, 30]]]: wrong"),
+        ("core says 0x0400", "core says 0xbeef"),
+        ("cannot read /tmp/a/b/c.npz", "cannot read /var/c.npz"),
+        ("build abcdef0123456789 gone", "build 0123456789abcdef gone"),
+        ("took 3.5e-07 s", "took 12 s"),
+    ],
+)
+def test_messages_that_say_the_same(first, second):
+    assert general(first) == general(second)
+
+
+def test_messages_that_say_something_else():
+    texts = (
+        "ERROR tag 78 where 77 was due",
+        "ERROR 1 pairs accepted and never answered",
+        "%Error: a.sv:1: x",
+    )
+    assert len({general(text) for text in texts}) == len(texts)
+
+
+def test_fullest_bucket_first():
+    other = replace(FAILED, errors=("ERROR something else",))
+    more = replace(FAILED, errors=("99.00ns ERROR 1 pairs accepted and never answered",))
+    found = buckets([other, FAILED, PASSED, more, replace(FAILED, errors=())])
+    assert [len(bucket.records) for bucket in found] == [2, 1, 1]
+    assert found[0].message == "ERROR N pairs accepted and never answered"
+    assert {bucket.message for bucket in found[1:]} == {"ERROR something else", "no error line"}
+
+
+def test_failing_seeds_are_kept_until_they_pass_on_other_sources(tmp_path):
+    store = FailingSeeds(tmp_path / "failing.json")
+    store.note([PASSED])
+    assert store.read() == []
+    store.note([FAILED])
+    store.note([FAILED])
+    (entry,) = store.read()
+    assert (entry.run, entry.flaky) == (RUN, False)
+    # Another run leaves it alone.
+    store.note([replace(PASSED, run=replace(RUN, seed=8))])
+    assert store.read() == [entry]
+    store.note([PASSED])
+    assert store.read() == [replace(entry, flaky=True)]
+    # It stays flaky where it fails once more, but not on other sources.
+    store.note([FAILED])
+    assert store.read()[0].flaky
+    store.note([replace(FAILED, identity="other")])
+    assert not store.read()[0].flaky
+    store.note([PASSED])
+    assert store.read() == []
+
+
+def test_damaged_failing_seeds_are_not_overwritten(tmp_path):
+    path = tmp_path / "failing.json"
+    path.write_text('[{"run": ')
+    with pytest.raises(InputError, match=r"failing\.json: damaged"):
+        FailingSeeds(path).note([FAILED])
+    assert path.read_text() == '[{"run": '
+
+
+def test_a_cut_result_counts_as_missing(tmp_path):
+    write_record(tmp_path, PASSED)
+    path = record_file(tmp_path, RUN)
+    assert read_record(path) == PASSED
+    text = path.read_text()
+    for end in (0, 1, len(text) // 2, len(text) - 3):
+        path.write_text(text[:end])
+        assert read_record(path) is None
+
+
+def test_history_survives_a_kill_in_the_middle_of_a_line(tmp_path):
+    path = tmp_path / "history" / "nightly.jsonl"
+    assert read_history(path) == []
+    append_record(LINE, path)
+    with path.open("a") as file:
+        file.write('{"date": "2026-02-01T0')
+    assert read_history(path) == [LINE]
+    second = replace(LINE, date=now(), kind="signoff", coverage_percent=99.5)
+    append_record(second, path)
+    assert read_history(path) == [LINE, second]
+
+
+def test_only_the_same_unfinished_regression_is_continued(tmp_path):
+    folder = tmp_path / "nightly"
+    wanted = State("nightly", 1, 1.0, "sources", ())
+    first = begin(folder, wanted, fresh=False)
+    (folder / "result").write_text("kept")
+    second = begin(folder, wanted, fresh=False)
+    assert len(second.started) == 2 and second.started[0] == first.started[0]
+    assert (folder / "result").exists()
+    for changed in (
+        replace(wanted, seed=2), replace(wanted, identity="other"), replace(wanted, multiplier=2.0),
+    ):  # fmt: skip
+        assert not changed.continues(second)
+    # Finished, or not wanted: moved aside, where it stays readable.
+    write_state(folder, replace(second, finished=True))
+    third = begin(folder, wanted, fresh=False)
+    assert len(third.started) == 1
+    assert (previous(folder) / "result").read_text() == "kept"
+    assert not (folder / "result").exists()
+    assert len(begin(folder, wanted, fresh=True).started) == 1
+    assert read_state(previous(folder)) == third
+
+
+def test_time_between_a_kill_and_its_continuation_does_not_count():
+    state = State("nightly", 1, 1.0, "sources", (100.0, 500.0))
+    records = [replace(PASSED, finished=finished) for finished in (110.0, 130.0, 510.0)]
+    assert state.seconds(records, now=520.0) == 30.0 + 20.0
+
+
+def test_view_of_the_testplan(tmp_path):
+    plan, view = tmp_path / "testplan.hjson", tmp_path / "view.hjson"
+    items = [
+        Item(f"MixedTest_{config}", "MixedTest", config, 1, "burst", 1, 1) for config in ("w16_m0", "w8_m8")
+    ]
+    assert not write_view(view, items, plan)
+    assert not view.exists()
+    point = {"desc": "d", "stage": "V1", "formal": ["a proof"], "weight": 3}
+    plan.write_text(
+        json.dumps(
+            {
+                "name": "x",
+                "testpoints": [
+                    {"name": "mixed", "tests": ["MixedTest"], **point},
+                    {"name": "proved", "tests": [], **point},
+                ],
+            }
+        )
+    )
+    pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
+    assert write_view(view, items, plan)
+    from dvsim.testplan import Testplan
+
+    found = {point.name: point for point in Testplan(str(view), tmp_path, "triaxis").testpoints}
+    assert found["mixed"].tests == ["MixedTest_w16_m0", "MixedTest_w8_m8"]
+    assert found["proved"].not_mapped
+    plan.write_text("{testpoints: [{}]}")
+    with pytest.raises(InputError, match="not a testplan"):
+        write_view(view, items, plan)
+
+
+def test_a_failed_build_leaves_its_reason(tmp_path):
+    def build(config, margin_bits):
+        words = ["--config", config, "--width", "16", "--margin-bits", str(margin_bits), "--agent", "burst"]
+        words += ["--folder", str(tmp_path)]
+        command = [sys.executable, "-m", "triaxis.verif.regression.one_build", *words]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    for config, margin_bits, reason in (
+        ("w16_m17", 17, "margin bits 17: must be 0..16"),
+        ("w16_m16", 0, "build mode w16_m16: its parameters are those of w16_m0"),
+    ):
+        answer = build(config, margin_bits)
+        assert answer.returncode == 1
+        assert f"FAILED: {reason}" in answer.stdout
+        assert reason in error_file(tmp_path, config).read_text()
+
+
+def test_a_run_of_other_sources_leaves_no_result(tmp_path):
+    words = ["--item", RUN.item, "--test", RUN.test, "--config", RUN.config, "--seed", "7", "--pairs", "1"]
+    words += ["--folder", str(tmp_path), "--failing", str(tmp_path / "failing.json"), "--identity", "other"]
+    command = [sys.executable, "-m", "triaxis.verif.regression.one_run", *words]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert answer.returncode == 1
+    assert answer.stdout == "FAILED: the RTL or its environment changed during the regression\n"
+    assert not list(tmp_path.rglob("*.json"))
+
+
+def test_missing_tools_are_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(dispatch, "_DVSIM", tmp_path / "dvsim")
+    with pytest.raises(InputError, match="run `make regress`, which installs it"):
+        dispatch.check_dvsim()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="srun: not found: install Slurm's commands"):
+        launcher(SLURM, "name", None)
+    with pytest.raises(InputError, match="bsub: not found"):
+        launcher(LSF, "name", None)
+
+
+def test_lsf_goes_through_bsub(monkeypatch, tmp_path):
+    bsub = tmp_path / "bsub"
+    bsub.write_text("#!/bin/sh\n")
+    bsub.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    found = launcher(LSF, "triaxis-x", 3)
+    assert found.prefix == "bsub -I -J triaxis-x"
+    assert found.jobs == 3
+    assert found.environment()["DVSIM_BACKEND"] == "local"

@@ -1,0 +1,193 @@
+"""Small regressions on dvsim from end to end: reports, failing seeds, kills, interrupts."""
+
+import json
+import re
+import signal
+from xml.etree import ElementTree
+
+import pytest
+
+pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
+
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import load
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.evidence import read_evidence
+from triaxis.verif.regression.identity import identity
+from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regression.run_record import read_records
+from triaxis.verif.tests.small_regressions import (
+    CONFIG,
+    LONG,
+    await_results,
+    await_silence,
+    dvsim_of,
+    kill,
+    regress,
+    results_of,
+    start,
+    write_definition,
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write_definition(tmp_path)
+    return tmp_path
+
+
+def properties(case):
+    return {entry.get("name"): entry.get("value") for entry in case.iter("property")}
+
+
+def test_a_good_regression_leaves_its_reports(folder, seed):
+    said = regress(folder, "good", "--seed", seed)
+    assert f"PASSED: good, seed {seed}: 3 of 3 runs passed" in said
+
+    result = read_evidence(folder / "good" / "results.json")
+    assert result is not None
+    assert result["passed"] and result["problems"] == []
+    assert result["launcher"] == "local"
+    assert result["pairs_checked"] == sum(run["pairs_checked"] for run in result["runs"]) >= 5900
+    for run in result["runs"]:
+        assert run["replay"] == (
+            f".venv/bin/triaxis sim {run['test']} --seed {run['seed']} --config {CONFIG} --pairs 2000 "
+            "--agent burst --judged 100"
+        )
+
+    # The merged coverage is the sum of that of the runs.
+    model = core_model(*Configuration().covered)
+    merged = load(folder / "good" / "coverage.json", model)
+    parts = [load(path, model) for path in (folder / "good" / "runs").glob("*/coverage.json")]
+    assert len(parts) == 3
+    for name, hits in merged.hits.items():
+        assert (hits == sum(part.hits[name] for part in parts)).all()
+
+    root = ElementTree.parse(folder / "good" / "junit.xml").getroot()
+    cases = list(root.iter("testcase"))
+    assert root.tag == "testsuites"
+    assert (root.get("tests"), root.get("failures"), len(cases)) == ("3", "0", 3)
+    assert {properties(case)["seed"] for case in cases} == {str(run["seed"]) for run in result["runs"]}
+    assert {properties(case)["replay"] for case in cases} == {run["replay"] for run in result["runs"]}
+
+    # Opens where there is no network.
+    page = (folder / "good" / "report.html").read_text()
+    assert "PASSED" in page
+    assert "http" not in page and "src=" not in page
+    links = re.findall(r"href='([^']+)'", page)
+    assert links and all((folder / "good" / link).exists() for link in links)
+
+    # dvsim ran each seed under its own number.
+    dvsim = json.loads(next((folder / "good" / "dvsim").glob("**/reports/triaxis.json")).read_text())
+    assert (dvsim["passed"], dvsim["total"]) == (3, 3)
+    logs = {path.parent.parent.name for path in (folder / "good" / "dvsim").glob("**/latest/run.log")}
+    assert logs == {f"{run['item']}.{run['seed']}" for run in result["runs"]}
+
+
+def test_failures_go_into_buckets_and_are_kept_and_replayed_first(folder, seed):
+    said = regress(folder, "bad", "--seed", seed, status=1)
+    result = results_of(folder, "bad")
+    assert not result["passed"]
+    assert [bucket["runs"] for bucket in result["buckets"]] == [2, 1]
+    dropped, corrupt = (bucket["message"] for bucket in result["buckets"])
+    assert dropped.endswith("N pairs accepted and never answered")
+    assert "core says (False, N, " in corrupt
+    assert f"2 x {dropped}" in said
+    assert "replay: .venv/bin/triaxis sim DroppedResultTest" in said
+
+    root = ElementTree.parse(folder / "bad" / "junit.xml").getroot()
+    failed = [case for case in root.iter("testcase") if case.find("failure") is not None]
+    assert root.get("failures") == str(len(failed)) == "3"
+    for case in failed:
+        failure = case.find("failure")
+        assert failure is not None
+        assert failure.get("message") in (dropped, corrupt)
+        assert f"replay: {properties(case)['replay']}" in (failure.text or "")
+
+    # Kept, and first in a regression that would not run them itself.
+    kept = json.loads((folder / "failing.json").read_text())
+    assert {entry["run"]["seed"] for entry in kept} == {r["seed"] for r in result["runs"] if not r["passed"]}
+    said = regress(folder, "short", "--seed", seed, status=1)
+    assert "replaying 3 seeds that failed before" in said
+    records = read_records(folder / "short" / "results")
+    replayed = {key for key, record in records.items() if not record.passed}
+    assert len(records) == 4 and len(replayed) == 3
+    last = max(records[key].finished for key in replayed)
+    assert all(record.started >= last for key, record in records.items() if key not in replayed)
+    assert json.loads((folder / "failing.json").read_text()) == kept
+
+
+def test_a_seed_that_passes_is_fixed_or_flaky(folder, seed):
+    """Fixed where the sources are others than it failed on; flaky, and a failure, where they are not."""
+    test = "FarTest"
+    run = PlannedRun(f"{test}_{CONFIG}", test, CONFIG, 4321, 2000, "burst", 100)
+    for sources, status, word in (("other sources", 0, "fixed"), (identity(), 1, "flaky")):
+        entry = {"run": vars(run), "identity": sources, "bucket": "it failed", "flaky": False}
+        (folder / "failing.json").write_text(json.dumps([entry]))
+        said = regress(folder, "short", "--seed", seed, status=status)
+        assert results_of(folder, "short")[word] == [run.key]
+        assert word in said
+        left = json.loads((folder / "failing.json").read_text())
+        assert left == ([{**entry, "flaky": True}] if word == "flaky" else [])
+
+
+@pytest.mark.parametrize("victim", ["regression", "dvsim"])
+def test_a_killed_regression_goes_on_with_what_is_missing(folder, seed, victim):
+    process = start(folder, "long", "--seed", seed, "--jobs", "1")
+    await_results(folder, "long", 2, process)
+    kill(process.pid if victim == "regression" else dvsim_of(process))
+    said = process.communicate()[0]
+    if victim == "dvsim":
+        assert process.returncode == 2
+        assert "dvsim was killed (signal 9): the same command goes on from here" in said
+    # Nothing simulates on behind our back.
+    assert await_silence(folder)
+    before = read_records(folder / "long" / "results")
+    assert 2 <= len(before) < LONG
+    assert all(record.passed for record in before.values())
+    assert not (folder / "long" / "results.json").exists()
+
+    # Without a seed: that of what was left.
+    said = regress(folder, "long")
+    assert f"continuing: {len(before)} of {LONG} runs passed before" in said
+    after = read_records(folder / "long" / "results")
+    assert len(after) == LONG
+    assert {key: after[key] for key in before} == before
+    result = results_of(folder, "long")
+    assert (result["passed"], result["seed"], result["runs_kept_from_before"]) == (True, seed, len(before))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_leaves_no_process(folder, seed, number):
+    process = start(folder, "long", "--seed", seed)
+    await_results(folder, "long", 1, process)
+    process.send_signal(number)
+    said = process.communicate()[0]
+    assert process.returncode == 130, said
+    assert "interrupted" in said
+    assert await_silence(folder, 1.0)
+    # What was stopped is no failure.
+    assert not (folder / "failing.json").exists()
+    assert all(record.passed for record in read_records(folder / "long" / "results").values())
+
+
+def test_another_seed_is_another_regression(folder, seed):
+    process = start(folder, "long", "--seed", seed)
+    await_results(folder, "long", 1, process)
+    busy = regress(folder, "long", status=2)
+    assert "a regression is running there" in busy
+    process.send_signal(signal.SIGINT)
+    process.communicate()
+    left = read_records(folder / "long" / "results")
+    (folder / "long.previous").mkdir()
+    said = regress(folder, "long", "--seed", seed + 1, "--seeds-times", "0.4")
+    assert "not continued" in said
+    assert len(results_of(folder, "long")["runs"]) == 2
+    # The one before stays readable.
+    assert read_records(folder / "long.previous" / "results") == left
+
+
+def test_a_build_that_dvsim_cannot_start_is_an_error(tmp_path):
+    write_definition(tmp_path, build_cmd="false")
+    said = regress(tmp_path, "good", status=2)
+    assert "error: dvsim started no run" in said
