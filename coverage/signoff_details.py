@@ -17,7 +17,8 @@ def _part(title: str, part: Content) -> Iterator[str]:
         yield f"<p class=bad>not measured: {escape(part['absent'])}</p>\n"
         return
     yield f"<p>{mark('passed' if part['passed'] else 'failed', part['passed'])}: {escape(part['summary'])}. "
-    yield f"<span class=why>{part['seconds']:.0f} s, {code(part['command'])}</span></p>\n"
+    took = "" if part["seconds"] is None else f"{part['seconds']:.0f} s, "
+    yield f"<span class=why>{took}{code(part['command'])}</span></p>\n"
 
 
 def testplan(part: Content) -> Iterator[str]:
@@ -186,8 +187,7 @@ def mutation(part: Content) -> Iterator[str]:
         )
         yield from table([title, "killed", "equivalent", "surviving"], rows)
     survivors = (
-        [code(m["id"]), f"{m['file']}:{m['line']}", code(m["original"]), code(m["changed"])]
-        for m in part["survivors"]
+        [code(m["id"]), m["place"], code(m["original"]), code(m["changed"])] for m in part["survivors"]
     )
     if part["survivors"]:
         yield "<h3>Surviving</h3>\n"
@@ -208,8 +208,8 @@ def proofs(part: Content) -> Iterator[str]:
             mark(p["name"], p["passed"]),
             p["claim"],
             p["method"],
-            p["parameters"],
-            p["assumptions"],
+            ", ".join(f"{name} {value}" for name, value in p["parameters"].items()),
+            " ".join(p["assumptions"]),
             p["seconds"],
         ]
         for p in part["proofs"]

@@ -95,7 +95,8 @@ def _plots(content: Content, parts: Mapping[str, Content]) -> Iterator[str]:
             if f["pairs"] is not None or not f["caught"]
         }
         yield plots.pairs_until_caught(caught)
-    seconds = {name.replace("_", " "): part["seconds"] for name, part in parts.items() if "seconds" in part}
+    took = {name.replace("_", " "): part.get("seconds") for name, part in parts.items()}
+    seconds = {name: value for name, value in took.items() if value is not None}
     yield plots.time_by_part(seconds)
     yield "</div>\n"
 

@@ -18,11 +18,14 @@ from triaxis.verif.cli import (
     code_coverage,
     exhaustive,
     export,
+    faults,
     fpga_report,
     gate,
     scenes,
     shrink,
+    signoff,
     sim,
+    testplan,
     verdict,
 )
 from triaxis.verif.engine import CoreError
@@ -34,12 +37,16 @@ _COMMANDS = (
     check,
     scenes,
     sim,
+    testplan,
+    signoff,
+    gate,
     exhaustive,
-    shrink,
     code_coverage,
+    faults,
+    export,
+    shrink,
     bench_sim,
     fpga_report,
-    gate,
 )
 
 

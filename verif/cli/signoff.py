@@ -2,6 +2,7 @@
 
 import argparse
 from collections import defaultdict
+from dataclasses import asdict
 from typing import Any
 
 from rich.console import Console
@@ -11,6 +12,7 @@ from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
 from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.regression.history import read_history
+from triaxis.verif.regression.run import NIGHTLY
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import RESULT
 from triaxis.verif.signoff.plan import VOLUME
@@ -54,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
     with progress_bar("sign-off", step_count(options.seed, options.pairs)) as progress:
         result = signoff(options.seed, progress, options.pairs)
-    page = write(result, nights)
+    page = write(result, [asdict(night) for night in nights if night.kind == NIGHTLY])
     _print(result)
     print(f"written to {RESULT} and {page}")
     return PASSED if result.passed else FAILED
@@ -99,7 +101,7 @@ def _parts_table(result: Signoff) -> Table:
         found = part.evidence
         state = "absent" if found is None else "passed" if found["passed"] else "FAILED"
         text = part.absent or "" if found is None else found["summary"]
-        seconds = "" if found is None else f"{found['seconds']:.0f}"
+        seconds = "" if found is None or found["seconds"] is None else f"{found['seconds']:.0f}"
         table.add_row(name.replace("_", " "), state, text, seconds)
     return table
 

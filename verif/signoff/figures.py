@@ -52,7 +52,7 @@ def _code_coverage(evidence: Evidence) -> list[Value]:
 def _mutation(evidence: Evidence) -> list[Value]:
     files = evidence["files"].values()
     dead = sum(file["killed"] + file["equivalent"] for file in files)
-    return [share(dead, dead + sum(file["surviving"] for file in files))]
+    return [share(dead, sum(file["mutants"] for file in files))]
 
 
 def _testpoints(evidence: Evidence) -> list[Value]:

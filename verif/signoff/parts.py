@@ -1,6 +1,6 @@
 """The parts of a sign-off: each leaves evidence, or the reason why it has none."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,8 @@ from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, run_grid
 from triaxis.verif.faults import run as faults
 from triaxis.verif.formal import run as formal
-from triaxis.verif.mutation.result import stored_result
+from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
+from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, stored_result
 from triaxis.verif.signoff.folder import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
@@ -72,9 +73,33 @@ def faults_part(seed: int, progress: Progress) -> Evidence | None:
 
 def proofs_part(progress: Progress) -> Evidence | None:
     """Prove everything."""
-    return read_evidence(formal.write_json(formal.prove_all(progress)))
+    return read_evidence(formal.write_result(formal.prove_all(progress), "triaxis formal"))
 
 
 def mutation_part() -> Evidence | None:
-    """Return the stored result of mutation, where it is of this RTL."""
-    return stored_result()
+    """Return the stored result of mutation, where it is of this RTL, without what only replays need."""
+    content = stored_result()
+    if content is None:
+        return None
+    fates = fates_in(content)
+    reasons = {name: entry for entry in read_equivalents() for name in entry.mutants}
+    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "seed", "files", "operators")
+    return {
+        **{key: content[key] for key in kept},
+        "killed": [fate.id for fate in fates if fate.fate == KILLED],
+        "survivors": [
+            {"id": fate.id, "place": fate.place, "original": fate.original, "changed": fate.changed}
+            for fate in fates
+            if fate.fate not in (KILLED, EQUIVALENT)
+        ],
+        "equivalents": [_equivalent(fate, reasons) for fate in fates if fate.fate == EQUIVALENT],
+    }
+
+
+def _equivalent(fate: Fate, reasons: Mapping[str, Equivalent]) -> Evidence:
+    """Return an equivalent mutant with its evidence; raise InputError where it is listed no more."""
+    entry = reasons.get(fate.id)
+    if entry is None:
+        raise InputError(f"mutant {fate.id}: no longer listed as equivalent: run `make mutate`")
+    proved = f"{entry.evidence}: {entry.proves}"
+    return {"id": fate.id, "place": fate.place, "reason": entry.reason, "evidence": proved}

@@ -35,7 +35,7 @@ _JUDGED = 3_000
 # where there is little volume.
 _DIRECTED = {
     # Each family by itself, so that a failure says what it is about; volume sends them all to every build.
-    **{test: (20_000, ("w16_m0", "w16_m16")) for test in FAMILY_TESTS},
+    **dict.fromkeys(FAMILY_TESTS, (20000, ("w16_m0", "w16_m16"))),
     "SeedVectorsTest": (SEED_VECTORS, ("w16_m0", "w16_m16", "w24_m24", "w32_m32")),
     "MeshTest": (20_000, ("w16_m0", "w16_m16", "w24_m24", "w32_m32")),
     "MetamorphicTest": (200_000, ("w16_m0", "w16_m16", "w8_m8", "w16_m0_no_edge_box", "w24_m24")),

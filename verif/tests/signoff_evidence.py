@@ -1,11 +1,14 @@
 """Evidence of a sign-off in which all is well, for tests that break it."""
 
 from triaxis.coverage.stages import STAGES
+from triaxis.coverage.waiver_upkeep import waiver_records
+from triaxis.coverage.waivers import read_waivers
 from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.result import Signoff
 
 RTL = provenance().rtl_hash
+WAIVERS = waiver_records(read_waivers(), {waiver.number: 1 for waiver in read_waivers()})
 
 
 def evidence(**content):
@@ -32,11 +35,7 @@ def _simulation():
 
 def _code_coverage():
     totals = {k: {"hit": 9, "waived": 1, "total": 10} for k in ("line", "branch", "expression", "toggle")}
-    waiver = {
-        "category": "constant by contract", "kind": "toggle", "bins": 1, "reason": "tied", "owner": "dut",
-        "expires": "2027-11-30", "modules": ["triaxis_core"], "number": 1,
-    }  # fmt: skip
-    return evidence(totals=totals, files={"triaxis_core.sv": totals}, waivers=[waiver])
+    return evidence(totals=totals, files={"triaxis_core.sv": totals}, waivers=WAIVERS)
 
 
 def _faults():
@@ -51,15 +50,18 @@ def _faults():
 
 
 def _mutation():
-    counts = {"killed": 10, "equivalent": 2, "surviving": 0}
-    entry = {"id": "triaxis_sum/arithmetic/1", "reason": "same sum", "evidence": "proved"}
-    return evidence(files={"a.sv": counts}, operators={"add": counts}, survivors=[], equivalents=[entry])
+    counts = {"mutants": 12, "killed": 10, "equivalent": 2, "surviving": 0, "absent": 0}
+    entry = {"id": "triaxis_sum/x/1", "place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
+    return evidence(
+        files={"a.sv": counts}, operators={"add": counts}, killed=["triaxis_sum/x/2"], survivors=[],
+        equivalents=[entry], seconds=None,
+    )  # fmt: skip
 
 
 def _proofs():
     proof = {
-        "name": "order", "claim": "results come in order", "method": "k-induction", "parameters": "W = 16",
-        "assumptions": "", "passed": True, "seconds": 1.0,
+        "name": "order", "claim": "results come in order", "method": "k-induction", "parameters": {"W": 16},
+        "assumptions": ["The driver holds its pair."], "passed": True, "seconds": 1.0,
     }  # fmt: skip
     return evidence(proofs=[proof])
 

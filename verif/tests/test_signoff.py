@@ -14,9 +14,9 @@ from triaxis.verif.provenance import provenance
 from triaxis.verif.settings import BURST, PIN, coverage_file
 from triaxis.verif.signoff.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
-from triaxis.verif.signoff.simulation_result import SimulationResult
-from triaxis.verif.signoff.simulation_part import collect_coverage
 from triaxis.verif.signoff.scene_checks import SceneResult
+from triaxis.verif.signoff.simulation_part import collect_coverage
+from triaxis.verif.signoff.simulation_result import SimulationResult
 from triaxis.verif.simulation import RunResult, run_settings
 
 ALL_AXES = list(range(-1, 32))

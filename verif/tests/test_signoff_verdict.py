@@ -5,12 +5,12 @@ import re
 from dataclasses import replace
 
 import pytest
-from triaxis.verif.tests.signoff_evidence import good_parts, signed
 
 from triaxis.coverage.gate import refusals
 from triaxis.coverage.signoff_page import signoff_page
 from triaxis.coverage.stages import read_figures
 from triaxis.verif.signoff.parts import Part
+from triaxis.verif.tests.signoff_evidence import good_parts, signed
 
 
 def changed(name, change):
@@ -21,8 +21,8 @@ def changed(name, change):
 
 
 def survivor(mutation):
-    mutation["files"]["a.sv"]["surviving"] = 1
-    mutation["survivors"] = [{"id": "x", "file": "a.sv", "line": 3, "original": "a < b", "changed": "a <= b"}]
+    mutation["files"]["a.sv"].update(mutants=13, surviving=1)
+    mutation["survivors"] = [{"id": "x", "place": "a.sv:3", "original": "a < b", "changed": "a <= b"}]
 
 
 BREAKS = [
