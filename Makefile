@@ -50,7 +50,7 @@ signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in bu
 regress: $(READY) $(DVSIM) ## every test in every configuration, on dvsim: minutes
 	@$(BIN)/triaxis regress smoke --launcher $(LAUNCHER)
 
-nightly: $(READY) $(DVSIM) ## the same from a billion pairs
+nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, all seeds: about half an hour
 	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
 
 mutate: $(READY) $(YOSYS) ## break every line of dut/ and see each mutant killed or shown equivalent

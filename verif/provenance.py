@@ -7,7 +7,7 @@ from triaxis.verif.build import content_hash, rtl_hash
 from triaxis.verif.paths import ROOT
 
 _CHECKING = ("golden", "coverage", "verif")
-_SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".toml", ".json", ".hjson", ".csv", ".sby", ".patch")
+_SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".toml", ".json", ".hjson", ".csv", ".mk", ".patch", ".sh")
 
 
 @dataclass(frozen=True)

@@ -157,16 +157,20 @@ def test_a_killed_regression_goes_on_with_what_is_missing(folder, seed, victim):
     assert (result["passed"], result["seed"], result["runs_kept_from_before"]) == (True, seed, len(before))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_leaves_no_process(folder, seed, number):
-    process = start(folder, "long", "--seed", seed)
-    await_results(folder, "long", 1, process)
+def stop(process, number):
+    """Stop a regression as Ctrl-C or a batch system does; return what it printed."""
     process.send_signal(number)
     said = process.communicate()[0]
     assert process.returncode == 130, said
     assert "interrupted" in said
+    return said
+
+
+def test_a_termination_leaves_no_process_and_is_no_failure(folder, seed):
+    process = start(folder, "long", "--seed", seed)
+    await_results(folder, "long", 1, process)
+    stop(process, signal.SIGTERM)
     assert await_silence(folder, 1.0)
-    # What was stopped is no failure.
     assert not (folder / "failing.json").exists()
     assert all(record.passed for record in read_records(folder / "long" / "results").values())
 
@@ -174,10 +178,9 @@ def test_an_interrupt_leaves_no_process(folder, seed, number):
 def test_another_seed_is_another_regression(folder, seed):
     process = start(folder, "long", "--seed", seed)
     await_results(folder, "long", 1, process)
-    busy = regress(folder, "long", status=2)
-    assert "a regression is running there" in busy
-    process.send_signal(signal.SIGINT)
-    process.communicate()
+    assert "a regression is running there" in regress(folder, "long", status=2)
+    stop(process, signal.SIGINT)
+    assert await_silence(folder, 1.0)
     left = read_records(folder / "long" / "results")
     (folder / "long.previous").mkdir()
     said = regress(folder, "long", "--seed", seed + 1, "--seeds-times", "0.4")

@@ -1,0 +1,80 @@
+"""The seeds that failed, kept until they pass on other sources: what a regression replays first."""
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.exhaustive.state import write_whole
+from triaxis.verif.regression.buckets import bucket_of
+from triaxis.verif.regression.file_lock import locked
+from triaxis.verif.regression.planned_run import PlannedRun, from_dict
+from triaxis.verif.regression.run_record import RunRecord
+
+
+@dataclass(frozen=True)
+class FailingSeed:
+    """A run that failed. ``identity``: the sources on which it last did; ``flaky``: it passed on them too."""
+
+    run: PlannedRun
+    identity: str
+    bucket: str
+    flaky: bool = False
+
+
+class FailingSeeds:
+    """The file in which they are kept. Several regressions may work on it at a time."""
+
+    def __init__(self, path: Path) -> None:
+        """Keep them in ``path``, which need not exist."""
+        self.path = path
+
+    def read(self) -> list[FailingSeed]:
+        """Return them, the oldest first; raise InputError where the file is damaged."""
+        try:
+            text = self.path.read_text()
+        except FileNotFoundError:
+            return []
+        try:
+            return [_entry(content) for content in json.loads(text)]
+        except (ValueError, TypeError, KeyError) as error:
+            raise InputError(f"{self.path}: damaged: {error!r}; remove it to forget its seeds") from error
+
+    def note(self, records: Iterable[RunRecord]) -> None:
+        """Take in results: what failed is kept, what passed on other sources than it failed on is dropped."""
+        new = {record.run.key: record for record in records}
+
+        def change(entries: list[FailingSeed]) -> list[FailingSeed]:
+            known = {entry.run.key for entry in entries}
+            kept = [after for entry in entries if (after := _after(entry, new.get(entry.run.key)))]
+            added = [_failing(r) for key, r in new.items() if not r.passed and key not in known]
+            return kept + added
+
+        self._change(change)
+
+    def _change(self, change: Callable[[list[FailingSeed]], list[FailingSeed]]) -> None:
+        with locked(self.path.with_suffix(".lock")):
+            before = self.read()
+            after = change(before)
+            if after != before:
+                write_whole(self.path, json.dumps([asdict(entry) for entry in after], indent=1) + "\n")
+
+
+def _entry(content: dict[str, Any]) -> FailingSeed:
+    return FailingSeed(**{**content, "run": from_dict(content["run"])})
+
+
+def _failing(record: RunRecord) -> FailingSeed:
+    return FailingSeed(record.run, record.identity, bucket_of(record))
+
+
+def _after(entry: FailingSeed, record: RunRecord | None) -> FailingSeed | None:
+    """Return what is left of an entry after a result of its run, None: nothing."""
+    if record is None:
+        return entry
+    if not record.passed:
+        same = record.identity == entry.identity
+        return replace(_failing(record), flaky=entry.flaky and same)
+    return replace(entry, flaky=True) if record.identity == entry.identity else None

@@ -1,0 +1,66 @@
+"""One line for each long run that came to its end: how the core and its environment fared over time."""
+
+import json
+import os
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from triaxis.verif.paths import BUILD
+from triaxis.verif.regression.file_lock import locked
+
+HISTORY = BUILD / "history" / "nightly.jsonl"
+
+
+@dataclass(frozen=True)
+class NightlyRecord:
+    """One finished run. ``date``: its end, UTC, ISO 8601; ``kind``: nightly, signoff, ..
+
+    What was not measured is None, never 0.
+    """
+
+    date: str
+    kind: str
+    commit: str | None
+    rtl_hash: str
+    seed: int
+    passed: bool
+    pairs: int
+    failures: int
+    coverage_percent: float | None
+    seconds: float
+    pairs_per_second: float | None
+
+
+def now() -> str:
+    """Return the time as records hold it."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def append_record(record: NightlyRecord, path: Path = HISTORY) -> None:
+    """Add a line. One that was cut off before, by a kill, is left alone and ended."""
+    line = json.dumps(asdict(record)) + "\n"
+    with locked(path.with_suffix(".lock")), path.open("a+b") as file:
+        if file.seek(0, os.SEEK_END):
+            file.seek(-1, os.SEEK_END)
+            line = line if file.read(1) == b"\n" else "\n" + line
+        file.write(line.encode())
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def read_history(path: Path = HISTORY) -> list[NightlyRecord]:
+    """Return all whole lines, the oldest first; what a kill cut off is passed over."""
+    if not path.exists():
+        return []
+    found = (_record(line) for line in path.read_text(encoding="utf-8", errors="replace").splitlines())
+    return [record for record in found if record is not None]
+
+
+def _record(line: str) -> NightlyRecord | None:
+    try:
+        content: dict[str, Any] = json.loads(line)
+        return NightlyRecord(**content)
+    except (ValueError, TypeError):
+        return None

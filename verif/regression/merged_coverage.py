@@ -1,0 +1,32 @@
+"""Functional coverage over the runs of a regression, configuration by configuration."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import load
+from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.page import write_page
+from triaxis.coverage.report import ModelReport, report
+from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regression.run_record import RunRecord
+from triaxis.verif.settings import coverage_file
+
+
+def merge_coverage(
+    folder: Path, planned: Iterable[PlannedRun], records: Iterable[RunRecord]
+) -> list[ModelReport]:
+    """Return the coverage of each planned configuration; write it as coverage.json and coverage.html.
+
+    A run that passed has left its coverage; raise InputError where it is missing or of another model.
+    """
+    covered = {run.config: parse_configuration(run.config).covered for run in planned}
+    models = {config: core_model(*parameters) for config, parameters in covered.items()}
+    database = CoverageDatabase(models.values())
+    for record in records:
+        if record.passed and record.run.config in models:
+            database.add(load(coverage_file(Path(record.folder)), models[record.run.config]))
+    database.save(folder / "coverage.json")
+    write_page(folder / "coverage.html", database)
+    return [report(model, counts) for model, counts in database]

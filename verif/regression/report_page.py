@@ -1,0 +1,120 @@
+"""The outcome of a regression as one HTML page that needs nothing else."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+from triaxis.coverage.html import Marked, code, folded, mark, page, table
+from triaxis.coverage.report import percent
+from triaxis.verif.exhaustive.state import write_whole
+from triaxis.verif.regression.buckets import Bucket
+from triaxis.verif.regression.history import now
+from triaxis.verif.regression.outcome import Outcome
+from triaxis.verif.regression.run_record import RunRecord
+
+NAME = "report.html"
+
+
+def write_report(outcome: Outcome) -> Path:
+    """Write report.html in the regression's folder, whole or not at all."""
+    path = outcome.folder / NAME
+    write_whole(path, page(f"Triaxis: {outcome.regression.name}", _body(outcome)))
+    return path
+
+
+def _body(outcome: Outcome) -> Iterator[str]:
+    yield f"<h1>Regression {outcome.regression.name}</h1>\n"
+    verdict = mark("FAILED" if outcome.problems else "PASSED", not outcome.problems)
+    yield f"<p class=verdict><b>{verdict}</b> {mark(outcome.summary, None)}</p>\n"
+    yield f"<p>{code(outcome.command)}, finished {now()}</p>\n"
+    if outcome.problems:
+        yield "<h2>What stands against it</h2>\n<ul>"
+        yield "".join(f"<li>{mark(problem, None)}\n" for problem in outcome.problems)
+        yield "</ul>\n"
+    if outcome.buckets:
+        yield "<h2>Failure buckets</h2>\n"
+        for bucket in outcome.buckets:
+            yield from _bucket(bucket)
+    yield from _kept(outcome)
+    yield "<h2>Configurations</h2>\n"
+    yield from _configurations(outcome)
+    yield "<h2>Runs</h2>\n"
+    yield from _runs(outcome)
+    yield from _links(outcome)
+
+
+def _bucket(bucket: Bucket) -> Iterator[str]:
+    shown = (
+        (
+            record.run.item,
+            str(record.run.seed),
+            Marked("<br>".join(mark(line, None) for line in (*record.errors, *record.counterexamples))),
+            code(record.replay),
+        )
+        for record in bucket.records
+    )
+    rows = table(("test", "seed", "said", "replay"), shown)
+    yield from folded(f"{len(bucket.records)} x {bucket.message}", rows, is_open=True)
+
+
+def _kept(outcome: Outcome) -> Iterator[str]:
+    if not outcome.replayed:
+        return
+    fixed, flaky = ({seed.run.key for seed in seeds} for seeds in (outcome.fixed, outcome.flaky))
+    yield "<h2>Seeds that failed before, replayed first</h2>\n"
+    rows: list[tuple[str, str, str, Marked]] = []
+    for seed in outcome.replayed:
+        key = seed.run.key
+        now = "passes: fixed" if key in fixed else "flaky" if key in flaky else "still fails"
+        rows.append((seed.run.item, str(seed.run.seed), seed.bucket, mark(now, key in fixed)))
+    yield from table(("test", "seed", "failed with", "now"), rows)
+
+
+def _configurations(outcome: Outcome) -> Iterator[str]:
+    groups: dict[str, list[RunRecord]] = defaultdict(list)
+    for record in outcome.records:
+        groups[record.run.config].append(record)
+    covered = {model.model.removeprefix("core_"): percent([model]) for model in outcome.coverage}
+    rows = (
+        (
+            config,
+            len(group),
+            mark(sum(not r.passed for r in group), all(r.passed for r in group)),
+            sum(r.checked for r in group),
+            sum(r.judged for r in group),
+            covered.get(config),
+        )
+        for config, group in groups.items()
+    )
+    yield from table(("configuration", "runs", "failed", "pairs checked", "judged", "coverage, %"), rows)
+
+
+def _runs(outcome: Outcome) -> Iterator[str]:
+    groups: dict[str, list[RunRecord]] = defaultdict(list)
+    for record in outcome.records:
+        groups[record.run.item].append(record)
+    for item, group in groups.items():
+        failed = sum(not record.passed for record in group)
+        rows = (
+            (
+                str(record.run.seed),
+                mark("passed" if record.passed else "FAILED", record.passed),
+                record.checked if record.counts else None,
+                round(record.seconds, 1),
+                record.host + (f", job {record.job}" if record.job else ""),
+                code(record.replay),
+            )
+            for record in sorted(group, key=lambda record: record.passed)
+        )
+        summary = f"{item}: {len(group)} runs" + (f", {failed} failed" if failed else "")
+        headings = ("seed", "", "pairs checked", "seconds", "where", "replay")
+        yield from folded(summary, table(headings, rows), is_open=bool(failed))
+
+
+def _links(outcome: Outcome) -> Iterator[str]:
+    pages = [outcome.folder / "coverage.html", *outcome.folder.glob("dvsim/**/reports/index.html")]
+    found = sorted(str(path.relative_to(outcome.folder)) for path in pages if path.exists())
+    if found:
+        yield "<h2>More</h2>\n<ul>"
+        yield "".join(f"<li><a href='{link}'>{link}</a>\n" for link in found)
+        yield "</ul>\n"

@@ -1,0 +1,272 @@
+"""Runs a regression: what failed before first, then what is left of it, and writes its reports."""
+
+import hashlib
+import shlex
+import socket
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.paths import BUILD, ROOT
+from triaxis.verif.regression.definition import DEFINITION, Definition, in_checkout, read_definition
+from triaxis.verif.regression.dispatch import (
+    Pass,
+    check_dvsim,
+    last_error,
+    run_pass,
+    terminated_as_interrupted,
+)
+from triaxis.verif.regression.failing import FailingSeed, FailingSeeds
+from triaxis.verif.regression.file_lock import locked
+from triaxis.verif.regression.history import HISTORY, append_record
+from triaxis.verif.regression.identity import identity
+from triaxis.verif.regression.junit import write_junit
+from triaxis.verif.regression.launchers import LOCAL, Launcher, launcher
+from triaxis.verif.regression.merged_coverage import merge_coverage
+from triaxis.verif.regression.one_build import error_file
+from triaxis.verif.regression.outcome import Outcome
+from triaxis.verif.regression.plan import plan
+from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regression.report_page import write_report
+from triaxis.verif.regression.results_file import history_record, write_results
+from triaxis.verif.regression.run_record import (
+    RunRecord,
+    read_record,
+    read_records,
+    record_file,
+    write_record,
+)
+from triaxis.verif.regression.state import State, begin, read_state, write_state
+from triaxis.verif.regression.testplan_view import write_view
+
+FOLDER = BUILD / "regress"
+# The regression whose outcomes the history keeps, and whose seed is the date where none is given.
+NIGHTLY = "nightly"
+# Seeds multiplied by more than this are a mistake: a regression of months.
+MOST_SEEDS_MULTIPLIED = 1000.0
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user wants. ``seed``: None: that of what was left unfinished, or the usual one."""
+
+    regression: str
+    seed: int | None = None
+    multiplier: float = 1.0
+    launcher: str = LOCAL
+    jobs: int | None = None
+    fresh: bool = False
+    definition: Path = DEFINITION
+    folder: Path = FOLDER
+    history: Path = HISTORY
+
+    def command(self, seed: int) -> str:
+        """Return the command that asks for the same."""
+        words = ["triaxis", "regress", self.regression, "--seed", str(seed)]
+        words += ["--launcher", self.launcher] if self.launcher != LOCAL else []
+        words += ["--seeds-times", str(self.multiplier)] if self.multiplier != 1 else []
+        words += ["--definition", in_checkout(self.definition)] if self.definition != DEFINITION else []
+        words += ["--folder", in_checkout(self.folder)] if self.folder != FOLDER else []
+        return shlex.join(words)
+
+
+# Told of the runs in all, and of those that are done.
+Watch = Callable[[int, int], None]
+
+
+def regress(request: Request, say: Callable[[str], None], watch: Watch) -> Outcome:
+    """Run what is left of the regression, and write its reports; ``say`` is given a line now and then.
+
+    Raise InputError where it cannot start, KeyboardInterrupt where it was stopped; what was done until
+    then is kept, and the same call goes on from there.
+    """
+    folder = request.folder / request.regression
+    busy = f"{folder}: a regression is running there: wait for its end, or use another --folder"
+    with locked(request.folder / f"{request.regression}.lock", busy), terminated_as_interrupted():
+        return _Regression(request, folder, say, watch).run()
+
+
+def usual_seed(name: str) -> int:
+    """Return the seed where none is given: 1, for a nightly regression the date, as 20250131 (UTC)."""
+    return int(datetime.now(UTC).strftime("%Y%m%d")) if name == NIGHTLY else 1
+
+
+def _tag(folder: Path) -> str:
+    """Return a short name of a folder, for a cluster's jobs: whoever continues there ends what is left."""
+    return f"{folder.name}-{hashlib.sha256(str(folder).encode()).hexdigest()[:8]}"
+
+
+class _Regression:
+    """One call: what it works on."""
+
+    def __init__(self, request: Request, folder: Path, say: Callable[[str], None], watch: Watch) -> None:
+        check_dvsim()
+        for path in (ROOT, request.folder):
+            if any(character.isspace() for character in str(path)):
+                raise InputError(f"{path}: has a blank in its name, which make cannot take: use another")
+        self._request, self._folder, self._say, self._watch = request, folder, say, watch
+        self._definition: Definition = read_definition(request.definition)
+        self._regression = self._definition.regression(request.regression)
+        self._identity = identity()
+        self._launcher: Launcher = launcher(request.launcher, f"triaxis-{_tag(folder)}", request.jobs)
+        self._failing = FailingSeeds(request.folder / "failing.json")
+        self._results = folder / "results"
+
+    def run(self) -> Outcome:
+        """Run it, and write everything."""
+        request, state = self._request, self._begin()
+        planned = plan(self._definition, request.regression, state.seed, state.multiplier)
+        # Left over by a regression that was killed together with its dvsim.
+        self._launcher.end_jobs()
+        replayed = self._kept_seeds()
+        kept = sum(self._done(run) for run in planned)
+        if kept:
+            self._say(f"continuing: {kept} of {len(planned)} runs passed before")
+        write_view(self._testplan, list(self._definition.items.values()))
+        first = [seed.run for seed in replayed]
+        everything = list({run.key: run for run in (*first, *planned)}.values())
+        if first:
+            self._say(f"replaying {len(first)} seeds that failed before")
+        self._pass("replay", first, everything)
+        keys = {run.key for run in first}
+        self._pass("main", [run for run in planned if run.key not in keys], everything)
+        outcome = self._outcome(state, planned, everything, replayed, kept)
+        self._write(outcome)
+        return outcome
+
+    @property
+    def _testplan(self) -> Path:
+        return self._request.folder / "testplan.hjson"
+
+    def _begin(self) -> State:
+        request = self._request
+        before = read_state(self._folder)
+        seed = request.seed
+        if seed is None:
+            left = before if before and not before.finished and not request.fresh else None
+            seed = left.seed if left else usual_seed(request.regression)
+        wanted = State(request.regression, seed, request.multiplier, self._identity, ())
+        state = begin(self._folder, wanted, request.fresh)
+        if before and not before.finished and not request.fresh and len(state.started) == 1:
+            self._say("not continued: what was left unfinished is of another seed or of other sources")
+        return state
+
+    def _kept_seeds(self) -> list[FailingSeed]:
+        """Return the seeds to be replayed: those that the definition still has a test for."""
+        seeds, items = self._failing.read(), self._definition.items
+        known = [s for s in seeds if s.run.item in items and items[s.run.item].config == s.run.config]
+        if len(known) < len(seeds):
+            self._say(f"{len(seeds) - len(known)} kept seeds not replayed: their tests are not in this file")
+        return known
+
+    def _done(self, run: PlannedRun) -> bool:
+        record = read_record(record_file(self._results, run))
+        return record is not None and record.passed and record.identity == self._identity
+
+    def _pass(self, name: str, runs: Sequence[PlannedRun], everything: Sequence[PlannedRun]) -> None:
+        """Have dvsim do those of the runs that have not passed yet."""
+        missing = [run for run in runs if not self._done(run)]
+        if not missing:
+            return
+        # A failure of an earlier attempt must not pass for one of this; it stays readable beside it.
+        for path in (record_file(self._results, run) for run in missing):
+            if path.exists():
+                path.replace(path.with_suffix(".before"))
+        one = Pass(
+            self._definition,
+            self._launcher,
+            self._folder,
+            self._failing.path,
+            self._testplan,
+            self._identity,
+            name,
+        )
+        begun = time.time()
+
+        def watch() -> None:
+            done = sum(record_file(self._results, run).exists() for run in everything)
+            self._watch(len(everything), done)
+
+        code = run_pass(one, missing, watch)
+        if code < 0:
+            raise InputError(f"dvsim was killed (signal {-code}): the same command goes on from here")
+        if identity() != self._identity:
+            raise InputError("the RTL or its environment changed during the regression: start it again")
+        self._account_for(one, missing, begun)
+
+    def _account_for(self, one: Pass, runs: Sequence[PlannedRun], begun: float) -> None:
+        """Write a failed result for each run that left none: killed, out of time, or its build failed."""
+        silent = [run for run in runs if not record_file(self._results, run).exists()]
+        reasons = {run.key: self._why_silent(one, run) for run in silent}
+        if silent and len(silent) == len(runs) and not any(reasons.values()):
+            raise InputError(f"dvsim started no run: {last_error(one.log)} (log: {one.log})")
+        for run in silent:
+            reason = reasons[run.key] or f"not started: {last_error(one.log)}"
+            settings = run.settings(self._folder / "runs" / run.key)
+            record = RunRecord(
+                run,
+                self._identity,
+                False,
+                (f"ERROR {reason}",),
+                (),
+                None,
+                begun,
+                time.time(),
+                socket.gethostname(),
+                None,
+                str(one.run_log(run)),
+                settings.folder,
+                settings.replay_command,
+            )
+            self._failing.note([record])
+            write_record(self._results, record)
+
+    def _why_silent(self, one: Pass, run: PlannedRun) -> str:
+        """Return why a run left no result, empty where it was not even started."""
+        failed_build = error_file(self._folder, run.config)
+        if failed_build.exists():
+            return failed_build.read_text().strip()
+        log = one.run_log(run)
+        if not log.exists():
+            return ""
+        return f"the run ended without a result, killed or out of time: {last_error(log)}"
+
+    def _outcome(
+        self,
+        state: State,
+        planned: Sequence[PlannedRun],
+        everything: Sequence[PlannedRun],
+        replayed: Sequence[FailingSeed],
+        kept: int,
+    ) -> Outcome:
+        found = read_records(self._results)
+        records = [found[run.key] for run in everything if run.key in found]
+        coverage = merge_coverage(self._folder, planned, records)
+        keys = {run.key for run in everything}
+        flaky = [seed for seed in self._failing.read() if seed.flaky and seed.run.key in keys]
+        return Outcome(
+            self._regression,
+            state,
+            self._folder,
+            self._request.command(state.seed),
+            self._launcher.kind,
+            tuple(planned),
+            tuple(records),
+            tuple(replayed),
+            tuple(flaky),
+            kept,
+            tuple(coverage),
+            state.seconds(records, time.time()),
+        )
+
+    def _write(self, outcome: Outcome) -> None:
+        """Write the reports, the history, last that it is finished: a kill repeats them."""
+        write_report(outcome)
+        write_junit(outcome)
+        write_results(outcome)
+        if outcome.regression.name == NIGHTLY:
+            append_record(history_record(outcome), self._request.history)
+        write_state(self._folder, replace(outcome.state, finished=True))
