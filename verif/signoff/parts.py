@@ -73,7 +73,8 @@ def faults_part(seed: int, progress: Progress) -> Evidence | None:
 
 def proofs_part(progress: Progress) -> Evidence | None:
     """Prove everything."""
-    return read_evidence(formal.write_result(formal.prove_all(progress), "triaxis formal"))
+    result = formal.prove_all(progress, folder=FOLDER / "formal")
+    return read_evidence(formal.write_result(result, "triaxis formal"))
 
 
 def mutation_part() -> Evidence | None:

@@ -50,30 +50,29 @@ STREAMS = (
     ),
     Broken(
         "a clock too early", "streams_m0", "triaxis_core.sv",
-        "localparam int unsigned Latency = datapath_latency(W, M);",
-        "localparam int unsigned Latency = datapath_latency(W, M) - 1;", "assertion",
+        ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-2])", "check",
     ),
     Broken(
         "loses results now and then", "streams_m16", "triaxis_core.sv",
         ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
-        "assertion",
+        "check",
     ),
     Broken(
         "duplicates a result", "streams_m0", "triaxis_fifo.sv",
-        "if (pop_i) read_q", "if (pop_i && !(push_i && read_q[3:0] == 4'd9)) read_q", "assertion",
+        "if (pop_i) read_q", "if (pop_i && !(push_i && read_q[3:0] == 4'd9)) read_q", "check",
     ),
     Broken(
         "withdraws a waiting result", "streams_m0", "triaxis_fifo.sv",
-        "if (pop_i) read_q", "if (pop_i || (valid_o && read_q[3:0] == 4'd9)) read_q", "assertion",
+        "if (pop_i) read_q", "if (pop_i || (valid_o && read_q[3:0] == 4'd9)) read_q", "check",
     ),
     Broken(
-        "a reset leaves the queue's words", "streams_m0", "triaxis_fifo.sv",
-        "      read_q  <= '0;\n", "      read_q  <= read_q;\n", "assertion",
+        "a result out of a reset", "streams_m0", "triaxis_fifo.sv",
+        "write_q <= '0;", "write_q <= ptr_t'(1);", "check",
     ),
     Broken(
         "ready two clocks after reset", "streams_m0", "triaxis_core.sv",
         "awake_q <= 1'b1;", "awake_q <= valid_q[0] || in_flight_q == count_t'(0);\n"
-        "      if (!awake_q) awake_q <= tag[0];", "assertion",
+        "      if (!awake_q) awake_q <= tag[0];", "check",
     ),
 )  # fmt: skip
 
@@ -96,7 +95,7 @@ LEAVES = (
     ),
     Broken(
         "a middle point taken for the lowest", "box_m0", "triaxis_extent.sv",
-        "if (below_q[0] && !below_q[2]) low_d", "if (below_q[0]) low_d", "Box",
+        "if (below_q[0] && !below_q[2]) low_d", "if (below_q[0]) low_d", "Lowest",
     ),
     Broken(
         "claims the last axis", "verdict_m0", "triaxis_verdict.sv",
@@ -123,9 +122,24 @@ LEAVES = (
         "product[CWidth+M-1:0]", "product[CWidth+M:1]", "Product",
     ),
     Broken(
-        "low piece with a sign", "multiply", "triaxis_mul.sv",
+        "low piece with a sign", "multiply_small", "triaxis_mul.sv",
         "assign x_piece[i] = {1'b0, x[i*XStep+:XStep]};",
         "assign x_piece[i] = {x[i*XStep+XStep-1], x[i*XStep+:XStep]};", "Product",
+    ),
+    Broken(
+        "low pieces of the second operand with a sign", "multiply_wide", "triaxis_mul.sv",
+        "assign y_piece[j] = {1'b0, y[j*YStep+:YStep]};",
+        "assign y_piece[j] = {y[j*YStep+YStep-1], y[j*YStep+:YStep]};", "not the operand",
+    ),
+    Broken(
+        "a piece at the wrong place", "multiply_wide", "triaxis_mul.sv",
+        "<<< (i * XStep + j * YStep)", "<<< (i * XStep + j * XStep)", "do not add up",
+    ),
+    Broken(
+        "a piece's product one bit too narrow", "multiply_wide", "triaxis_mul.sv",
+        "logic signed [XBits+YBits-1:0] piece_d, piece_q;",
+        "logic signed [XBits+YBits-3:0] piece_d, piece_q;",
+        "does not fit",
     ),
     Broken(
         "cross product one bit too narrow", "cross_w2", "triaxis_cross.sv",
@@ -156,7 +170,8 @@ AXES = (
     ),
     Broken(
         "a component of an edge with the wrong sign", "w16_m0", "triaxis_planar.sv",
-        "cross_t'(axis_comp_t'(f_1[j]) + edge2_1[j])", "cross_t'(axis_comp_t'(f_1[j]) - edge2_1[j])", "axis",
+        "cross_t'(axis_comp_t'(f_1[j]) + edge2_1[j])", "cross_t'(axis_comp_t'(f_1[j]) - edge2_1[j])",
+        "too few",
     ),
     Broken(
         "differences one bit too narrow", "w16_m0", "triaxis_pkg.sv",
@@ -170,6 +185,12 @@ AXES = (
         "the thresholds of two axes swapped", "w8_m8", "triaxis_thresholds.sv",
         "assign axes[AxisNormalA][k] = axis_comp_t'(normal_a_i[k]);",
         "assign axes[AxisNormalA][k] = axis_comp_t'(normal_b_i[k]);", "not the components of the axis",
+    ),
+    Broken(
+        "interval tests that ignore their thresholds", "w8_m8", "triaxis_plane_axes.sv",
+        "          .M(M),\n          .Comb(Comb)\n      ) u_b (",
+        "          .M(0),\n          .Comb(Comb)\n      ) u_b (",
+        "its M is not the core's",
     ),
     Broken(
         "operands move for decided pairs", "w16_m0", "triaxis_boxes.sv",
@@ -258,7 +279,7 @@ def test_what_is_not_covered_fails(tmp_path):
     verdict = _named("verdict_m0")
     assert isinstance(verdict, SbyProof)
     problems = replace(verdict, cover_depth=2).prove(DUT, tmp_path / "unreached").problems
-    assert any("cover FAIL: SeenLastAxis" in problem for problem in problems), problems
+    assert any("cover: FAIL: " in problem and "SeenLastAxis" in problem for problem in problems), problems
 
 
 @pytest.mark.usefixtures("tools")
@@ -271,6 +292,17 @@ def test_what_does_not_compile_fails(tmp_path):
         _break(broken, tmp_path / "again"), tmp_path / "again" / "proof"
     )
     assert any("yosys gave no netlist" in problem for problem in finding.problems)
+
+
+@pytest.mark.parametrize(("status", "said"), [(0, "no result"), (None, "no result within")])
+def test_no_result_is_a_failure(tmp_path, monkeypatch, status, said):
+    for module in ("sby_proof", "netlist"):
+        monkeypatch.setattr(f"triaxis.verif.formal.{module}.run_prover", lambda *arguments: status)
+    for name in ("streams_m0", "verdict_m0"):
+        assert any(said in problem for problem in _named(name).prove(DUT, tmp_path / name).problems)
+    for name in ("axes_other", "multiply_wide"):
+        problems = _named(name).prove(DUT, tmp_path / name).problems
+        assert any("yosys gave no netlist" in problem for problem in problems), problems
 
 
 def test_widths_hold(tmp_path):

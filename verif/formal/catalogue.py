@@ -1,0 +1,178 @@
+"""All proofs, by name."""
+
+from functools import cache
+
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.formal.axis_proofs import AxesProof
+from triaxis.verif.formal.pieces import PiecesProof
+from triaxis.verif.formal.proof import Proof
+from triaxis.verif.formal.sby_proof import Method, SbyProof
+from triaxis.verif.formal.widths import WidthsProof
+
+_WIDTH = 16
+_LEAVES = ("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_sum.sv", "triaxis_mul.sv")
+
+
+def _streams(margin: int) -> SbyProof:
+    return SbyProof(
+        name=f"streams_m{margin}",
+        claim="For all time and under every pattern of stalls and resets: results are stable while they "
+        "wait; none is lost, duplicated or out of order, each carries its own tag and verdict; the "
+        "latency is the documented one exactly; one pair per clock while results are taken; a reset "
+        "discards everything, and one clock after it the core is ready; never more pairs in flight "
+        "than the queue has places.",
+        method=Method.INDUCTION,
+        top="triaxis_core_formal",
+        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_fifo.sv", "triaxis_core.sv"),
+        formal_files=("triaxis_datapath.sv", "triaxis_core_rules.sv", "triaxis_core_formal.sv"),
+        parameters={"W": _WIDTH, "M": margin, "TAG": 16},
+        assumptions=(
+            "the verdict of a pair is any nine bits, documented latency after it: the streams carry "
+            "verdicts and never look at them; the proofs `axes_*` show that the data path has that latency",
+            "a reset holds at the first clock, and from then on is asserted and released at any clocks",
+        ),
+        depth=1,
+        cover_depth=48,
+    )
+
+
+def _intervals(margin: int) -> SbyProof:
+    return SbyProof(
+        name=f"interval_m{margin}",
+        claim="An interval test separates exactly where all points lie beyond 0 and the triangle's own "
+        "other end by more than the threshold, on one side, strictly, for free projections and "
+        "thresholds.",
+        method=Method.WINDOW,
+        top="triaxis_interval_formal",
+        dut_files=("triaxis_pkg.sv", "triaxis_interval.sv"),
+        formal_files=("triaxis_interval_check.sv", "triaxis_interval_formal.sv"),
+        parameters={"W": _WIDTH, "M": margin},
+        assumptions=("the end moved by the threshold fits: shown by the proofs `axes_*`",),
+        depth=4 if margin else 3,
+        cover_depth=5,
+    )
+
+
+def _box(margin: int) -> SbyProof:
+    return SbyProof(
+        name=f"box_m{margin}",
+        claim="A box test separates exactly where all gaps of the nine pairs of vertices, one way or the "
+        "other, exceed the margin, for free coordinates and margins.",
+        method=Method.WINDOW,
+        top="triaxis_box_formal",
+        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_extent.sv", "triaxis_box.sv"),
+        formal_files=("triaxis_box_formal.sv",),
+        parameters={"W": _WIDTH, "M": margin},
+        assumptions=(),
+        depth=5,
+        cover_depth=6,
+    )
+
+
+def _verdict(name: str, normal_wait: int, det_wait: int) -> SbyProof:
+    return SbyProof(
+        name=name,
+        claim="Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one "
+        "set; degenerate and coplanar exactly where the normal and all ten free triple products are "
+        "zero; no flag of a masked pair.",
+        method=Method.WINDOW,
+        top="triaxis_verdict_formal",
+        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_flags.sv", "triaxis_verdict.sv"),
+        formal_files=("triaxis_verdict_formal.sv",),
+        parameters={"W": _WIDTH, "NormalWait": normal_wait, "DetWait": det_wait},
+        assumptions=(),
+        depth=normal_wait + 3,
+        cover_depth=normal_wait + 4,
+    )
+
+
+def _threshold(name: str, components: int, size: int, margin: int, depth: int, exact: bool) -> SbyProof:
+    product = (
+        "the threshold is their product" if exact else "the threshold is what the multiplier makes of them"
+    )
+    return SbyProof(
+        name=name,
+        claim="The sum of the absolutes of free components and the free margin reach the multiplier exactly,"
+        " at one clock, "
+        f"and {product}.",
+        method=Method.WINDOW,
+        top="triaxis_threshold_formal",
+        dut_files=(*_LEAVES, "triaxis_threshold.sv"),
+        formal_files=("triaxis_threshold_formal.sv",),
+        parameters={"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
+        assumptions=("the sum of absolutes fits: shown by the proofs `axes_*`",),
+        depth=depth,
+        cover_depth=depth + 1,
+    )
+
+
+_MULTIPLY = SbyProof(
+    name="multiply_small",
+    claim="The multiplier gives the product of its operands at the documented latency, whole and split into"
+    " three or four pieces, straight and swapped.",
+    method=Method.WINDOW,
+    top="triaxis_mul_formal",
+    dut_files=_LEAVES,
+    formal_files=("triaxis_mul_check.sv", "triaxis_mul_formal.sv"),
+    parameters={},
+    assumptions=(
+        "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
+        "split",
+    ),
+    depth=4,
+    cover_depth=5,
+    edits={"triaxis_pkg.sv": (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))},
+)
+
+_CROSS = SbyProof(
+    name="cross_w2",
+    claim="Cross and triple products of four vertices, multipliers included, are the determinants of the "
+    "definition.",
+    method=Method.WINDOW,
+    top="triaxis_cross_formal",
+    dut_files=(*_LEAVES, "triaxis_cross.sv", "triaxis_dot.sv"),
+    formal_files=("triaxis_cross_formal.sv",),
+    parameters={"W": 2},
+    assumptions=(),
+    depth=1,
+    cover_depth=1,
+)
+
+
+def _axes_with_margins() -> tuple[Configuration, ...]:
+    return tuple(Configuration(width, width) for width in range(MIN_WIDTH, MAX_WIDTH + 1))
+
+
+def _axes_without_margins() -> tuple[Configuration, ...]:
+    widths = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
+    return (
+        *widths,
+        Configuration(16, 8),
+        Configuration(24, 10),
+        Configuration(16, 0, edge_box=False),
+        Configuration(16, 0, gating=False),
+    )
+
+
+@cache
+def proofs() -> tuple[Proof, ...]:
+    """Return all proofs, the longest first, so that two at a time end together."""
+    return (
+        AxesProof("axes_margins", _axes_with_margins()),
+        AxesProof("axes_other", _axes_without_margins(), detectors=(8, 16, 32)),
+        _streams(0),
+        _streams(_WIDTH),
+        _intervals(_WIDTH),
+        _MULTIPLY,
+        _intervals(0),
+        _box(_WIDTH),
+        _box(0),
+        _threshold("threshold_space", 3, 34, _WIDTH, 6, exact=False),
+        _threshold("threshold_plane", 2, 17, _WIDTH, 4, exact=False),
+        _threshold("threshold_small", 3, 5, 3, 5, exact=True),
+        _verdict("verdict_m0", 9, 6),
+        _CROSS,
+        PiecesProof(),
+        WidthsProof(),
+    )

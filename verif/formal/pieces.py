@@ -1,0 +1,223 @@
+"""Proves, on its netlist, that the split multiplier multiplies, for operands of their real widths.
+
+Each operand is cut into slices, the top one signed, and each slice is a variable. Products of slices,
+shifts and sums are then polynomials in these, modulo the width of the result, and the last one must be the
+product of the two operands: the sums of their slices, each at its place. Where a word is sign-extended, the
+value that it holds must fit it, by the ranges of the slices.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, read_netlist, run_yosys
+from triaxis.verif.formal.package import Package
+from triaxis.verif.formal.proof import Finding
+from triaxis.verif.formal.tools import read_command
+
+_TOP = "triaxis_mul"
+
+
+@dataclass(frozen=True)
+class _Slice:
+    """Bits low .. high of an operand, as a number with or without a sign."""
+
+    operand: str
+    low: int
+    high: int
+    signed: bool
+
+    @property
+    def largest(self) -> int:
+        """Return the largest absolute."""
+        bits = self.high - self.low + 1
+        return 1 << (bits - 1) if self.signed else (1 << bits) - 1
+
+
+# Coefficients of products of slices.
+_Sum = dict[tuple[_Slice, ...], int]
+
+
+@dataclass(frozen=True)
+class _Value:
+    """What a word holds, modulo its bits, and its age."""
+
+    terms: _Sum
+    bits: int
+    age: int
+
+    @property
+    def is_slice(self) -> bool:
+        """Return whether this is one slice of an operand, and not a result."""
+        return [len(key) for key in self.terms] == [1]
+
+    @property
+    def largest(self) -> int:
+        """Return a bound of the absolute, where the value has no modulus."""
+        total = 0
+        for slices, factor in self.terms.items():
+            size = abs(factor)
+            for one in slices:
+                size *= one.largest
+            total += size
+        return total
+
+
+class _Multiplier:
+    """The netlist of one multiplier."""
+
+    def __init__(self, netlist: Netlist) -> None:
+        self._netlist = netlist
+        self._inputs = {
+            bit: (name, place) for name in ("a_i", "b_i") for place, bit in enumerate(netlist.inputs[name])
+        }
+        self._known: dict[str, _Value] = {}
+
+    def prove(self) -> int:
+        """Prove that the output is the product; return its age."""
+        found = self._word(self._netlist.outputs["product_o"])
+        modulus = 1 << len(self._netlist.outputs["product_o"])
+        parts = {name: self._parts(found.terms, name) for name in ("a_i", "b_i")}
+        wanted = {
+            (left, right): (1 << (left.low + right.low)) % modulus
+            for left in parts["a_i"]
+            for right in parts["b_i"]
+        }
+        terms = {key: factor % modulus for key, factor in found.terms.items() if factor % modulus}
+        if terms != wanted:
+            raise NetlistError("the pieces do not add up to the product")
+        return found.age
+
+    def _parts(self, terms: _Sum, operand: str) -> list[_Slice]:
+        """Return the slices of an operand, after the check that they are all of it."""
+        slices = {one for key in terms for one in key if one.operand == operand}
+        parts = sorted(slices, key=lambda one: one.low)
+        ends = [-1, *(one.high for one in parts)]
+        whole = ends[-1] == len(self._netlist.inputs[operand]) - 1
+        joined = all(one.low == end + 1 for one, end in zip(parts, ends, strict=False))
+        if not (whole and joined and [one.signed for one in parts] == [False] * (len(parts) - 1) + [True]):
+            raise NetlistError(f"the slices of {operand} are not the operand")
+        return parts
+
+    def _origin(self, bit: Bit) -> tuple[Bit, int]:
+        age = 0
+        while (driver := self._netlist.drivers.get(bit)) is not None and driver[0].kind == "$dff":
+            bit, age = driver[0].ports["D"][driver[2]], age + 1
+        return bit, age
+
+    def _word(self, bits: Sequence[Bit]) -> _Value:
+        """Return what a word holds: a shifted value, then zeros or copies of its highest bit."""
+        origins = [self._origin(bit) for bit in bits]
+        low = next((place for place, (bit, _) in enumerate(origins) if bit != "0"), len(origins))
+        core = origins[low:]
+        zeros = 0
+        while core and core[-1][0] == "0":
+            core, zeros = core[:-1], zeros + 1
+        copies = 0
+        while not zeros and len(core) > 1 and core[-1] == core[-2]:
+            core, copies = core[:-1], copies + 1
+        ages = {age for _, age in core}
+        if len(ages) != 1:
+            raise NetlistError("bits of several clocks in a word")
+        value = self._slice([bit for bit, _ in core], unsigned=zeros > 0)
+        if copies and not value.is_slice and value.largest >= 1 << (len(core) - 1):
+            raise NetlistError("a piece's product does not fit its bits")
+        if zeros and not value.is_slice:
+            raise NetlistError("zeros above a value with a sign")
+        terms = {key: factor << low for key, factor in value.terms.items()}
+        return _Value(terms, len(bits), value.age + ages.pop())
+
+    def _slice(self, bits: Sequence[Bit], unsigned: bool) -> _Value:
+        """Return the value that consecutive bits are: a slice of an operand, or what a cell puts out."""
+        if bits[0] in self._inputs:
+            places = [self._inputs.get(bit) for bit in bits]
+            name, low = self._inputs[bits[0]]
+            if places != [(name, low + place) for place in range(len(bits))]:
+                raise NetlistError("not a slice of an operand")
+            one = _Slice(name, low, low + len(bits) - 1, not unsigned)
+            return _Value({(one,): 1}, len(bits), 0)
+        driver = self._netlist.drivers.get(bits[0])
+        if driver is None or list(bits) != list(driver[0].ports["Y"][: len(bits)]):
+            raise NetlistError("not the value of a cell")
+        return self._cell(driver[0])
+
+    def _cell(self, cell: Cell) -> _Value:
+        if cell.name not in self._known:
+            left, right = self._word(cell.ports["A"]), self._word(cell.ports["B"])
+            if left.age != right.age:
+                raise NetlistError(f"{cell.name}: values of several clocks meet")
+            if cell.kind == "$mul" and not (left.is_slice and right.is_slice):
+                raise NetlistError(f"{cell.name}: it multiplies what is no slice of an operand")
+            bits = cell.parameters["Y_WIDTH"]
+            if min(len(cell.ports["A"]), len(cell.ports["B"])) < bits:
+                raise NetlistError(f"{cell.name}: operands narrower than the result")
+            self._known[cell.name] = _Value(_combine(cell, left.terms, right.terms), bits, left.age)
+        return self._known[cell.name]
+
+
+def _combine(cell: Cell, left: _Sum, right: _Sum) -> _Sum:
+    total: _Sum = {}
+    if cell.kind == "$add":
+        for key, factor in (*left.items(), *right.items()):
+            total[key] = total.get(key, 0) + factor
+    elif cell.kind == "$mul":
+        for one, factor in left.items():
+            for other, times in right.items():
+                key = tuple(sorted((*one, *other), key=lambda part: part.operand))
+                total[key] = total.get(key, 0) + factor * times
+    else:
+        raise NetlistError(f"{cell.name}: a cell {cell.kind} in a multiplier")
+    return total
+
+
+def shapes(package: Package) -> list[tuple[int, int]]:
+    """Return the widths of operands that the core multiplies, at every W without margins and with M = W."""
+    found = set()
+    for width in range(MIN_WIDTH, MAX_WIDTH + 1):
+        difference, cross = package.call("diff_width", width), package.call("cross_width", width)
+        axis = package.call("axis_width", width)
+        margin = width + 1
+        found |= {(difference, difference), (cross, difference), (axis + 1, margin), (difference + 1, margin)}
+    return sorted(found)
+
+
+@dataclass(frozen=True)
+class PiecesProof:
+    """The split multiplier, at all widths of operands that the core has."""
+
+    name: str = "multiply_wide"
+    claim: str = (
+        "The pieces of the split multiplier add up to the product, without overflow and at the documented "
+        "latency, for operands of all widths that the core multiplies at any W, for M = 0 and M = W."
+    )
+    method: str = "polynomial identities on the elaborated netlist"
+    assumptions: tuple[str, ...] = ("the product of two pieces is their product",)
+
+    @property
+    def parameters(self) -> Mapping[str, int | str]:
+        """Return what it holds for."""
+        return {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"}
+
+    def prove(self, dut: Path, folder: Path) -> Finding:
+        """Prove all shapes; see `Proof`."""
+        package = Package(dut)
+        every = shapes(package)
+        names = ["triaxis_pkg.sv", "triaxis_sum.sv", "triaxis_mul.sv"]
+        script = "; ".join(
+            f"{read_command(names, _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
+            f"write_json mul_{a}_{b}.json; design -reset"
+            for a, b in every
+        )
+        problems = []
+        try:
+            run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
+            for a, b in every:
+                text = (folder / f"mul_{a}_{b}.json").read_text(encoding="utf-8")
+                age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], ())).prove()
+                if age != package.call("mul_latency", a, b):
+                    raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
+        except NetlistError as error:
+            problems.append(f"{self.name}: {error}")
+        return Finding(tuple(problems), folder / "yosys.log", {"netlists": len(every)})

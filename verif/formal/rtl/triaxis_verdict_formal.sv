@@ -1,0 +1,99 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Claim and flags, registers included, against their specification, for free axis bits, normals and
+// triple products: near exactly where no axis separates; otherwise the claim separates and none
+// below it does; flags say zero normals and ten zero triple products, and nothing where masked.
+
+module triaxis_verdict_formal
+  import triaxis_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned NormalWait = 9,
+    parameter int unsigned DetWait = 6
+) (
+    input logic clk_i,
+    input logic [NumAxes-1:0] separated_i,
+    input logic gated_i,
+    input logic signed [cross_width(W)-1:0] normal_a_i[3],
+    input logic signed [cross_width(W)-1:0] normal_b_i[3],
+    input logic signed [det_width(W)-1:0] pqr_i[3],
+    input logic signed [det_width(W)-1:0] pf_i[3],
+    input logic signed [det_width(W)-1:0] qf_i[3],
+    input logic signed [det_width(W)-1:0] rst_i
+);
+
+  localparam int unsigned Last = NormalWait + VerdictLatency;
+  typedef logic signed [det_width(W)-1:0] det_t;
+
+  logic degenerate_a_o, degenerate_b_o, coplanar_o;
+  verdict_t verdict_o;
+
+  triaxis_flags #(
+      .W(W),
+      .NormalWait(NormalWait),
+      .DetWait(DetWait)
+  ) u_flags (
+      .*
+  );
+
+  triaxis_verdict u_verdict (
+      .clk_i,
+      .separated_i,
+      .gated_i,
+      .coplanar_i(coplanar_o),
+      .degenerate_a_i(degenerate_a_o),
+      .degenerate_b_i(degenerate_b_o),
+      .verdict_o
+  );
+
+  // What went in, by how long ago. Each comes at its own clock.
+  logic [NumAxes-1:0] separated_q[VerdictLatency];
+  logic gated_q[VerdictLatency];
+  logic [Last-1:0] flat_a_q, flat_b_q;
+  logic [DetWait+VerdictLatency-1:0] flat_q;
+  logic [4:0] clocks_q = '0;
+  logic flat;
+  always_comb begin
+    flat = rst_i == det_t'(0);
+    for (int j = 0; j < 3; j++) begin
+      if (pqr_i[j] != det_t'(0) || pf_i[j] != det_t'(0) || qf_i[j] != det_t'(0)) flat = 1'b0;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    separated_q[0] <= separated_i;
+    separated_q[1] <= separated_q[0];
+    gated_q[0] <= gated_i;
+    gated_q[1] <= gated_q[0];
+    flat_a_q <= {flat_a_q[Last-2:0], {normal_a_i[0], normal_a_i[1], normal_a_i[2]} == '0};
+    flat_b_q <= {flat_b_q[Last-2:0], {normal_b_i[0], normal_b_i[1], normal_b_i[2]} == '0};
+    flat_q <= {flat_q[DetWait+VerdictLatency-2:0], flat};
+    if (clocks_q != 5'(Last)) clocks_q <= clocks_q + 5'd1;
+  end
+
+  logic [NumAxes-1:0] found;
+  logic open;
+  assign found = separated_q[1];
+  assign open  = !gated_q[1];
+
+  logic lower;
+  always_comb begin
+    lower = 1'b0;
+    for (int n = 0; n < int'(NumAxes); n++) begin
+      if (n < int'(verdict_o.axis) && found[n]) lower = 1'b1;
+    end
+    if (clocks_q == 5'(Last)) begin
+      Near : assert (verdict_o.is_near == (found == '0));
+      ClaimSeparates : assert (verdict_o.is_near || found[verdict_o.axis]);
+      ClaimIsLowest : assert (!lower);
+      NoClaimWhereNear : assert (!verdict_o.is_near || verdict_o.axis == axis_t'(0));
+      FlagA : assert (verdict_o.degenerate_a == (open && flat_a_q[Last-1]));
+      FlagB : assert (verdict_o.degenerate_b == (open && flat_b_q[Last-1]));
+      FlagCoplanar : assert (verdict_o.coplanar == (open && flat_q[DetWait+VerdictLatency-1]));
+      SeenLastAxis : cover (verdict_o.axis == axis_t'(NumAxes - 1));
+      SeenFlags : cover (verdict_o.coplanar && verdict_o.degenerate_a && !verdict_o.degenerate_b);
+      SeenMasked : cover (gated_q[1] && flat_a_q[Last-1]);
+    end
+  end
+
+endmodule

@@ -1,0 +1,133 @@
+"""All proofs, some at a time, and the file that keeps what came of them."""
+
+import fcntl
+import fnmatch
+import os
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.evidence import write_evidence
+from triaxis.verif.formal.catalogue import proofs
+from triaxis.verif.formal.proof import Finding, Outcome, Proof
+from triaxis.verif.formal.tools import require_tools
+from triaxis.verif.paths import BUILD, DUT, ROOT
+
+FOLDER = BUILD / "formal"
+RESULT = FOLDER / "formal.json"
+
+
+@dataclass(frozen=True)
+class FormalResult:
+    """What came of some or all proofs."""
+
+    outcomes: tuple[Outcome, ...]
+    complete: bool
+    seconds: float
+    rtl_changed: bool = False
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what is not proved, one line each."""
+        found = [problem for outcome in self.outcomes for problem in outcome.finding.problems]
+        return [*found, "the RTL changed during the proofs"] if self.rtl_changed else found
+
+    @property
+    def passed(self) -> bool:
+        """Return whether everything that was tried is proved, and something was."""
+        return bool(self.outcomes) and not self.problems
+
+    @property
+    def summary(self) -> str:
+        """Return the result in a line."""
+        proved = sum(outcome.passed for outcome in self.outcomes)
+        return f"{proved} of {len(self.outcomes)} proofs hold, in {self.seconds:.0f} s"
+
+
+def proof_names() -> list[str]:
+    """Return the names of all proofs."""
+    return [proof.name for proof in proofs()]
+
+
+def prove_all(
+    progress: Callable[[int], None], dut: Path = DUT, only: str = "*", jobs: int = 2, folder: Path = FOLDER
+) -> FormalResult:
+    """Run the proofs whose names match ``only``, ``jobs`` at a time; raise InputError where none does.
+
+    ``dut`` may be another folder of RTL with the same files. ``folder`` takes logs, and traces of what fails.
+    """
+    require_tools()
+    chosen = [proof for proof in proofs() if fnmatch.fnmatchcase(proof.name, only)]
+    if not chosen:
+        raise InputError(f"proof {only}: no such proof: choose of {', '.join(proof_names())}")
+    if jobs < 1:
+        raise InputError(f"jobs {jobs}: must be at least 1")
+    outcomes: dict[str, Outcome] = {}
+    with _alone(folder), ThreadPoolExecutor(jobs) as pool:
+        before, start = rtl_hash(dut), time.monotonic()
+        running = [pool.submit(_prove, proof, dut, folder / proof.name) for proof in chosen]
+        for future in as_completed(running):
+            outcomes[future.result().proof.name] = future.result()
+            progress(1)
+    return FormalResult(
+        tuple(outcomes[proof.name] for proof in chosen),
+        len(chosen) == len(proofs()),
+        time.monotonic() - start,
+        rtl_hash(dut) != before,
+    )
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Wait until no other run has the folder, and have it while the block runs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _prove(proof: Proof, dut: Path, folder: Path) -> Outcome:
+    start = time.monotonic()
+    try:
+        finding = proof.prove(dut, folder)
+    except InputError as error:
+        finding = Finding((f"{proof.name}: {error}",))
+    return Outcome(proof, finding, time.monotonic() - start)
+
+
+def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Path:
+    """Write the result of all proofs; raise ValueError for a part of them."""
+    if not result.complete:
+        raise ValueError("a part of the proofs is no evidence")
+    content = {
+        "passed": result.passed,
+        "problems": result.problems,
+        "summary": result.summary,
+        "command": command,
+        "seconds": round(result.seconds, 1),
+        "proofs": [_entry(outcome) for outcome in result.outcomes],
+        "total": len(result.outcomes),
+        "proved": sum(outcome.passed for outcome in result.outcomes),
+    }
+    return write_evidence(path, content)
+
+
+def _entry(outcome: Outcome) -> dict[str, object]:
+    proof, finding = outcome.proof, outcome.finding
+    return {
+        "name": proof.name,
+        "claim": proof.claim,
+        "method": str(proof.method),
+        "parameters": dict(proof.parameters),
+        "assumptions": list(proof.assumptions),
+        "passed": outcome.passed,
+        "problems": list(finding.problems),
+        "facts": dict(finding.facts),
+        "seconds": round(outcome.seconds, 1),
+        "log": None if finding.log is None else os.path.relpath(finding.log, ROOT),
+    }

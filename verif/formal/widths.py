@@ -1,0 +1,164 @@
+"""The widths of the package, proved by enumerating the corners of the coordinate box.
+
+Every quantity is a polynomial, affine in each coordinate, so over a box it is largest at a corner; it is
+homogeneous and does not change where all six vertices are moved, so the corners {0, 1}^18 tell its largest
+value for every width: a number times a power of L = 2^W - 1. `Polynomial.corner_bound` checks all three.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import combinations, product
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.verif.formal.definition import (
+    FIRST_PLANE_AXIS,
+    Vector,
+    axes,
+    edge,
+    inner,
+    minus,
+    orientations,
+    outer,
+    vertex,
+)  # fmt: skip
+from triaxis.verif.formal.package import Package
+from triaxis.verif.formal.polynomial import Polynomial, at_corners
+from triaxis.verif.formal.proof import Finding
+
+_FIRST_SPACE_AXIS = 3
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The largest absolute of a kind of quantity, factor * L^degree, and the width that is to hold it."""
+
+    quantity: str
+    factor: int
+    degree: int
+    width: str
+
+    def largest(self, width: int) -> int:
+        """Return the largest absolute for coordinates of ``width`` bits."""
+        return self.factor * ((1 << width) - 1) ** self.degree
+
+
+def _largest(quantity: str, polynomials: Iterable[Polynomial], degree: int) -> int:
+    """Return the factor of the bound; raise InputError where the argument does not hold."""
+    factors = []
+    for polynomial in set(polynomials):
+        if polynomial.terms and (polynomial.corner_bound is None or polynomial.degree != degree):
+            raise InputError(f"{quantity}: not affine, homogeneous and translatable: corners do not tell")
+        factors.append(polynomial.corner_bound or 0)
+    return max(factors)
+
+
+def _common_vertex_products() -> list[Polynomial]:
+    """Return the components of the cross products of two differences from one vertex."""
+    every = [vertex(t, v) for t in (0, 1) for v in range(3)]
+    return [
+        component
+        for start in every
+        for u, v in combinations([minus(end, start) for end in every if end != start], 2)
+        for component in outer(u, v)
+    ]
+
+
+def _edge_edge() -> list[Vector]:
+    return [outer(edge(0, i), edge(1, j)) for i, j in product(range(3), range(3))]
+
+
+def _projection_differences() -> list[Polynomial]:
+    """Return the differences of any two vertices' projections on the eleven axes in space."""
+    return [
+        inner(axis.vector, minus(u, v))
+        for axis in axes()[_FIRST_SPACE_AXIS:FIRST_PLANE_AXIS]
+        for u, v in combinations([vertex(t, n) for t in (0, 1) for n in range(3)], 2)
+    ]
+
+
+def _differences() -> list[Polynomial]:
+    every = [vertex(t, v) for t in (0, 1) for v in range(3)]
+    return [component for u, v in combinations(every, 2) for component in minus(u, v)]
+
+
+def _largest_norm(vectors: Iterable[Vector]) -> int:
+    """Return the largest sum of absolutes: convex in each coordinate, so at a corner as well."""
+    largest = 0
+    for vector in vectors:
+        variables = sorted({number for component in vector for number in component.variables})
+        largest = max(largest, int(abs(at_corners(vector, variables)).sum(0).max()))
+    return largest
+
+
+def bounds() -> list[Bound]:
+    """Return the bounds of all kinds of quantities, enumerated."""
+    edge_edge = _edge_edge()
+    signed = (
+        ("difference of two vertices", _differences(), 1, "diff_width"),
+        ("cross product from a common vertex", _common_vertex_products(), 2, "cross_width"),
+        ("edge x edge, one component", [c for v in edge_edge for c in v], 2, "axis_width"),
+        ("orientation of four vertices", list(orientations().values()), 3, "det_width"),
+        ("difference of projections on an axis", _projection_differences(), 3, "span_width"),
+    )
+    return [
+        Bound(quantity, _largest(quantity, polynomials, degree), degree, width)
+        for quantity, polynomials, degree, width in signed
+    ]
+
+
+@dataclass(frozen=True)
+class WidthsProof:
+    """The widths of the package against the corners, at every W."""
+
+    name: str = "widths"
+    claim: str = (
+        "The package's widths hold every difference, cross product, axis component, orientation, projection "
+        "and sum of absolutes, at every W; and no bit is wasted on an operand of a multiplier."
+    )
+    method: str = "enumeration of all corners of the coordinates"
+    parameters: Mapping[str, int | str] = field(default_factory=lambda: {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"})
+    assumptions: tuple[str, ...] = ()
+
+    def prove(self, dut: Path, folder: Path) -> Finding:
+        """Compare; see `Proof`."""
+        folder.mkdir(parents=True, exist_ok=True)
+        found = bounds()
+        norm = _largest_norm([*_edge_edge(), *(axis.vector for axis in axes()[3:5])])
+        edge_norm = _largest_norm(axis.vector for axis in axes()[FIRST_PLANE_AXIS:])
+        problems = [
+            problem
+            for width in range(MIN_WIDTH, MAX_WIDTH + 1)
+            for problem in _problems(Package(dut), found, norm, edge_norm, width)
+        ]
+        log = folder / "bounds.txt"
+        lines = [
+            f"{bound.quantity}: at most {bound.factor} L^{bound.degree}, {bound.width}" for bound in found
+        ]
+        lines += [f"sum of absolutes: at most {norm} L^2, edge x coordinate {edge_norm} L", *problems]
+        log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return Finding(tuple(problems), log, {"widths": MAX_WIDTH - MIN_WIDTH + 1, "bounds": len(found) + 2})
+
+
+# Widths of the operands of multipliers: a bit more may cost another DSP block.
+_TIGHT = ("diff_width", "cross_width", "det_width")
+
+
+def _problems(package: Package, found: list[Bound], norm: int, edge_norm: int, width: int) -> list[str]:
+    problems = []
+    for bound in found:
+        bits = package.call(bound.width, width)
+        if bound.largest(width) >= 1 << (bits - 1):
+            problems.append(f"widths: {bound.quantity}: {bits} bits are too few at W = {width}")
+        elif bound.width in _TIGHT and bound.largest(width) < 1 << (bits - 2):
+            problems.append(f"widths: {bound.quantity}: {bits} bits are more than needed at W = {width}")
+    side = (1 << width) - 1
+    for what, largest, name in (
+        ("sum of absolutes of an axis", norm * side**2, "axis_width"),
+        ("sum of absolutes of edge x coordinate", edge_norm * side, "diff_width"),
+    ):
+        bits = package.call(name, width)
+        if largest >= 1 << bits:
+            problems.append(f"widths: {what}: {bits} bits are too few at W = {width}")
+    return problems
