@@ -29,9 +29,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "mutate",
         help="put small faults into dut/, and see each found out or proved to change nothing",
-        description="Generate mutants of every file of dut/, play them with short directed runs and those that "
-        "survive with volume, and prove those listed in verif/mutation/equivalents.toml equivalent. Writes "
-        "build/mutation/mutation.json; a full run at 100 % is also kept as verif/mutation/result.json.",
+        description="Generate mutants of every file of dut/, play them with short directed runs and those "
+        "that survive with volume, and prove those listed in verif/mutation/equivalents.toml equivalent. "
+        "Writes build/mutation/mutation.json; a full run at 100 % is kept as verif/mutation/result.json.",
         epilog="Exit codes: 0 every mutant killed or equivalent, 1 not, 2 error.",
     )
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
@@ -81,9 +81,8 @@ def _print_one(fate: Fate) -> None:
     print(f"  {fate.original}\n  {fate.changed}")
     if fate.by is not None:
         told = f" after {fate.pairs} pairs" if fate.pairs is not None else ""
-        print(
-            f"  {fate.fate} by {fate.by}: {fate.test} {fate.family or ''} on {fate.target}: {fate.symptom}{told}"
-        )
+        what = f"{fate.test} {fate.family or ''} on {fate.target}"
+        print(f"  {fate.fate} by {fate.by}: {what}: {fate.symptom}{told}")
     else:
         print(f"  {fate.fate}")
 

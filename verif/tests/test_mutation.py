@@ -8,7 +8,7 @@ from triaxis.golden.errors import InputError
 from triaxis.verif.mutation.catalogue import catalogue, mutant_names
 from triaxis.verif.mutation.elaborated import core_latencies, elaborated
 from triaxis.verif.mutation.elaboration import elaboration_mutants
-from triaxis.verif.mutation.killing import mutated, readme_latencies
+from triaxis.verif.mutation.killing import every_latency, mutated, readme_latencies
 from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit, applied
 from triaxis.verif.mutation.schema import schema
 from triaxis.verif.mutation.statements import hosts
@@ -195,7 +195,8 @@ def test_the_schema_keeps_the_original_statement_beside_each_changed_one(tmp_pat
 
 
 def test_the_latency_table_finds_a_wrong_latency(tmp_path):
-    table = readme_latencies()
+    table = every_latency() | readme_latencies()
+    assert every_latency().items() <= table.items()
     assert core_latencies(DUT, list(table)) == list(table.values())
     package = (DUT / "triaxis_pkg.sv").read_text()
     (tmp_path / "triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))

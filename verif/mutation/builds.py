@@ -1,0 +1,194 @@
+"""Builds of mutated cores as shared libraries.
+
+Compiled here and not by Verilator's make files: without optimising, with one precompiled header for all and
+the model as one file, a build of a mutant takes three seconds, most of it g++'s.
+"""
+
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.native import cxx, target
+from triaxis.verif.build import built, content_hash, run_tool
+from triaxis.verif.mutation.targets import Target
+from triaxis.verif.paths import BUILD, VERIF, rtl_sources
+from triaxis.verif.toolchain import verilator
+
+FOLDER = BUILD / "mutation"
+
+_SOURCES = Path(__file__).parent
+_RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
+_DEFINES = (
+    "-DVERILATOR=1", "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0", "-DVM_TRACE_FST=0", "-DVM_TRACE_VCD=0",
+    "-DVM_TRACE_SAIF=0", "-DVL_TIME_CONTEXT", "-DVL_USER_FATAL",
+)  # fmt: skip
+# Mutants are played for milliseconds each: compiling costs more than running, unless it is millions of pairs.
+QUICK, MANY, FAST = "-O0", "-O1", "-O2"
+# Seconds: a latency below zero is four thousand million registers.
+_PATIENCE = 120
+
+
+def _include() -> Path:
+    answer = subprocess.run(
+        [str(verilator().executable), "--getenv", "VERILATOR_ROOT"],
+        capture_output=True, text=True, check=True, env=verilator().environment(),
+    )  # fmt: skip
+    return Path(answer.stdout.strip()) / "include"
+
+
+def _flags(optimise: str) -> list[str]:
+    include = _include()
+    return [
+        cxx(), "-std=c++20", "-fPIC", "-pthread", "-w", optimise, "-faligned-new", *_DEFINES,
+        f"-I{include}", f"-I{include / 'vltstd'}", f"-I{_SOURCES}",
+    ]  # fmt: skip
+
+
+def support(optimise: str) -> Path:
+    """Return the folder of Verilator's library and its precompiled header, made once."""
+    sources = [*(_include() / f"{name}.cpp" for name in _RUNTIME), _SOURCES / "fatal.cpp"]
+    flags = _flags(optimise)
+    key = content_hash(sources, str(verilator()), target(cxx()), optimise, *_DEFINES)
+    what = "Verilator's library for mutants"
+
+    def make(partial: Path) -> None:
+        header = partial / "model.h"
+        header.write_text("#include <verilated.h>\n")
+        run_tool([*flags, "-x", "c++-header", str(header), "-o", f"{header}.gch"], partial, what)
+        for source in sources:
+            run_tool([*flags, "-c", str(source), "-o", str(partial / f"{source.stem}.o")], partial, what)
+        objects = [str(partial / f"{source.stem}.o") for source in sources]
+        run_tool(["ar", "rc", str(partial / "libsupport.a"), *objects], partial, what)
+
+    return built(FOLDER / f"support-{key[:12]}", make)
+
+
+class ElaborationError(Exception):
+    """Verilator refuses the mutated RTL."""
+
+
+def _verilate(target_: Target, dut: Path, folder: Path, extra: Sequence[Path], more: Sequence[str]) -> None:
+    command = [
+        str(verilator().executable), "--cc", "--no-public-flat-rw", "--x-assign", "fast",
+        "--x-initial", "fast",
+        # A mutant may look odd: only errors count. What does not settle is found out when it runs.
+        "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal", "--top-module", target_.top, "--prefix", "Vmutant",
+        *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut}", *more,
+        "--Mdir", str(folder), *map(str, extra), *(str(dut / source.name) for source in rtl_sources()),
+    ]  # fmt: skip
+    try:
+        answer = subprocess.run(
+            command, capture_output=True, text=True, check=False, env=verilator().environment(False),
+            timeout=_PATIENCE,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise ElaborationError(f"does not elaborate in {_PATIENCE} s") from error
+    (folder / "verilator.log").write_text(answer.stdout + answer.stderr)
+    if answer.returncode:
+        lines = [line for line in answer.stderr.splitlines() if line.startswith("%Error")]
+        raise ElaborationError(lines[0] if lines else f"Verilator ends with {answer.returncode}")
+
+
+def _defines(target_: Target, selectable: bool) -> list[str]:
+    margin = f"-DMARGIN_BITS={target_.configuration.margin_bits}"
+    chosen = ["-DSELECTABLE", '-DTRIAXIS_MODEL_SELECTION="Vmutant_triaxis_mutant.h"'] if selectable else []
+    return [margin, *chosen]
+
+
+def _compile(target_: Target, folder: Path, optimise: str, selectable: bool, jobs: int) -> Path:
+    """Compile what Verilator wrote, with the harness, into a shared library."""
+    made = support(optimise)
+    flags = [
+        *_flags(optimise),
+        "-include",
+        str(made / "model.h"),
+        f"-I{folder}",
+        *_defines(target_, selectable),
+    ]
+    units = sorted(folder.glob("Vmutant*.cpp"))
+    if jobs == 1:
+        whole = folder / "whole.cc"
+        parts = [*units, _SOURCES / target_.harness]
+        whole.write_text("".join(f'#include "{unit}"\n' for unit in parts))
+        units = [whole]
+    else:
+        units = [*sorted(units, key=lambda unit: -unit.stat().st_size), _SOURCES / target_.harness]
+
+    def compiled(unit: Path) -> str:
+        output = folder / f"{unit.stem}.o"
+        run_tool([*flags, "-c", str(unit), "-o", str(output)], folder, target_.name)
+        return str(output)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        objects = list(pool.map(compiled, units))
+    library = folder / "libmutant.so"
+    run_tool(
+        [cxx(), "-shared", "-o", str(library), *objects, str(made / "libsupport.a")], folder, target_.name
+    )
+    for object_ in objects:
+        Path(object_).unlink()
+    return library
+
+
+def schema_library(target_: Target, dut: Path, extra: Path, jobs: int) -> Path:
+    """Return the library of a copy of dut/ that holds mutants, with the assertions of verif/sva/.
+
+    ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
+    build: the generator's fault, not a mutant's.
+    """
+    sva = sorted((VERIF / "sva").glob("*.sv")) if target_.asserted else []
+    sources = [*sorted(dut.glob("*.sv")), dut / "triaxis_stage.svh", *sva, *_harness_files()]
+    key = content_hash(sources, str(verilator()), target(cxx()), target_.name, MANY)
+
+    def make(partial: Path) -> None:
+        more = ["--assert", "--output-split", "8000", *map(str, sva)]
+        try:
+            _verilate(target_, dut, partial, [extra], more)
+        except ElaborationError as error:
+            raise InputError(f"{target_.name}, with mutants: {error} (log: {partial})") from error
+        _compile(target_, partial, MANY, True, jobs)
+
+    return built(FOLDER / f"schema-{target_.name}-{key[:12]}", make) / "libmutant.so"
+
+
+def _harness_files() -> list[Path]:
+    return [Path(__file__), *sorted(_SOURCES.glob("*.cpp")), *sorted(_SOURCES.glob("*.h"))]
+
+
+def _elaborate(target_: Target, dut: Path, folder: Path, assertions: bool) -> str:
+    """Verilate into a folder; return a hash of what came of it, in which folders have no part."""
+    sva = sorted((VERIF / "sva").glob("*.sv")) if assertions and target_.asserted else []
+    checked = "--assert" if sva else "--no-assert"
+    _verilate(target_, dut, folder, [], [checked, "--output-split", "0", *map(str, sva)])
+    files = sorted([*folder.glob("Vmutant*.cpp"), *folder.glob("Vmutant*.h")])
+    return content_hash((), *(file.read_text().replace(str(dut), "") for file in files))
+
+
+def elaboration_hash(target_: Target, dut: Path, assertions: bool) -> str:
+    """Return a hash of the model that Verilator makes of some RTL: the same for RTL that does the same."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER) as name:
+        return _elaborate(target_, dut, Path(name), assertions)
+
+
+def with_mutant_library(
+    target_: Target,
+    dut: Path,
+    use: Callable[[Path], None],
+    assertions: bool = False,
+    optimise: str = QUICK,
+    unless: str = "",
+) -> None:
+    """Build one mutated copy of dut/, and call ``use`` with its library, which is then removed.
+
+    ``assertions``: with those of verif/sva/. ``unless``: the `elaboration_hash` of a model that need not be
+    built. Raises ElaborationError where Verilator refuses the RTL.
+    """
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER) as name:
+        folder = Path(name)
+        if _elaborate(target_, dut, folder, assertions) != unless:
+            use(_compile(target_, folder, optimise, False, 1))

@@ -1,0 +1,87 @@
+"""Every mutant of dut/, from the sources alone."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.mutation.elaboration import elaboration_mutants
+from triaxis.verif.mutation.macro import macro_mutants
+from triaxis.verif.mutation.mutant import RUNTIME, Mutant
+from triaxis.verif.mutation.statements import Host, hosts, input_ports
+from triaxis.verif.mutation.syntax import SourceFile, read_source
+from triaxis.verif.paths import DUT
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """The sources of dut/ with the hosts of run-time mutants in each, and all mutants."""
+
+    sources: tuple[SourceFile, ...]
+    hosts: Mapping[str, tuple[Host, ...]]
+    mutants: tuple[Mutant, ...]
+
+    @property
+    def by_id(self) -> dict[str, Mutant]:
+        """Return the mutants by name."""
+        return {mutant.id: mutant for mutant in self.mutants}
+
+    def restricted(self, files: str | None, names: str | None) -> "Catalogue":
+        """Return the catalogue of the mutants whose file and name match; InputError where there is none."""
+        kept = [
+            mutant
+            for mutant in self.mutants
+            if (files is None or fnmatch(mutant.file, files) or fnmatch(f"dut/{mutant.file}", files))
+            and (names is None or fnmatch(mutant.id, names))
+        ]
+        if not kept:
+            asked = ", ".join(text for text in (files, names) if text)
+            raise InputError(
+                f"{asked}: no such mutant; names are <module>/<operator>/<hash>, files those of dut/"
+            )
+        chosen = {mutant.id for mutant in kept}
+        return Catalogue(
+            self.sources,
+            {
+                file: tuple(host for host in map(_only(chosen), found) if host.mutants)
+                for file, found in self.hosts.items()
+            },
+            tuple(kept),
+        )
+
+
+class _only:  # noqa: N801  # a function with a setting
+    def __init__(self, chosen: set[str]) -> None:
+        self._chosen = chosen
+
+    def __call__(self, host: Host) -> Host:
+        return host.with_mutants(tuple(m for m in host.mutants if m.id in self._chosen))
+
+
+def catalogue(dut: Path = DUT) -> Catalogue:
+    """Return all mutants of the RTL in a folder."""
+    sources = tuple(read_source(path) for path in sorted(dut.glob("*.sv")))
+    ports = input_ports(sources)
+    found = {source.name: tuple(hosts(source, ports)) for source in sources}
+    elaboration = [mutant for source in sources for mutant in elaboration_mutants(source)]
+    runtime = [mutant for source in sources for host in found[source.name] for mutant in host.mutants]
+    mutants = (*runtime, *elaboration, *macro_mutants(dut))
+    _check_distinct(mutants)
+    return Catalogue(sources, found, mutants)
+
+
+def _check_distinct(mutants: Sequence[Mutant]) -> None:
+    if len({mutant.id for mutant in mutants}) != len(mutants):
+        raise InputError("mutants: two have one name: lengthen the hash in verif/mutation/mutant.py")
+
+
+def mutant_names() -> list[str]:
+    """Return the names of all mutants of dut/, in a fixed order: parses, and builds nothing."""
+    return [mutant.id for mutant in catalogue().mutants]
+
+
+def runtime_numbers(mutants: Sequence[Mutant]) -> dict[str, int]:
+    """Return the numbers by which the run-time mutants are selected in their build, from 1 on."""
+    runtime = [mutant for mutant in mutants if mutant.kind == RUNTIME]
+    return {mutant.id: number for number, mutant in enumerate(runtime, 1)}

@@ -1,0 +1,316 @@
+"""Mutants that no test can kill, each with evidence that a machine checks again.
+
+`equivalents.toml` lists them, with one of three kinds of evidence.
+
+- "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
+  by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
+- "exhaustive": the core with the mutant, at the smallest widths, gives the right result for all its inputs.
+- "corners": for a mutant that drops the top bit of a cast: the value never needs that bit. It is affine in
+  each coordinate, so it is largest at corners of the coordinate box: all 2^18 are enumerated, and the bound
+  is held against the width for every W.
+"""
+
+import shutil
+import subprocess
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from triaxis.fpga.synthesis import yosys
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import MAX_WIDTH
+from triaxis.verif.build import content_hash
+from triaxis.verif.code_coverage_stimulus import flowing
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.mutation.builds import FAST, FOLDER, with_mutant_library
+from triaxis.verif.mutation.corners import all_corners, orientations, spans
+from triaxis.verif.mutation.elaborated import core_latencies
+from triaxis.verif.mutation.models import Killed, Library
+from triaxis.verif.mutation.mutant import Mutant, applied
+from triaxis.verif.mutation.stimulus import Play
+from triaxis.verif.mutation.targets import Target
+from triaxis.verif.packing import COORDINATES
+from triaxis.verif.paths import DUT, rtl_sources
+
+FILE = Path(__file__).with_name("equivalents.toml")
+PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
+
+# Seconds for one entry.
+_PATIENCE = 300
+# Bits of input of which all values can be played.
+_EXHAUSTIBLE = 22
+# How an edit ends that drops a top bit; see operators.py.
+_DROPPED = "<<< 1}) >>> 1)"
+_KEYS = {"mutants", "reason", "evidence", "module", "parameters", "proves"}
+# The core's widths start at 8; proofs are made below, where they take no time.
+_GUARD = ("W < 8 ||", "W < 1 ||")
+
+
+@dataclass(frozen=True)
+class Equivalent:
+    """Mutants that are equivalent for one reason.
+
+    ``evidence``: one of those above, of ``module`` with these parameters; ``proves`` says in
+    words what.
+    """
+
+    mutants: tuple[str, ...]
+    reason: str
+    evidence: str
+    module: str
+    parameters: Mapping[str, int]
+    proves: str
+
+
+def read_equivalents(path: Path = FILE) -> list[Equivalent]:
+    """Read the list; raise InputError where an entry is incomplete, or a mutant is listed twice."""
+    try:
+        entries: list[dict[str, Any]] = tomllib.loads(path.read_text()).get("equivalent", [])
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: not readable: {error}") from error
+    found = [_entry(path, number, entry) for number, entry in enumerate(entries, 1)]
+    seen: set[str] = set()
+    for entry in found:
+        for name in entry.mutants:
+            if name in seen:
+                raise InputError(f"{path}: {name}: listed twice; keep one entry")
+            seen.add(name)
+    return found
+
+
+def _entry(path: Path, number: int, entry: Mapping[str, Any]) -> Equivalent:
+    if set(entry) != _KEYS:
+        wrong = ", ".join(sorted(_KEYS ^ set(entry)))
+        raise InputError(f"{path}: entry {number}: missing or unknown: {wrong}")
+    if entry["evidence"] not in _CHECKS:
+        kinds = ", ".join(_CHECKS)
+        raise InputError(f"{path}: entry {number}: evidence {entry['evidence']!r}: must be one of {kinds}")
+    if not all(str(entry[key]).strip() for key in ("reason", "proves", "module")) or not entry["mutants"]:
+        raise InputError(f"{path}: entry {number}: mutants, reason, module and proves must not be empty")
+    return Equivalent(
+        tuple(entry["mutants"]), entry["reason"], entry["evidence"], entry["module"],
+        dict(entry["parameters"]), entry["proves"],
+    )  # fmt: skip
+
+
+def _read(folder: Path, entry: Equivalent, name: str) -> str:
+    parameters = " ".join(f"-G {key}={value}" for key, value in entry.parameters.items())
+    sources = " ".join(str(folder / source.name) for source in rtl_sources())
+    return (
+        f"read_slang --threads 1 -I {folder} {parameters} --top {entry.module} {sources}; "
+        f"hierarchy -top {entry.module}; proc; flatten; opt_clean; rename {entry.module} {name}; "
+        f"design -stash {name}"
+    )
+
+
+_MITER = (
+    "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+    "miter -equiv -flatten -make_outputs gold gate miter; hierarchy -top miter; opt -full miter; "
+    "sat -verify -prove trigger 0 -set-def-inputs miter"
+)
+
+
+def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
+    folder.mkdir()
+    for source in (*dut.glob("*.sv"), *dut.glob("*.svh")):
+        text = source.read_text()
+        if mutant is not None and source.name == mutant.file:
+            text = applied(text, [mutant.edit])
+        (folder / source.name).write_text(text.replace(*_GUARD))
+
+
+def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Check an entry's evidence for its mutants; return what is wrong with it, None where it holds."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="proof-") as name:
+        folder = Path(name)
+        _copy(dut, folder / "gold", None)
+        script = [_read(folder / "gold", entry, "gold")]
+        for number, mutant in enumerate(mutants):
+            _copy(dut, folder / str(number), mutant)
+            script += [
+                _read(folder / str(number), entry, "gate"),
+                _MITER,
+                f"log PROVED-{number}-.",
+                "design -reset",
+            ]
+        return _run("; ".join(script), folder, entry, mutants)
+
+
+def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]) -> str | None:
+    # In a file: the command line would come back in the output.
+    (folder / "script.ys").write_text(script.replace("; ", "\n"))
+    command = [str(yosys()), "-Q", "-q", "-s", str(folder / "script.ys"), "-l", str(folder / "log")]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=_PATIENCE)
+    except subprocess.TimeoutExpired:
+        return f"{entry.mutants[0]}: no proof in {_PATIENCE} s: choose a smaller module or smaller widths"
+    log = (folder / "log").read_text() if (folder / "log").exists() else ""
+    proved = [f"PROVED-{number}-." in log for number in range(len(mutants))]
+    if answer.returncode == 0 and all(proved):
+        return None
+    index = proved.index(False) if False in proved else len(mutants) - 1
+    errors = [line for line in (log + answer.stderr).splitlines() if "ERROR" in line]
+    said = errors[-1].strip() if errors else f"the solver ends with {answer.returncode}"
+    parameters = ", ".join(f"{key} = {value}" for key, value in entry.parameters.items())
+    return f"{mutants[index].id}: not proved equivalent in {entry.module} ({parameters}): {said}"
+
+
+@dataclass(frozen=True)
+class _Narrow(Configuration):
+    """A configuration below the widths that are signed off."""
+
+    def __post_init__(self) -> None:
+        """Take any width."""
+
+
+def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Play the core with each mutant on all its inputs; return what is wrong, None where nothing is."""
+    width, margin_bits = entry.parameters["W"], entry.parameters["M"]
+    inputs = COORDINATES * width + margin_bits
+    if entry.module != "triaxis_core" or inputs > _EXHAUSTIBLE:
+        return f"{entry.mutants[0]}: exhaustive: needs triaxis_core with at most {_EXHAUSTIBLE} bits of input"
+    latency = core_latencies(dut, [(width, margin_bits)])
+    assert latency is not None
+    configuration = _Narrow(width, margin_bits)
+    target = Target(configuration.name, "triaxis_core", configuration, latency[0])
+    play = _all_inputs(target)
+    for mutant in mutants:
+        found: list[Killed | None] = []
+
+        def use(path: Path, found: list[Killed | None] = found) -> None:
+            found.append(Library(path, target).play(0, [play]))
+
+        with tempfile.TemporaryDirectory(dir=FOLDER, prefix="exhaustive-") as name:
+            _copy(dut, Path(name) / "dut", mutant)
+            with_mutant_library(target, Path(name) / "dut", use, optimise=FAST)
+        killed = found[0]
+        if killed is not None:
+            return f"{mutant.id}: not equivalent at {configuration.name}: {killed.symptom}"
+    return None
+
+
+def _all_inputs(target: Target) -> Play:
+    """Return every pair at every margin, once, in an order that has no meaning."""
+    width, bits = target.configuration.width, target.configuration.margin_bits
+    rng = np.random.default_rng(0)
+    words = rng.permutation(1 << (COORDINATES * width + bits))
+    margins, numbers = words & ((1 << bits) - 1), words >> bits
+    fields = (numbers[:, None] >> (width * np.arange(COORDINATES))) & ((1 << width) - 1)
+    coordinates = np.where(fields >> (width - 1), fields - (1 << width), fields)
+    count = len(words)
+    return Play(
+        "Exhaustive", "all inputs", target, coordinates.reshape(-1, 2, 3, 3), margins,
+        rng.integers(0, 1 << target.configuration.tag_bits, count), rng.integers(0, 256, count, np.uint8),
+        flowing(),
+    )  # fmt: skip
+
+
+def bound(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Hold the largest value at the corners against the width without its top bit.
+
+    Parameters: orientation or span, see corners.py; the cast's operand has slope * W + offset bits.
+    """
+    del dut
+    for mutant in mutants:
+        if mutant.operator != "cast" or not mutant.edit.text.endswith(_DROPPED):
+            return f"{mutant.id}: corners: only for a cast whose operand loses its top bit"
+    largest = _largest(entry)
+    if largest is None:
+        return f"{entry.mutants[0]}: corners: parameters must name orientation or span, slope and offset"
+    slope, offset = entry.parameters["slope"], entry.parameters["offset"]
+    for width in range(1, MAX_WIDTH + 1):
+        value, bits = largest * ((1 << width) - 1) ** 3, slope * width + offset - 1
+        if value >= 1 << (bits - 1):
+            return f"{entry.mutants[0]}: corners: {value} at W = {width} does not fit {bits} bits"
+    return None
+
+
+def _largest(entry: Equivalent) -> int | None:
+    """Return the largest value at the corners, in units of L^3."""
+    if not {"slope", "offset"} <= set(entry.parameters):
+        return None
+    corners = all_corners()
+    if "orientation" in entry.parameters:
+        return max(int(np.abs(orientations(corners, vertex)).max()) for vertex in range(3))
+    if "span" in entry.parameters:
+        # The vertex of B counted from that at which the edge begins.
+        away = entry.parameters["span"]
+        pairs = ((i, j) for i in range(3) for j in range(3))
+        return max(int(np.abs(spans(corners, i, j, (j + away) % 3)).max()) for i, j in pairs)
+    return None
+
+
+_CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] = {
+    PROOF: prove,
+    EXHAUSTIVE: exhaust,
+    CORNERS: bound,
+}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the list comes to: the mutants that are equivalent, with the entry; and what is wrong."""
+
+    equivalent: Mapping[str, Equivalent]
+    problems: tuple[str, ...]
+
+
+def check_equivalents(
+    entries: Iterable[Equivalent],
+    mutants: Mapping[str, Mutant],
+    known: Iterable[str],
+    jobs: int = 2,
+    dut: Path = DUT,
+) -> Evidence:
+    """Check the evidence of all entries for those of ``mutants``; proofs that hold are kept in build/.
+
+    ``known``: the names of all mutants there are; an entry of another one is stale.
+    """
+    names = frozenset(known)
+    problems = [
+        f"{name}: listed as equivalent, but there is no such mutant now: delete it from {FILE.name}"
+        for entry in entries
+        for name in entry.mutants
+        if name not in names
+    ]
+    wanted = [(entry, [mutants[name] for name in entry.mutants if name in mutants]) for entry in entries]
+    wanted = [(entry, chosen) for entry, chosen in wanted if chosen]
+    with ThreadPoolExecutor(jobs) as pool:
+        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut), wanted))
+    held: dict[str, Equivalent] = {}
+    for (entry, chosen), answer in zip(wanted, answers, strict=True):
+        if answer is None:
+            held |= {mutant.id: entry for mutant in chosen}
+        else:
+            problems.append(answer)
+    return Evidence(held, tuple(problems))
+
+
+def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
+    """Prove an entry, or find that it was proved before."""
+    edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
+    files = [*sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh"))]
+    files += [Path(__file__), Path(__file__).with_name("corners.py")]
+    key = content_hash(
+        files, entry.evidence, entry.module, str(sorted(entry.parameters.items())), _MITER, *edits
+    )
+    mark = FOLDER / "proofs" / key[:24]
+    if mark.exists():
+        return None
+    answer = _CHECKS[entry.evidence](entry, mutants, dut)
+    if answer is None:
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
+    return answer
+
+
+def forget_proofs() -> None:
+    """Remove what is kept of proofs, so that each is made again."""
+    shutil.rmtree(FOLDER / "proofs", ignore_errors=True)

@@ -1,0 +1,450 @@
+"""Playing mutants in two processes: who is found out, by what, after how many pairs.
+
+Short directed runs first, on each target in turn; volume after, for those that survive. What was found out is
+kept in build/ under everything that it depends on, so that a run after an unrelated change is quick.
+"""
+
+import hashlib
+import json
+import multiprocessing
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.verif.build import content_hash
+from triaxis.verif.mutation.builds import (
+    FAST,
+    FOLDER,
+    QUICK,
+    ElaborationError,
+    elaboration_hash,
+    schema_library,
+    with_mutant_library,
+)
+from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
+from triaxis.verif.mutation.elaborated import Elaborated, core_latencies, elaborated
+from triaxis.verif.mutation.models import Killed, Library
+from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant, applied
+from triaxis.verif.mutation.schema import schema, write_support
+from triaxis.verif.mutation.stimulus import Play, directed, volume
+from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, Target
+from triaxis.verif.paths import DUT, ROOT, VERIF
+
+# Bursts of a mutant's volume on each target; the narrowest model is the fastest.
+_BURSTS = {MAIN.name: 32}
+_OTHER_BURSTS = 4
+# Fewer run-time mutants are built one by one: quicker than a build that can hold all.
+_FEW = 12
+
+_SAVED_EVERY = 50
+_LONGER = 8
+# The files of this folder on which an outcome depends.
+_DECISIVE = ("stimulus", "corners", "targets", "models", "builds", "schema")
+
+_LATENCY_TABLE = "LatencyTable"
+# At W = 8, 9, .. 32 and M = 0; one clock more with margins.
+_LATENCIES = (
+    21,
+    21,
+    21,
+    21,
+    21,
+    22,
+    22,
+    22,
+    22,
+    22,
+    24,
+    24,
+    24,
+    24,
+    24,
+    24,
+    24,
+    26,
+    26,
+    26,
+    26,
+    26,
+    26,
+    26,
+    26,
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant: how it was killed, if it was, and the targets that elaborate it."""
+
+    mutant: Mutant
+    killed: Killed | None
+    targets: tuple[str, ...]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the processes share: plays and libraries by target, numbers, and the RTL."""
+
+    plays: Mapping[str, list[Play]]
+    libraries: Mapping[str, Path]
+    numbers: Mapping[str, int]
+    targets: tuple[Target, ...]
+    elaborated: Mapping[str, Elaborated]
+    dut: Path
+    seed: int
+    volume: bool
+
+
+_setting: Setting | None = None
+_loaded: dict[str, Library] = {}
+
+
+def _start(setting: Setting) -> None:
+    global _setting
+    _setting = setting
+    _loaded.clear()
+    # Assertions of a mutant report on the standard output, each time.
+    silent = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silent, 1)
+
+
+def _here() -> Setting:
+    assert _setting is not None
+    return _setting
+
+
+def targets_of(mutant: Mutant, setting: Setting) -> list[Target]:
+    """Return the targets that elaborate a mutant."""
+    return _where(mutant, setting.targets, setting)
+
+
+def _where(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> list[Target]:
+    return [
+        target
+        for target in targets
+        if mutant.needs < 0 or setting.elaborated[target.name].holds(mutant.file, mutant.needs)
+    ]
+
+
+def _judge(mutant: Mutant) -> Outcome:
+    """Play one mutant; runs in a process of the pool."""
+    setting, start = _here(), time.perf_counter()
+    targets = targets_of(mutant, setting)
+    if mutant.id in setting.numbers:
+        killed = _selected(mutant, targets, setting)
+    else:
+        killed = _built(mutant, targets, setting)
+    return Outcome(
+        mutant, killed, tuple(target.name for target in targets), round(time.perf_counter() - start, 3)
+    )
+
+
+def _selected(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Killed | None:
+    for target in targets:
+        if target.name not in _loaded:
+            _loaded[target.name] = Library(setting.libraries[target.name], target)
+        killed = _loaded[target.name].play(setting.numbers[mutant.id], setting.plays[target.name])
+        if killed:
+            return killed
+    return None
+
+
+def _built(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Killed | None:
+    """Build the mutant by itself and play it: first without assertions, which take longer to build."""
+    with mutated(setting.dut, mutant) as folder:
+        if mutant.file.endswith("_pkg.sv") and (killed := _latency_table(folder)):
+            return killed
+        smallest = _where(mutant, (SMALLEST,), setting) if mutant.kind == ELABORATION else []
+        for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
+            for target in (*targets,) if assertions else (*smallest, *targets):
+                if not (assertions and target.combinational and len(targets) > 1):
+                    killed = _alone(target, folder, setting.plays[target.name], assertions)
+                    if killed:
+                        return killed
+        for target in _where(mutant, FULL_PIECES, setting) if mutant.kind == ELABORATION else ():
+            killed = _alone(target, folder, setting.plays[target.name], False)
+            if killed:
+                return killed
+    return None
+
+
+def _alone(
+    target: Target, folder: Path, plays: list[Play], assertions: bool, optimise: str = QUICK
+) -> Killed | None:
+    found: list[Killed | None] = []
+
+    def use(path: Path) -> None:
+        library = Library(path, target)
+        found.append(library.play(0, plays))
+        library.close()
+
+    try:
+        with_mutant_library(target, folder, use, assertions, optimise, _original_hash(target, assertions))
+    except ElaborationError as error:
+        return Killed("elaboration", "", target.name, _first_line(str(error)), 0)
+    # Where the mutant is elaborated to what the original is, nothing can show it.
+    return found[0] if found else None
+
+
+@cache
+def _original_hash(target: Target, assertions: bool) -> str:
+    return elaboration_hash(target, _here().dut, assertions)
+
+
+def _first_line(message: str) -> str:
+    """Return an error without the path of the copy in which it was found."""
+    line = message.splitlines()[0] if message else "refused"
+    words = [word if "/" not in word else word.rpartition("/")[2] for word in line.split()]
+    return " ".join(words)[:160]
+
+
+def _latency_table(folder: Path) -> Killed | None:
+    """Hold the package's latencies against the README's table, and against every width between its rows."""
+    table = readme_latencies() | every_latency()
+    found = core_latencies(folder, list(table))
+    if found is None or found == list(table.values()):
+        return None
+    return Killed(_LATENCY_TABLE, "README", "triaxis_pkg", "wrong latency", 0)
+
+
+def every_latency() -> dict[tuple[int, int], int]:
+    """Return the latency in clocks for every W without and with margins, as it is signed off."""
+    widths = range(MIN_WIDTH, MAX_WIDTH + 1)
+    rows = list(zip(widths, _LATENCIES, strict=True))
+    return {(width, 0): row for width, row in rows} | {(width, width): row + 1 for width, row in rows}
+
+
+def readme_latencies() -> dict[tuple[int, int], int]:
+    """Return the latency in clocks for (W, M), from the README's table."""
+    section = (ROOT / "README.md").read_text().split("### Latency")[1].split("###")[0]
+    table: dict[tuple[int, int], int] = {}
+    for line in section.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if len(cells) == 4 and all(cell.isdigit() for cell in cells):
+            width, none, eight, full = map(int, cells)
+            table |= {(width, 0): none, (width, 8): eight, (width, width): full}
+    return table
+
+
+@contextmanager
+def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
+    """Provide a copy of dut/ with that one mutant in it."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="dut-") as name:
+        folder = Path(name)
+        for source in (*dut.glob("*.sv"), *dut.glob("*.svh")):
+            shutil.copy(source, folder)
+        path = folder / mutant.file
+        path.write_text(applied(path.read_text(), [mutant.edit]))
+        _check_syntax(path, mutant)
+        yield folder
+
+
+def _check_syntax(path: Path, mutant: Mutant) -> None:
+    """Raise InputError where the mutant is no SystemVerilog: the generator's fault, not a mutant killed."""
+    from pyslang.syntax import SyntaxTree
+
+    if any(item.isError() for item in SyntaxTree.fromFile(str(path)).diagnostics):
+        raise InputError(f"{mutant.id} ({mutant.place}): the changed text does not parse: {mutant.changed}")
+
+
+def _more(mutant: Mutant) -> Outcome:
+    """Play the volume to one that survived; runs in a process of the pool."""
+    setting, start = _here(), time.perf_counter()
+    targets = targets_of(mutant, setting)
+    killed = None
+    with mutated(setting.dut, mutant) as folder:
+        for target in targets:
+            bursts = _BURSTS.get(target.name, _OTHER_BURSTS)
+            plays = list(volume(target, setting.seed, bursts))
+            killed = _alone(target, folder, plays, mutant.kind == RUNTIME, FAST)
+            if killed:
+                break
+    return Outcome(
+        mutant, killed, tuple(target.name for target in targets), round(time.perf_counter() - start, 3)
+    )
+
+
+class Store:
+    """Outcomes that are known already, in build/."""
+
+    def __init__(self, dut: Path, seed: int, pairs: int, fresh: bool) -> None:
+        """Read what an earlier run with the same RTL, stimulus and seed left; nothing where ``fresh``."""
+        folder = Path(__file__).parent
+        files = [
+            *sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh")), *sorted((VERIF / "sva").glob("*.sv")),
+            *sorted(folder.glob("*.cpp")), *sorted(folder.glob("*.h")),
+            *(folder / f"{name}.py" for name in _DECISIVE),
+            *sorted((VERIF / "sequences").glob("*.py")), *sorted((VERIF / "regressions").glob("*.json")),
+            VERIF / "code_coverage_stimulus.py", VERIF / "expectation.py",
+            *sorted((ROOT / "golden").glob("bulk*")), ROOT / "golden" / "facts.py",
+        ]  # fmt: skip
+        key = content_hash(files, str(seed), str(pairs))
+        self._path = FOLDER / f"outcomes-{key[:12]}.json"
+        self._known: dict[str, Any] = {}
+        if not fresh and self._path.exists():
+            self._known = json.loads(self._path.read_text())
+
+    def _key(self, mutant: Mutant, stage: str) -> str:
+        text = f"{stage}\0{mutant.id}\0{mutant.edit.start}\0{mutant.edit.text}"
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    def get(self, mutant: Mutant, stage: str) -> Outcome | None:
+        """Return what is known of a mutant in that stage, None where nothing is."""
+        known = self._known.get(self._key(mutant, stage))
+        if known is None:
+            return None
+        killed = None if known["killed"] is None else Killed(**known["killed"])
+        return Outcome(mutant, killed, tuple(known["targets"]), known["seconds"])
+
+    def put(self, outcome: Outcome, stage: str) -> None:
+        """Keep an outcome."""
+        self._known[self._key(outcome.mutant, stage)] = {
+            "killed": None if outcome.killed is None else asdict(outcome.killed),
+            "targets": list(outcome.targets),
+            "seconds": outcome.seconds,
+        }
+
+    def save(self) -> None:
+        """Write all to build/."""
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        partial = self._path.with_name(f".{self._path.name}-{os.getpid()}.partial")
+        partial.write_text(json.dumps(self._known))
+        partial.replace(self._path)
+
+
+def write_schema(catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path) -> Path:
+    """Write the copy of dut/ that holds all run-time mutants; return the file that it needs besides."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for source in (*dut.glob("*.svh"), *dut.glob("*.f")):
+        shutil.copy(source, folder)
+    for source in catalogue.sources:
+        (folder / source.name).write_text(schema(source.text, catalogue.hosts[source.name], numbers))
+    return write_support(folder)
+
+
+def _libraries(
+    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, targets: Sequence[Target], jobs: int
+) -> dict[str, Path]:
+    from concurrent.futures import ThreadPoolExecutor
+
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="schema-") as name:
+        folder = Path(name) / "dut"
+        extra = write_schema(catalogue, numbers, dut, folder)
+        each = max(1, jobs // 2)
+        with ThreadPoolExecutor(min(jobs, 2)) as pool:
+            made = pool.map(lambda target: schema_library(target, folder, extra, each), targets)
+            return {target.name: path for target, path in zip(targets, made, strict=True)}
+
+
+def judge(
+    catalogue: Catalogue,
+    seed: int,
+    jobs: int,
+    pairs: int,
+    excused: frozenset[str] = frozenset(),
+    dut: Path = DUT,
+    targets: tuple[Target, ...] = TARGETS,
+    fresh: bool = False,
+    with_volume: bool = True,
+    progress: Callable[[int], None] = lambda _: None,
+) -> list[Outcome]:
+    """Return what becomes of each mutant of a catalogue.
+
+    ``excused``: mutants recorded as equivalent, which get no volume. Raises InputError where the RTL
+    without a mutant does not pass, or does not build.
+    """
+    store = Store(dut, seed, pairs, fresh)
+    known = {m.id: outcome for m in catalogue.mutants if (outcome := store.get(m, "directed"))}
+    todo = [mutant for mutant in catalogue.mutants if mutant.id not in known]
+    progress(len(known))
+    played = (*targets, SMALLEST, *FULL_PIECES)
+    plays = {target.name: directed(target, seed, pairs) for target in played} if todo else {}
+    if any(mutant.kind == ELABORATION for mutant in todo):
+        # Only pairs close to a decision on a long axis show a piece that is cut.
+        plays |= {target.name: directed(target, seed, _LONGER * pairs) for target in FULL_PIECES}
+    numbers = runtime_numbers(todo)
+    if len(numbers) <= _FEW:
+        numbers = {}
+    libraries: dict[str, Path] = {}
+    if numbers:
+        libraries = _libraries(catalogue, runtime_numbers(catalogue.mutants), dut, targets, jobs)
+        numbers = runtime_numbers(catalogue.mutants)
+    setting = Setting(
+        plays, libraries, numbers, targets,
+        {target.name: elaborated(target, dut) for target in played}, dut, seed, with_volume,
+    )  # fmt: skip
+    if libraries:
+        _check_original(setting)
+    # Expected words once, not in each process.
+    for play in (play for found in plays.values() for play in found):
+        _ = play.expected
+    for outcome in _in_processes(_judge, todo, setting, jobs, progress):
+        known[outcome.mutant.id] = outcome
+        store.put(outcome, "directed")
+        # Whatever ends a long run, what it found out is kept.
+        if len(known) % _SAVED_EVERY == 0:
+            store.save()
+    store.save()
+    survivors = [
+        outcome.mutant
+        for outcome in known.values()
+        if outcome.killed is None and outcome.targets and outcome.mutant.id not in excused
+    ]
+    if with_volume:
+        for mutant in survivors:
+            if outcome := store.get(mutant, "volume"):
+                known[mutant.id] = outcome
+        left = [mutant for mutant in survivors if store.get(mutant, "volume") is None]
+        for outcome in _in_processes(_more, left, setting, jobs, lambda _: None):
+            known[outcome.mutant.id] = outcome
+            store.put(outcome, "volume")
+        store.save()
+    return [known[mutant.id] for mutant in catalogue.mutants]
+
+
+def _check_original(setting: Setting) -> None:
+    """Raise InputError unless the builds with mutants, none selected, answer as they must."""
+    with multiprocessing.get_context("fork").Pool(1, _start, (setting,)) as pool:
+        wrong = pool.apply(_original)
+    if wrong is not None:
+        raise InputError(
+            f"{wrong.target}, no mutant selected: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL "
+            "is wrong, or mutants change it unselected"
+        )
+
+
+def _original() -> Killed | None:
+    setting = _here()
+    for target in setting.targets:
+        killed = Library(setting.libraries[target.name], target).play(0, setting.plays[target.name])
+        if killed:
+            return killed
+    return None
+
+
+def _in_processes(
+    work: Callable[[Mutant], Outcome],
+    mutants: Sequence[Mutant],
+    setting: Setting,
+    jobs: int,
+    progress: Callable[[int], None],
+) -> Iterator[Outcome]:
+    if not mutants:
+        return
+    with multiprocessing.get_context("fork").Pool(jobs, _start, (setting,)) as pool:
+        for outcome in pool.imap_unordered(work, mutants, chunksize=1):
+            progress(1)
+            yield outcome

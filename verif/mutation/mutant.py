@@ -1,0 +1,75 @@
+"""A mutant: one small change of the RTL, with a name that survives edits elsewhere."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+RUNTIME, ELABORATION = "runtime", "elaboration"
+
+_DIGITS = 8
+
+
+@dataclass(frozen=True)
+class Edit:
+    """The text of a file between two offsets gives way to another one."""
+
+    start: int
+    end: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change of one file of dut/.
+
+    ``kind``: RUNTIME mutants share a build and are selected by a number; an ELABORATION mutant changes what
+    is fixed when the design elaborates, and needs a build of its own. ``original`` and ``changed`` are the
+    statement before and after. ``edit`` makes the change in the file itself. ``host`` is the offset of the
+    module item that holds it, ``needs`` that of the item which must elaborate for the mutant to be there.
+    """
+
+    id: str
+    module: str
+    operator: str
+    kind: str
+    file: str
+    line: int
+    original: str
+    changed: str
+    edit: Edit
+    host: int
+    needs: int
+
+    @property
+    def place(self) -> str:
+        """Return file and line."""
+        return f"dut/{self.file}:{self.line}"
+
+
+def normalised(text: str) -> str:
+    """Return the text with every run of white space as one space."""
+    return " ".join(text.split())
+
+
+def named(mutants: Iterable[Mutant]) -> list[Mutant]:
+    """Return the mutants with their names: module, operator, and a hash of what is changed to what.
+
+    Of mutants that read the same, the later ones count on.
+    """
+    seen: Counter[tuple[str, ...]] = Counter()
+    result: list[Mutant] = []
+    for mutant in mutants:
+        key = (mutant.module, mutant.operator, mutant.original, mutant.changed)
+        text = "\0".join([*key, str(seen[key])])
+        seen[key] += 1
+        digest = hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+        result.append(replace(mutant, id=f"{mutant.module}/{mutant.operator}/{digest}"))
+    return result
+
+
+def applied(text: str, edits: Sequence[Edit]) -> str:
+    """Return the text with edits that do not overlap."""
+    for edit in sorted(edits, key=lambda edit: -edit.start):
+        text = text[: edit.start] + edit.text + text[edit.end :]
+    return text

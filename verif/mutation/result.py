@@ -1,0 +1,216 @@
+"""What a run over the mutants comes to, and where it is kept.
+
+build/mutation/mutation.json is the evidence of the last full run. Where it reached 100 %, the same without
+times and machines is kept beside this file and committed, so that a sign-off of a fresh clone need not run
+mutants again while the RTL is the same.
+"""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.evidence import read_evidence, write_evidence
+from triaxis.verif.mutation.killing import Outcome
+from triaxis.verif.mutation.models import ASSERTION
+from triaxis.verif.paths import BUILD
+
+EVIDENCE = BUILD / "mutation" / "mutation.json"
+STORED = Path(__file__).with_name("result.json")
+
+RUN, BY_ASSERTION, BY_ELABORATION = "run", "assertion", "elaboration"
+KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "not elaborated"
+
+
+@dataclass(frozen=True)
+class Fate:
+    """What became of one mutant; by what, in which test, family and target, where it was killed."""
+
+    id: str
+    kind: str
+    place: str
+    original: str
+    changed: str
+    fate: str
+    by: str | None
+    test: str | None
+    family: str | None
+    target: str | None
+    symptom: str | None
+    pairs: int | None
+    seconds: float | None
+
+    @property
+    def file(self) -> str:
+        """Return the file, as in dut/triaxis_box.sv."""
+        return self.place.rpartition(":")[0]
+
+    @property
+    def operator(self) -> str:
+        """Return the operator."""
+        return self.id.split("/")[1]
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How many mutants there are of something, and what became of them. ``score``: killed of those that can
+    be, in percent, None where none can.
+    """
+
+    mutants: int
+    by_run: int
+    by_assertion: int
+    by_elaboration: int
+    equivalent: int
+    surviving: int
+    absent: int
+
+    @property
+    def killed(self) -> int:
+        """Return how many were killed."""
+        return self.by_run + self.by_assertion + self.by_elaboration
+
+    @property
+    def score(self) -> float | None:
+        """Return the mutation score: those killed, of those that are not equivalent, in percent."""
+        possible = self.mutants - self.equivalent
+        return 100 * self.killed / possible if possible else None
+
+
+def tally(fates: Iterable[Fate]) -> Tally:
+    """Return the totals of some mutants."""
+    counts: Counter[str | None] = Counter()
+    for fate in fates:
+        counts[fate.by if fate.fate == KILLED else fate.fate] += 1
+    return Tally(
+        sum(counts.values()), counts[RUN], counts[BY_ASSERTION], counts[BY_ELABORATION],
+        counts[EQUIVALENT], counts[SURVIVING], counts[ABSENT],
+    )  # fmt: skip
+
+
+def grouped(fates: Iterable[Fate], key: str) -> dict[str, Tally]:
+    """Return the totals for each value of a property of mutants: "file", "operator" or "kind"."""
+    groups: dict[str, list[Fate]] = {}
+    for fate in fates:
+        groups.setdefault(str(getattr(fate, key)), []).append(fate)
+    return {name: tally(groups[name]) for name in sorted(groups)}
+
+
+def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
+    """Return the fate of a mutant that was played, and is listed as equivalent or not."""
+    mutant, killed = outcome.mutant, outcome.killed
+    fixed = (mutant.id, mutant.kind, mutant.place, mutant.original, mutant.changed)
+    if killed is not None:
+        by = BY_ASSERTION if killed.symptom == ASSERTION else RUN
+        by = BY_ELABORATION if killed.test == BY_ELABORATION else by
+        return Fate(
+            *fixed, KILLED, by, killed.test, killed.family or None, killed.target, killed.symptom,
+            None if by == BY_ELABORATION else killed.pairs, outcome.seconds,
+        )  # fmt: skip
+    fate = EQUIVALENT if equivalent else SURVIVING if outcome.targets else ABSENT
+    return Fate(*fixed, fate, None, None, None, None, None, None, outcome.seconds)
+
+
+@dataclass(frozen=True)
+class MutationResult:
+    """The fates of all mutants of a run, in a fixed order; what is wrong; and how long it took."""
+
+    fates: tuple[Fate, ...]
+    problems: tuple[str, ...]
+    seed: int
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Return whether every mutant was killed or is shown equivalent, and every entry holds."""
+        return not self.problems
+
+    @property
+    def survivors(self) -> list[Fate]:
+        """Return the mutants that are neither killed nor equivalent."""
+        return [fate for fate in self.fates if fate.fate in (SURVIVING, ABSENT)]
+
+    @property
+    def summary(self) -> str:
+        """Return the outcome in one line."""
+        total = tally(self.fates)
+        score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
+        return (
+            f"{total.mutants} mutants: {total.killed} killed, {total.equivalent} equivalent, "
+            f"{total.surviving + total.absent} surviving; {score}"
+        )
+
+
+def _tallies(fates: Iterable[Fate], key: str) -> dict[str, dict[str, Any]]:
+    return {name: _row(row) for name, row in grouped(fates, key).items()}
+
+
+def _row(row: Tally) -> dict[str, Any]:
+    return {**asdict(row), "killed": row.killed, "score": row.score}
+
+
+def _content(result: MutationResult, command: str) -> dict[str, Any]:
+    return {
+        "passed": result.passed,
+        "problems": list(result.problems),
+        "summary": result.summary,
+        "command": command,
+        "seconds": round(result.seconds, 1),
+        "seed": result.seed,
+        "total": _row(tally(result.fates)),
+        "kinds": _tallies(result.fates, "kind"),
+        "files": _tallies(result.fates, "file"),
+        "operators": _tallies(result.fates, "operator"),
+        "mutants": [asdict(fate) for fate in result.fates],
+    }
+
+
+def write_result(result: MutationResult, command: str, path: Path = EVIDENCE) -> Path:
+    """Write the evidence of a full run."""
+    return write_evidence(path, _content(result, command))
+
+
+def store_result(result: MutationResult, path: Path = STORED) -> Path:
+    """Keep a full run that passed for fresh clones: the same wherever and whenever it ran.
+
+    Raises ValueError where it did not pass.
+    """
+    if not result.passed:
+        raise ValueError("only a run without problems is stored")
+    content = _content(result, "triaxis mutate") | {"seconds": None, "rtl_hash": rtl_hash()}
+    for mutant in content["mutants"]:
+        del mutant["seconds"]
+    content["mutants"].sort(key=lambda mutant: mutant["id"])
+    # One mutant a line: a change of one is a change of one line.
+    mutants = ",\n".join(json.dumps(mutant, sort_keys=True) for mutant in content.pop("mutants"))
+    head = json.dumps(content, indent=1, sort_keys=True)
+    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
+    partial.write_text(head[: head.rindex("}")].rstrip() + f',\n "mutants": [\n{mutants}\n]}}\n')
+    partial.replace(path)
+    return path
+
+
+def stored_result(evidence: Path = EVIDENCE, stored: Path = STORED) -> dict[str, Any] | None:
+    """Return the last full result on this RTL: that of build/, else the committed one; None without either.
+
+    Raises InputError where a file is damaged.
+    """
+    now = rtl_hash()
+    for path in (evidence, stored):
+        content = read_evidence(path)
+        if content is not None and content["rtl_hash"] == now:
+            return content
+    return None
+
+
+def fates_in(content: Mapping[str, Any]) -> list[Fate]:
+    """Return the fates of the mutants in a stored result; raise InputError where they are not all there."""
+    try:
+        return [Fate(**({"seconds": None} | mutant)) for mutant in content["mutants"]]
+    except (KeyError, TypeError) as error:
+        raise InputError(f"mutation result: damaged: {error}") from error

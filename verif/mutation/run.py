@@ -1,0 +1,78 @@
+"""A run over the mutants: play them, check the list of equivalent ones, say what is wrong."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from triaxis.verif.mutation.catalogue import Catalogue, catalogue
+from triaxis.verif.mutation.equivalence import (
+    EXHAUSTIVE,
+    FILE,
+    check_equivalents,
+    forget_proofs,
+    read_equivalents,
+)
+from triaxis.verif.mutation.killing import Outcome, judge
+from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
+from triaxis.verif.mutation.stimulus import PAIRS
+from triaxis.verif.mutation.targets import TARGETS, Target
+from triaxis.verif.paths import DUT
+
+
+def mutate(
+    seed: int = 1,
+    files: str | None = None,
+    names: str | None = None,
+    jobs: int = 2,
+    pairs: int = PAIRS,
+    fresh: bool = False,
+    dut: Path = DUT,
+    targets: tuple[Target, ...] = TARGETS,
+    equivalents: Path = FILE,
+    with_volume: bool = True,
+    progress: Callable[[int], None] = lambda _: None,
+    chosen: Catalogue | None = None,
+) -> MutationResult:
+    """Return what becomes of the mutants of dut/, or of those whose file and name match.
+
+    ``pairs``: of each family in a directed run. ``fresh``: do everything again, whatever is known from
+    earlier runs. Raises InputError where the RTL without mutants fails.
+    """
+    start = time.perf_counter()
+    everything = catalogue(dut)
+    found = chosen or (everything.restricted(files, names) if files or names else everything)
+    entries = read_equivalents(equivalents)
+    if fresh:
+        forget_proofs()
+    evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
+    # The smallest widths alone say too little: what only they show is played in volume as well.
+    excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
+    outcomes = judge(found, seed, jobs, pairs, excused, dut, targets, fresh, with_volume, progress)
+    fates = tuple(fate_of(outcome, outcome.mutant.id in evidence.equivalent) for outcome in outcomes)
+    problems = [
+        *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),
+        *(
+            _refuted(outcome)
+            for outcome in outcomes
+            if outcome.killed and outcome.mutant.id in evidence.equivalent
+        ),
+        *evidence.problems,
+    ]
+    return MutationResult(fates, tuple(problems), seed, time.perf_counter() - start)
+
+
+def _survivor(fate: Fate) -> str:
+    what = "survives" if fate.fate == SURVIVING else "is in no target's elaborated code"
+    return (
+        f"{fate.id} {what}: {fate.place}: {fate.original} -> {fate.changed} "
+        f"(replay: triaxis mutate --mutant {fate.id})"
+    )
+
+
+def _refuted(outcome: Outcome) -> str:
+    assert outcome.killed is not None
+    killed = outcome.killed
+    return (
+        f"{outcome.mutant.id}: listed as equivalent, but {killed.test} kills it in {killed.target} "
+        f"({killed.symptom}): delete it from {FILE.name}"
+    )

