@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
 _STYLE = """
-:root { color-scheme: light dark; --line: #8884; --good: #2f7d4f; --bad: #b3363b; --fair: #9a7b12; }
+:root { color-scheme: light dark; --line: #8884; --good: #2f7d4f; --bad: #b3363b; }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2.2rem; } h3 { font-size: 1rem; }
 summary { cursor: pointer; padding: .15rem 0; }
@@ -13,9 +13,9 @@ td, th { padding: .15rem .9rem .15rem 0; text-align: left; vertical-align: top; 
 tr { border-bottom: 1px solid var(--line); }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 .bad { color: var(--bad); font-weight: 600; } .good { color: var(--good); } .why { opacity: .75; }
-.fair { color: var(--fair); }
 .verdict { padding: .8rem 1.2rem; border-left: .5rem solid; margin: 1rem 0; }
 .verdict b { font-size: 1.3rem; }
+.beside { display: flex; flex-wrap: wrap; gap: 4rem; align-items: flex-start; }
 .plots { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-start; }
 .plots svg { background: #fff; border: 1px solid var(--line); max-width: 100%; height: auto; }
 code { font-size: .85em; overflow-wrap: anywhere; }

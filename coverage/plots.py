@@ -21,7 +21,7 @@ _STYLE = {
 }
 
 
-def _drawn(title: str, height: float, draw: Callable[[Axes], None], width: float = 6.4) -> str:
+def _drawn(title: str, height: float, draw: Callable[[Axes], None], width: float = 5.7) -> str:
     """Return a figure with one plot as an SVG element, with its title for those who cannot see it."""
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")

@@ -61,7 +61,7 @@ def _of(pair: Sequence[int] | None) -> Cell:
     if pair is None:
         return Marked("")
     good, total = pair
-    return mark(f"{good:,} of {total:,}", good == total)
+    return mark(f"{good:,}\u00a0of\u00a0{total:,}", good == total)
 
 
 def simulation(part: Content) -> Iterator[str]:
@@ -180,22 +180,23 @@ def mutation(part: Content) -> Iterator[str]:
     yield from _part("Mutation", part)
     if part["absent"] is not None:
         return
+    yield "<div class=beside>\n"
     for title, key in (("file", "files"), ("operator", "operators")):
         rows = (
             [name, t["killed"], t["equivalent"], mark(f"{t['surviving']:,}", not t["surviving"])]
             for name, t in part[key].items()
         )
         yield from table([title, "killed", "equivalent", "surviving"], rows)
+    yield "</div>\n"
     survivors = (
         [code(m["id"]), m["place"], code(m["original"]), code(m["changed"])] for m in part["survivors"]
     )
     if part["survivors"]:
         yield "<h3>Surviving</h3>\n"
         yield from table(["mutant", "where", "original", "changed"], survivors)
-    equivalent = ([code(e["id"]), e["reason"], e["evidence"]] for e in part["equivalents"])
-    yield from folded(
-        "equivalent mutants and their evidence", table(["mutant", "why", "evidence"], equivalent)
-    )
+    equivalent = ([code(e["id"]), e["place"], e["reason"], e["evidence"]] for e in part["equivalents"])
+    headings = ["mutant", "where", "why", "evidence"]
+    yield from folded("equivalent mutants and their evidence", table(headings, equivalent))
 
 
 def proofs(part: Content) -> Iterator[str]:

@@ -40,7 +40,8 @@ class Figure:
         """Return a value as people read it; no rounding may lift a value to its bound."""
         if value is None:
             return "not measured"
-        return f"{value:,}" + (f" {self.unit}" if self.unit else "")
+        number = f"{int(value) if value == int(value) else value:,}"
+        return f"{number} {self.unit}".rstrip()
 
     def shortfall(self, value: float | None, stage: str) -> str:
         """Return what is wanted, in a line."""

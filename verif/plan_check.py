@@ -10,7 +10,7 @@ from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
 from triaxis.verif.assertions import SVA, assertion_names
-from triaxis.verif.faults.catalogue import fault_names
+from triaxis.verif.faults.run import fault_names
 from triaxis.verif.formal.run import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.signoff.plan import plan

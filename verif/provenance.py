@@ -7,6 +7,8 @@ from triaxis.verif.build import content_hash, rtl_hash
 from triaxis.verif.paths import ROOT
 
 _CHECKING = ("golden", "coverage", "verif")
+# A result, which checks nothing.
+_RESULT = ROOT / "verif" / "mutation" / "result.json"
 _SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".toml", ".json", ".hjson", ".csv", ".mk", ".patch", ".sh")
 
 
@@ -33,8 +35,8 @@ def provenance() -> Provenance:
 
 def _environment_hash() -> str:
     """Return the hash of everything that checks: a checkout that is not clean may change and stay so."""
-    files = [path for folder in _CHECKING for path in (ROOT / folder).rglob("*") if path.suffix in _SOURCES]
-    return content_hash(sorted(files))
+    files = {path for folder in _CHECKING for path in (ROOT / folder).rglob("*") if path.suffix in _SOURCES}
+    return content_hash(sorted(files - {_RESULT}))
 
 
 def _git(*arguments: str) -> str | None:

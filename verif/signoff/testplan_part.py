@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
+from triaxis.verif.paths import ROOT
 from triaxis.verif.plan_check import CODE_COVERAGE, DETECTOR, EXHAUSTIVE, SCENES, check_plan, inventory
 from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
@@ -14,7 +15,9 @@ from triaxis.verif.signoff.parts import Evidence, Part
 def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport]) -> Evidence:
     """Return the state of each testpoint; problems: what the linter of the plan says."""
     start = time.monotonic()
-    plan, problems = check_plan()
+    plan, found = check_plan()
+    # As the report names files: from the root of the checkout.
+    problems = [problem.removeprefix(f"{ROOT}/") for problem in found]
     stages = stage_progress(plan, inventory(), plan_results(parts, coverage))
     points = [status.content() for stage in stages for status in stage.testpoints]
     met = sum(point["passed"] is True for point in points)

@@ -110,7 +110,7 @@ def test_what_nothing_could_show_is_not_generated(tmp_path, body, operator):
     ("body", "operator", "changed"),
     [
         ("if (2 > 1) begin : g_a end", "generate_condition", "if (!(2 > 1))"),
-        ("for (genvar k = 0; k < 3; k++) begin : g_k end", "generate_loop", "k < 3 - 1"),
+        ("for (genvar k = 0; k < 3; k++) begin : g_k assign x_o = p_q; end", "generate_loop", "k < 3 - 1"),
         ("localparam int unsigned Delay = 3;", "constant", "Delay = (3) + 1;"),
         ("localparam int unsigned XWidth = 3;", "constant", "XWidth = (3) - 1;"),
         ("localparam int unsigned K1 = (k + 1) % 3;", "constant", "K1 = (k + 1 + 1) % 3;"),
