@@ -41,22 +41,15 @@ class Catalogue:
                 f"{asked}: no such mutant; names are <module>/<operator>/<hash>, files those of dut/"
             )
         chosen = {mutant.id for mutant in kept}
-        return Catalogue(
-            self.sources,
-            {
-                file: tuple(host for host in map(_only(chosen), found) if host.mutants)
-                for file, found in self.hosts.items()
-            },
-            tuple(kept),
-        )
-
-
-class _only:  # noqa: N801  # a function with a setting
-    def __init__(self, chosen: set[str]) -> None:
-        self._chosen = chosen
-
-    def __call__(self, host: Host) -> Host:
-        return host.with_mutants(tuple(m for m in host.mutants if m.id in self._chosen))
+        hosts_left = {
+            file: tuple(
+                host.with_mutants(tuple(mutant for mutant in host.mutants if mutant.id in chosen))
+                for host in found
+                if any(mutant.id in chosen for mutant in host.mutants)
+            )
+            for file, found in self.hosts.items()
+        }
+        return Catalogue(self.sources, hosts_left, tuple(kept))
 
 
 def catalogue(dut: Path = DUT) -> Catalogue:

@@ -1,11 +1,8 @@
 """Playing mutants in two processes: who is found out, by what, after how many pairs.
 
-Short directed runs first, on each target in turn; volume after, for those that survive. What was found out is
-kept in build/ under everything that it depends on, so that a run after an unrelated change is quick.
+Short directed runs first, on each target in turn; volume after, for those that survive.
 """
 
-import hashlib
-import json
 import multiprocessing
 import os
 import shutil
@@ -13,14 +10,11 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.verif.build import content_hash
 from triaxis.verif.mutation.builds import (
     FAST,
     FOLDER,
@@ -31,13 +25,15 @@ from triaxis.verif.mutation.builds import (
     with_mutant_library,
 )
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
-from triaxis.verif.mutation.elaborated import Elaborated, core_latencies, elaborated
+from triaxis.verif.mutation.elaborated import Elaborated, elaborated
+from triaxis.verif.mutation.latencies import latency_table
 from triaxis.verif.mutation.models import Killed, Library
 from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant, applied
+from triaxis.verif.mutation.outcomes import Outcome, Store
 from triaxis.verif.mutation.schema import schema, write_support
 from triaxis.verif.mutation.stimulus import Play, directed, volume
 from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, Target
-from triaxis.verif.paths import DUT, ROOT, VERIF
+from triaxis.verif.paths import DUT
 
 # Bursts of a mutant's volume on each target; the narrowest model is the fastest.
 _BURSTS = {MAIN.name: 32}
@@ -47,48 +43,6 @@ _FEW = 12
 
 _SAVED_EVERY = 50
 _LONGER = 8
-# The files of this folder on which an outcome depends.
-_DECISIVE = ("stimulus", "corners", "targets", "models", "builds", "schema")
-
-_LATENCY_TABLE = "LatencyTable"
-# At W = 8, 9, .. 32 and M = 0; one clock more with margins.
-_LATENCIES = (
-    21,
-    21,
-    21,
-    21,
-    21,
-    22,
-    22,
-    22,
-    22,
-    22,
-    24,
-    24,
-    24,
-    24,
-    24,
-    24,
-    24,
-    26,
-    26,
-    26,
-    26,
-    26,
-    26,
-    26,
-    26,
-)
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a mutant: how it was killed, if it was, and the targets that elaborate it."""
-
-    mutant: Mutant
-    killed: Killed | None
-    targets: tuple[str, ...]
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -162,7 +116,7 @@ def _selected(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Ki
 def _built(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Killed | None:
     """Build the mutant by itself and play it: first without assertions, which take longer to build."""
     with mutated(setting.dut, mutant) as folder:
-        if mutant.file.endswith("_pkg.sv") and (killed := _latency_table(folder)):
+        if mutant.file.endswith("_pkg.sv") and (killed := latency_table(folder)):
             return killed
         smallest = _where(mutant, (SMALLEST,), setting) if mutant.kind == ELABORATION else []
         for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
@@ -208,34 +162,6 @@ def _first_line(message: str) -> str:
     return " ".join(words)[:160]
 
 
-def _latency_table(folder: Path) -> Killed | None:
-    """Hold the package's latencies against the README's table, and against every width between its rows."""
-    table = readme_latencies() | every_latency()
-    found = core_latencies(folder, list(table))
-    if found is None or found == list(table.values()):
-        return None
-    return Killed(_LATENCY_TABLE, "README", "triaxis_pkg", "wrong latency", 0)
-
-
-def every_latency() -> dict[tuple[int, int], int]:
-    """Return the latency in clocks for every W without and with margins, as it is signed off."""
-    widths = range(MIN_WIDTH, MAX_WIDTH + 1)
-    rows = list(zip(widths, _LATENCIES, strict=True))
-    return {(width, 0): row for width, row in rows} | {(width, width): row + 1 for width, row in rows}
-
-
-def readme_latencies() -> dict[tuple[int, int], int]:
-    """Return the latency in clocks for (W, M), from the README's table."""
-    section = (ROOT / "README.md").read_text().split("### Latency")[1].split("###")[0]
-    table: dict[tuple[int, int], int] = {}
-    for line in section.splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if len(cells) == 4 and all(cell.isdigit() for cell in cells):
-            width, none, eight, full = map(int, cells)
-            table |= {(width, 0): none, (width, 8): eight, (width, width): full}
-    return table
-
-
 @contextmanager
 def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
     """Provide a copy of dut/ with that one mutant in it."""
@@ -273,54 +199,6 @@ def _more(mutant: Mutant) -> Outcome:
     return Outcome(
         mutant, killed, tuple(target.name for target in targets), round(time.perf_counter() - start, 3)
     )
-
-
-class Store:
-    """Outcomes that are known already, in build/."""
-
-    def __init__(self, dut: Path, seed: int, pairs: int, fresh: bool) -> None:
-        """Read what an earlier run with the same RTL, stimulus and seed left; nothing where ``fresh``."""
-        folder = Path(__file__).parent
-        files = [
-            *sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh")), *sorted((VERIF / "sva").glob("*.sv")),
-            *sorted(folder.glob("*.cpp")), *sorted(folder.glob("*.h")),
-            *(folder / f"{name}.py" for name in _DECISIVE),
-            *sorted((VERIF / "sequences").glob("*.py")), *sorted((VERIF / "regressions").glob("*.json")),
-            VERIF / "code_coverage_stimulus.py", VERIF / "expectation.py",
-            *sorted((ROOT / "golden").glob("bulk*")), ROOT / "golden" / "facts.py",
-        ]  # fmt: skip
-        key = content_hash(files, str(seed), str(pairs))
-        self._path = FOLDER / f"outcomes-{key[:12]}.json"
-        self._known: dict[str, Any] = {}
-        if not fresh and self._path.exists():
-            self._known = json.loads(self._path.read_text())
-
-    def _key(self, mutant: Mutant, stage: str) -> str:
-        text = f"{stage}\0{mutant.id}\0{mutant.edit.start}\0{mutant.edit.text}"
-        return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-    def get(self, mutant: Mutant, stage: str) -> Outcome | None:
-        """Return what is known of a mutant in that stage, None where nothing is."""
-        known = self._known.get(self._key(mutant, stage))
-        if known is None:
-            return None
-        killed = None if known["killed"] is None else Killed(**known["killed"])
-        return Outcome(mutant, killed, tuple(known["targets"]), known["seconds"])
-
-    def put(self, outcome: Outcome, stage: str) -> None:
-        """Keep an outcome."""
-        self._known[self._key(outcome.mutant, stage)] = {
-            "killed": None if outcome.killed is None else asdict(outcome.killed),
-            "targets": list(outcome.targets),
-            "seconds": outcome.seconds,
-        }
-
-    def save(self) -> None:
-        """Write all to build/."""
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        partial = self._path.with_name(f".{self._path.name}-{os.getpid()}.partial")
-        partial.write_text(json.dumps(self._known))
-        partial.replace(self._path)
 
 
 def write_schema(catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path) -> Path:

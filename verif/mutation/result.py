@@ -16,8 +16,8 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.evidence import read_evidence, write_evidence
-from triaxis.verif.mutation.killing import Outcome
 from triaxis.verif.mutation.models import ASSERTION
+from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.paths import BUILD
 
 EVIDENCE = BUILD / "mutation" / "mutation.json"

@@ -12,7 +12,8 @@ from triaxis.verif.mutation.equivalence import (
     forget_proofs,
     read_equivalents,
 )
-from triaxis.verif.mutation.killing import Outcome, judge
+from triaxis.verif.mutation.killing import judge
+from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.stimulus import PAIRS
 from triaxis.verif.mutation.targets import TARGETS, Target

@@ -1,6 +1,6 @@
 """The parts of a sign-off: each leaves evidence, or the reason why it has none."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +11,9 @@ from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, run_grid
 from triaxis.verif.faults import run as faults
 from triaxis.verif.formal import run as formal
+from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
-from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, stored_result
+from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, grouped, stored_result
 from triaxis.verif.signoff.folder import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
@@ -78,15 +79,22 @@ def proofs_part(progress: Progress) -> Evidence | None:
 
 
 def mutation_part() -> Evidence | None:
-    """Return the stored result of mutation, where it is of this RTL, without what only replays need."""
+    """Return the stored result of mutation, where it is of this RTL; its totals are counted again.
+
+    Raises InputError where it is of other mutants than today's generator makes.
+    """
     content = stored_result()
     if content is None:
         return None
     fates = fates_in(content)
+    if sorted(fate.id for fate in fates) != sorted(mutant_names()):
+        raise InputError("the stored result is of other mutants than today's: run `make mutate`")
     reasons = {name: entry for entry in read_equivalents() for name in entry.mutants}
-    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "seed", "files", "operators")
+    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "seed")
     return {
         **{key: content[key] for key in kept},
+        "files": _totals(fates, "file"),
+        "operators": _totals(fates, "operator"),
         "killed": [fate.id for fate in fates if fate.fate == KILLED],
         "survivors": [
             {"id": fate.id, "place": fate.place, "original": fate.original, "changed": fate.changed}
@@ -94,6 +102,18 @@ def mutation_part() -> Evidence | None:
             if fate.fate not in (KILLED, EQUIVALENT)
         ],
         "equivalents": [_equivalent(fate, reasons) for fate in fates if fate.fate == EQUIVALENT],
+    }
+
+
+def _totals(fates: Sequence[Fate], key: str) -> dict[str, dict[str, int]]:
+    return {
+        name: {
+            "mutants": row.mutants,
+            "killed": row.killed,
+            "equivalent": row.equivalent,
+            "surviving": row.surviving + row.absent,
+        }
+        for name, row in grouped(fates, key).items()
     }
 
 

@@ -50,7 +50,7 @@ def _faults():
 
 
 def _mutation():
-    counts = {"mutants": 12, "killed": 10, "equivalent": 2, "surviving": 0, "absent": 0}
+    counts = {"mutants": 12, "killed": 10, "equivalent": 2, "surviving": 0}
     entry = {"id": "triaxis_sum/x/1", "place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
     return evidence(
         files={"a.sv": counts}, operators={"add": counts}, killed=["triaxis_sum/x/2"], survivors=[],

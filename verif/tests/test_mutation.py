@@ -8,7 +8,8 @@ from triaxis.golden.errors import InputError
 from triaxis.verif.mutation.catalogue import catalogue, mutant_names
 from triaxis.verif.mutation.elaborated import core_latencies, elaborated
 from triaxis.verif.mutation.elaboration import elaboration_mutants
-from triaxis.verif.mutation.killing import every_latency, mutated, readme_latencies
+from triaxis.verif.mutation.killing import mutated
+from triaxis.verif.mutation.latencies import every_latency, readme_latencies
 from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit, applied
 from triaxis.verif.mutation.schema import schema
 from triaxis.verif.mutation.statements import hosts

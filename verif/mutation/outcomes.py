@@ -1,0 +1,78 @@
+"""What became of mutants, kept in build/ under everything that it depends on.
+
+So a run after an unrelated change is quick.
+"""
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from triaxis.verif.build import content_hash
+from triaxis.verif.mutation.builds import FOLDER
+from triaxis.verif.mutation.models import Killed
+from triaxis.verif.mutation.mutant import Mutant
+from triaxis.verif.paths import ROOT, VERIF
+
+# The files of this folder on which an outcome depends.
+_DECISIVE = ("stimulus", "corners", "targets", "models", "builds", "schema")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant: how it was killed, if it was, and the targets that elaborate it."""
+
+    mutant: Mutant
+    killed: Killed | None
+    targets: tuple[str, ...]
+    seconds: float
+
+
+class Store:
+    """Outcomes that are known already, in build/."""
+
+    def __init__(self, dut: Path, seed: int, pairs: int, fresh: bool) -> None:
+        """Read what an earlier run with the same RTL, stimulus and seed left; nothing where ``fresh``."""
+        folder = Path(__file__).parent
+        files = [
+            *sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh")), *sorted((VERIF / "sva").glob("*.sv")),
+            *sorted(folder.glob("*.cpp")), *sorted(folder.glob("*.h")),
+            *(folder / f"{name}.py" for name in _DECISIVE),
+            *sorted((VERIF / "sequences").glob("*.py")), *sorted((VERIF / "regressions").glob("*.json")),
+            VERIF / "code_coverage_stimulus.py", VERIF / "expectation.py",
+            *sorted((ROOT / "golden").glob("bulk*")), ROOT / "golden" / "facts.py",
+        ]  # fmt: skip
+        key = content_hash(files, str(seed), str(pairs))
+        self._path = FOLDER / f"outcomes-{key[:12]}.json"
+        self._known: dict[str, Any] = {}
+        if not fresh and self._path.exists():
+            self._known = json.loads(self._path.read_text())
+
+    def _key(self, mutant: Mutant, stage: str) -> str:
+        text = f"{stage}\0{mutant.id}\0{mutant.edit.start}\0{mutant.edit.text}"
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    def get(self, mutant: Mutant, stage: str) -> Outcome | None:
+        """Return what is known of a mutant in that stage, None where nothing is."""
+        known = self._known.get(self._key(mutant, stage))
+        if known is None:
+            return None
+        killed = None if known["killed"] is None else Killed(**known["killed"])
+        return Outcome(mutant, killed, tuple(known["targets"]), known["seconds"])
+
+    def put(self, outcome: Outcome, stage: str) -> None:
+        """Keep an outcome."""
+        self._known[self._key(outcome.mutant, stage)] = {
+            "killed": None if outcome.killed is None else asdict(outcome.killed),
+            "targets": list(outcome.targets),
+            "seconds": outcome.seconds,
+        }
+
+    def save(self) -> None:
+        """Write all to build/."""
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        partial = self._path.with_name(f".{self._path.name}-{os.getpid()}.partial")
+        partial.write_text(json.dumps(self._known))
+        partial.replace(self._path)
