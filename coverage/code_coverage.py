@@ -26,6 +26,7 @@ from pathlib import Path
 from triaxis.coverage.arithmetic import BoundError
 from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
 from triaxis.coverage.elaboration import Instance
+from triaxis.coverage.stages import share
 from triaxis.coverage.waiver_upkeep import WaivedPlace, stale_patterns
 from triaxis.coverage.waivers import KINDS, Waiver
 from triaxis.golden.errors import InputError
@@ -77,9 +78,9 @@ class Total:
     total: int = 0
 
     @property
-    def percent(self) -> float:
-        """Return the share of bins that were hit or are waived; 0 where there are none."""
-        return 100 * (self.hit + self.waived) / self.total if self.total else 0.0
+    def percent(self) -> float | None:
+        """Return the share of bins that were hit or are waived, rounded down; None where there are none."""
+        return share(self.hit + self.waived, self.total)
 
     def add(self, other: "Total") -> None:
         """Add the bins of another total."""

@@ -9,6 +9,9 @@ from triaxis.coverage.stages import judge, read_figures
 from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 
+# The parts of the evidence, in the order of the report.
+PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
+
 _SHOWN = 3
 
 
@@ -38,7 +41,7 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
         found.append(f"{result}: does not say what stands against it: run `make signoff` again")
     else:
         found += _first([str(problem) for problem in problems])
-    found += _shortfalls(content.get("figures"))
+    found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed)
     # A sign-off is not for ever: the waivers that it rests on expire, or change.
     return found + _first(waiver_problems(_waivers(content), today or date.today()))
 
@@ -50,6 +53,20 @@ def _short(rtl_hash: Any) -> str:
 def _first(lines: list[str]) -> list[str]:
     more = [f".. and {len(lines) - _SHOWN} more"] if len(lines) > _SHOWN else []
     return lines[:_SHOWN] + more
+
+
+def _parts(parts: Any, signed: Any) -> list[str]:
+    """Return which parts of the evidence are missing, failed, or of another RTL than the file says."""
+    if not isinstance(parts, dict):
+        return ["the sign-off holds no evidence: run `make signoff` again"]
+    held = {name: part if isinstance(part, dict) else {} for name, part in parts.items()}
+    found = [f"{name}: no evidence: run `make signoff` again" for name in PARTS if name not in held]
+    for name, part in held.items():
+        if part.get("passed") is not True:
+            found.append(f"{name}: did not pass")
+        elif part.get("rtl_hash") != signed:
+            found.append(f"{name}: is of RTL {_short(part.get('rtl_hash'))}, not of that signed off")
+    return found
 
 
 def _waivers(content: dict[str, Any]) -> list[dict[str, Any]]:

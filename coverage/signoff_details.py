@@ -87,6 +87,8 @@ def simulation(part: Content) -> Iterator[str]:
     yield from table(headings, rows)
     yield "<p>Every functional bin: <a href='coverage.html'>coverage.html</a>.</p>\n"
     scenes = [*part["scenes"], *(part["real_meshes"] or [])]
+    if part["real_meshes"] is None:
+        yield "<p class=why>Real machine parts: not measured, no files were there (TRIAXIS_DATA).</p>\n"
     keys = ("expected", "found", "pairs", "skipped", "tested", "near")
     scene_rows = ([scene["name"], *(scene[key] for key in keys)] for scene in scenes)
     yield from folded(f"{len(scenes)} scenes end to end", table(["scene", *keys], scene_rows))

@@ -45,7 +45,7 @@ def _lacks(testpoint: Testpoint) -> Iterator[str]:
     if not any(testpoint.entries(kind) for kind in RUNS):
         yield f"nothing runs: name at least one of {', '.join(RUNS)}"
     if not testpoint.mutants:
-        yield "no mutants: name those that its tests must kill, or nothing shows that it can fail"
+        yield "no mutants: name those of the RTL that it verifies; a kill by any test counts"
 
 
 def _unknown(testpoint: Testpoint, inventory: Inventory) -> Iterator[str]:

@@ -10,7 +10,7 @@ because each run tries them again. A hit of an excluded bin is a problem of its 
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -53,20 +53,19 @@ def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
 
 
 def waiver_records(waivers: Iterable[Waiver], bins: Mapping[int, int]) -> list[Record]:
-    """Return what is recorded of each waiver; ``bins``: how many it covers, by its number."""
-    return [
-        {
-            "number": waiver.number,
-            "category": waiver.category,
-            "kind": waiver.kind,
-            "modules": list(waiver.modules),
-            "reason": waiver.reason.strip(),
-            "owner": waiver.owner,
-            "expires": str(waiver.expires),
-            "bins": bins.get(waiver.number, 0),
-        }
-        for waiver in waivers
-    ]
+    """Return what is recorded of each waiver: all of its fields, as JSON has them, and its bins.
+
+    ``bins``: how many it covers, by its number.
+    """
+    return [{**_fields(waiver), "bins": bins.get(waiver.number, 0)} for waiver in waivers]
+
+
+def _fields(waiver: Waiver) -> Record:
+    """Return the fields by their names in the file."""
+    fields = asdict(waiver)
+    fields["range"] = fields.pop("values")
+    fields |= {name: list(value) for name, value in fields.items() if isinstance(value, tuple)}
+    return {**fields, "reason": waiver.reason.strip(), "expires": str(waiver.expires)}
 
 
 def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
@@ -109,10 +108,15 @@ def _unlike(waivers: Sequence[Waiver], recorded: Sequence[Record]) -> Iterator[s
     if len(waivers) != len(recorded):
         yield f"{len(waivers)} waivers, measured with {len(recorded)}: {_AGAIN}"
         return
-    bins = {record["number"]: record["bins"] for record in recorded}
-    for waiver, now, then in zip(waivers, waiver_records(waivers, bins), recorded, strict=True):
-        changed = [key for key, value in now.items() if then.get(key) != value]
-        if changed:
+    for waiver, record in zip(waivers, recorded, strict=True):
+        # From a file, so it may be anything.
+        then: Any = record if isinstance(record, dict) else {}
+        now = _fields(waiver)
+        missing = [key for key in (*now, "bins") if key not in then]
+        changed = [key for key, value in now.items() if key in then and then[key] != value]
+        if missing:
+            yield f"{waiver.name}: recorded without {', '.join(missing)}: {_AGAIN}"
+        elif changed:
             yield f"{waiver.name}: {', '.join(changed)} changed since it was measured: {_AGAIN}"
         elif not then["bins"]:
             yield f"{waiver.name}: covers no bin"

@@ -21,6 +21,8 @@ from triaxis.verif.toolchain import verilator
 # g++ makes code of the whole core in one function that runs a third slower.
 _SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast", "--output-split-cfuncs", "1000"]
 
+_LISTING = ".f"
+_RTL_SUFFIXES = (".sv", ".svh", ".v", ".vh", _LISTING)
 _FAST_CODE = "-march=native -std=c++20"
 _BURST_TOP = "triaxis_burst_tb"
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
@@ -38,9 +40,23 @@ def content_hash(files: Sequence[Path], *more: str) -> str:
     return digest.hexdigest()
 
 
+def rtl_files(dut: Path = DUT) -> list[Path]:
+    """Return everything in a folder of RTL that can elaborate, sub-folders too, and the lists of files.
+
+    Raises InputError where a list names what is not among them: nothing would tell of its changes.
+    """
+    found = sorted(path for path in dut.rglob("*") if path.suffix in _RTL_SUFFIXES and path.is_file())
+    for listing in (path for path in found if path.suffix == _LISTING):
+        for entry in listing.read_text(encoding="utf-8").split():
+            place = Path(os.path.normpath(dut / entry))
+            if place.suffix not in _RTL_SUFFIXES or not place.is_relative_to(os.path.normpath(dut)):
+                raise InputError(f"{listing}: {entry}: must be a file of RTL in {dut}")
+    return found
+
+
 def rtl_hash(dut: Path = DUT) -> str:
     """Return the hash of everything in dut/ that elaborates: what a sign-off is valid for."""
-    return content_hash(sorted([*dut.glob("*.sv"), *dut.glob("*.svh"), *dut.glob("*.f")]))
+    return content_hash(rtl_files(dut))
 
 
 @contextmanager
@@ -138,7 +154,7 @@ def _library(
     sources = [*(dut / source.name for source in rtl_sources()), harness]
     # The folder of the RTL stands for its contents, wherever it is.
     arguments = [argument for argument in command if argument != f"-I{dut}"]
-    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), target(cxx()), *arguments)
+    key = content_hash([*sources, *rtl_files(dut)], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
 
@@ -191,7 +207,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         "-CFLAGS", "-O0 -std=c++20", "-Wno-fatal",
     ]  # fmt: skip
     runtime = _runtime("-O1")
-    key = content_hash([*sources, dut / "triaxis_stage.svh"], str(verilator()), target(cxx()), *arguments)
+    key = content_hash([*sources, *rtl_files(dut)], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
@@ -247,7 +263,7 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
         *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
         "-CFLAGS", " ".join([_FAST_CODE, *_FAST_RUNTIME[1:], f"-I{burst}", *defines]),
     ]  # fmt: skip
-    hashed = [*sources, *sorted(burst.glob("*.h")), dut / "triaxis_stage.svh"]
+    hashed = [*sources, *sorted(burst.glob("*.h")), *rtl_files(dut)]
     key = content_hash(hashed, str(verilator()), target(cxx()), *command)
     kind = "" if assertions else "_no_assertions"
     folder = BUILD / "burst" / f"{configuration.name}{kind}-{key[:12]}"

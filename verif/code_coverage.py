@@ -25,9 +25,11 @@ from triaxis.coverage.code_coverage import (
     generate_blocks,
 )
 from triaxis.coverage.elaboration import read_elaboration
+from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.build import rtl_hash
 from triaxis.verif.code_coverage_stimulus import disturbed, pairs_with_margins, stimulus
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.evidence import write_evidence
@@ -42,6 +44,7 @@ from triaxis.verif.instrumented_core import (
     elaborated,
 )
 from triaxis.verif.paths import BUILD, rtl_sources
+from triaxis.verif.regression.file_lock import locked
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
@@ -76,19 +79,25 @@ class Run:
 
 @dataclass(frozen=True)
 class CodeCoverage:
-    """All runs, and how they cover the code."""
+    """All runs, and how they cover the code.
+
+    ``rtl_hash``: of the RTL before the run; ``changed``: it was another after it.
+    """
 
     runs: list[Run]
     assessment: Assessment
     waivers: list[Waiver]
     seconds: float
+    rtl_hash: str
+    changed: bool = False
 
     @property
     def problems(self) -> list[str]:
         """Return what is wrong, apart from bins that are not covered."""
         wrong = [f"{r.model}: {r.wrong} of {r.checked} results are wrong" for r in self.runs if r.wrong]
         idle = [f"{r.model}: no result was checked" for r in self.runs if not r.checked]
-        return [*wrong, *idle, *self.assessment.problems]
+        changed = ["the RTL changed during the run"] if self.changed else []
+        return [*wrong, *idle, *changed, *self.assessment.problems]
 
     @property
     def passed(self) -> bool:
@@ -187,19 +196,22 @@ def measure(
     """
     start = time.perf_counter()
     read = read_waivers(waivers)
-    COUNTERS.mkdir(parents=True, exist_ok=True)
     steps = disturbed(np.random.default_rng(seed))
     jobs = [_Job(core, seed, count, steps, read) for core in (*cores, None)]
-    done = _run_all(jobs, progress or (lambda _: None))
-    together = Assessment()
-    for _, assessment in done:
-        together.add(assessment)
-    whole = conclude(together, generate_blocks(rtl_sources()), read, date.today())
-    return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start)
+    # Two runs at once would write each other's counters.
+    with locked(COUNTERS / ".lock"):
+        before = rtl_hash()
+        done = _run_all(jobs, progress or (lambda _: None))
+        together = Assessment()
+        for _, assessment in done:
+            together.add(assessment)
+        whole = conclude(together, generate_blocks(rtl_sources()), read, date.today())
+        changed = rtl_hash() != before
+    return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start, before, changed)
 
 
-def _as_json(total: Total) -> dict[str, int | float]:
-    return {**asdict(total), "percent": round(total.percent, 2)}
+def _as_json(total: Total) -> dict[str, int | float | None]:
+    return {**asdict(total), "percent": total.percent}
 
 
 def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
@@ -218,21 +230,10 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         },
         "uncovered": [asdict(bin_) for bin_ in assessment.uncovered],
         "problems": result.problems,
-        "waivers": [
-            {
-                "number": waiver.number,
-                "category": waiver.category,
-                "kind": waiver.kind,
-                "modules": waiver.modules,
-                "reason": waiver.reason.strip(),
-                "owner": waiver.owner,
-                "expires": str(waiver.expires),
-                "bins": assessment.waived[waiver.number],
-            }
-            for waiver in result.waivers
-        ],
+        "waivers": waiver_records(result.waivers, assessment.waived),
         "runs": [{**asdict(run), "seconds": round(run.seconds, 1)} for run in result.runs],
         "seed": seed,
+        "rtl_hash": result.rtl_hash,
         "seconds": round(result.seconds, 1),
         "command": f"triaxis code-coverage --seed {seed}",
     }

@@ -14,6 +14,7 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import NO_AXIS, Pairs, coordinate_range
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.instrumented_core import OFFER, RESET, TAKE, Stimulus
+from triaxis.verif.sequences.corners import corner_pairs, diagonal_pairs
 from triaxis.verif.sequences.families import mixed
 
 # Of each of the four kinds of pairs, as many.
@@ -38,29 +39,6 @@ def _claim_pairs(rng: np.random.Generator, count: int, width: int, largest: int)
     return drawn.pairs[picked].astype(np.int64), drawn.margins[picked].astype(np.int64)
 
 
-def _corner_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
-    """Return pairs at corners of the coordinate box, where the core's widths are decided."""
-    low, high = coordinate_range(width)
-    corners = np.where(rng.integers(0, 2, (count, 2, 3, 3)) == 0, low, high)
-    beside = corners + np.where(corners == low, 1, -1) * rng.integers(0, 2, (count, 2, 3, 3))
-    return np.where(rng.integers(0, 2, (count, 1, 1, 1)) == 0, corners, beside)
-
-
-def _longest_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:
-    """Return pairs whose N_A . (edge of B) is the largest, 3 L^3, in all orders and signs.
-
-    A has the three neighbours of a corner of the coordinate box, so its normal runs along a diagonal of
-    the box; an edge of B is that diagonal.
-    """
-    low, high = coordinate_range(width)
-    corner = rng.integers(0, 2, (count, 1, 3))
-    a = corner ^ np.eye(3, dtype=np.int64)
-    b = np.concatenate([corner, 1 - corner, rng.integers(0, 2, (count, 1, 3))], 1)
-    order = rng.permuted(np.broadcast_to(np.arange(3), (count, 2, 3)), axis=2)
-    bits = np.take_along_axis(np.stack([a, b], 1), order[..., None], axis=2)
-    return np.where(bits == 0, low, high)
-
-
 def pairs_with_margins(
     rng: np.random.Generator, count: int, width: int, largest: int
 ) -> tuple[Pairs, _Margins]:
@@ -77,8 +55,8 @@ def pairs_with_margins(
         [
             families.pairs.astype(np.int64),
             claimed,
-            _longest_pairs(rng, longest, width),
-            _corner_pairs(rng, each - longest, width),
+            diagonal_pairs(rng, longest, width),
+            corner_pairs(rng, each - longest, width),
             rng.integers(low, high + 1, (each, 2, 3, 3)),
         ]
     )

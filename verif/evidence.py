@@ -20,12 +20,16 @@ _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
 
 
 def write_evidence(path: Path, content: Mapping[str, Any]) -> Path:
-    """Write a result with its stamp (RTL, environment, commit, tools), whole or not at all."""
+    """Write a result with its stamp (RTL, environment, commit, tools), whole or not at all.
+
+    What ``content`` says of the RTL and the commit stands: a run that takes minutes must take them before it
+    starts, or it would be evidence of what was edited meanwhile.
+    """
     stamped = {
-        **content,
         **asdict(provenance()),
         "verilator": str(verilator()),
         "python": platform.python_version(),
+        **content,
     }
     missing = [key for key in _REQUIRED if key not in stamped]
     if missing:

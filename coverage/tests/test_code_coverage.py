@@ -8,6 +8,7 @@ from triaxis.coverage.code_counters import FIRST_LINE, LAST_LINE, Counters, read
 from triaxis.coverage.code_coverage import (
     Assessment,
     ModelCoverage,
+    Total,
     assess_model,
     conclude,
     generate_blocks,
@@ -113,7 +114,8 @@ def test_a_bin_that_is_not_hit_fails(tmp_path: Path, what: str, kind: str) -> No
     assert [(bin_.kind, bin_.file, bin_.line, bin_.instance) for bin_ in found.uncovered] == [
         (kind, "top.sv", 7, TOP)
     ]
-    assert found.totals[kind].percent < 100
+    percent = found.totals[kind].percent
+    assert percent is not None and percent < 100
     assert str(found.uncovered[0]).startswith(f"top.sv:7: {kind} ")
 
 
@@ -266,3 +268,9 @@ def test_a_damaged_file_is_an_error(tmp_path: Path) -> None:
 def test_nothing_is_no_coverage() -> None:
     empty = assess_model(ModelCoverage("model", Counters(), {TOP: instance()}), [])
     assert not conclude(empty, [], [], TODAY).passed
+
+
+def test_a_percentage_never_rounds_up_to_all() -> None:
+    assert Total(hit=1_880_006, total=1_880_096).percent == 99.99
+    assert Total(hit=2, waived=1, total=3).percent == 100
+    assert Total().percent is None

@@ -5,7 +5,7 @@ from datetime import date, timedelta
 
 import pytest
 
-from triaxis.coverage.gate import refusals
+from triaxis.coverage.gate import PARTS, refusals
 from triaxis.coverage.stages import read_figures
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
@@ -19,7 +19,9 @@ LAST_DAY = min(waiver.expires for waiver in WAIVERS)
 def signed(**changes):
     figures = {figure.name: figure.bounds["V3"] for figure in read_figures()}
     waivers = waiver_records(WAIVERS, {waiver.number: 1 for waiver in WAIVERS})
+    parts = {name: {"passed": True, "rtl_hash": RTL} for name in PARTS}
     common = {"passed": True, "problems": [], "rtl_hash": RTL, "figures": figures, "waivers": waivers}
+    common["parts"] = parts
     return {**common, **changes}
 
 
@@ -66,6 +68,10 @@ def test_no_sign_off_is_refused(tmp_path):
         (signed(figures={**signed()["figures"], "mutation_score": 99.99}), "wanted at least 100 %"),
         (signed(figures={**signed()["figures"], "proofs_passed": None}), "not measured"),
         (signed(figures={}), "only on one side"),
+        (signed(parts=None), "no evidence"),
+        (signed(parts={}), "mutation: no evidence"),
+        (signed(parts={**signed()["parts"], "proofs": {"absent": "no tool"}}), "proofs: did not pass"),
+        (signed(parts={**signed()["parts"], "faults": {"passed": True}}), "faults: is of RTL of unknown"),
     ],
 )
 def test_each_reason_to_refuse(tmp_path, content, reason):

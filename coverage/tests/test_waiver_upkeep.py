@@ -1,5 +1,6 @@
 """A waiver whose bin is hit, whose point is no more, or that has expired is a problem, each in a line."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import date, timedelta
@@ -138,11 +139,21 @@ def test_what_is_recorded_of_a_waiver() -> None:
         "category": "bounded",
         "kind": "toggle",
         "modules": ["leaf"],
+        "instances": ["*"],
+        "models": ["*"],
+        "where": "1",
+        "let": {},
+        "what": [],
+        "signals": ["sum"],
+        "range": None,
+        "bits": ["4..7"],
+        "step": "1",
         "reason": "because",
         "owner": "dut",
         "expires": "2026-06-30",
         "bins": 16,
     }
+    assert json.loads(json.dumps(records())) == records()
     assert waiver_records([BITS], {})[0]["bins"] == 0
     assert all(record["category"] in CATEGORIES and record["owner"] for record in records())
 
@@ -156,6 +167,12 @@ def test_what_is_recorded_of_a_waiver() -> None:
             lambda r: r[0].update(expires="2030-01-01", reason="x"),
             "reason, expires changed since it was measured",
         ),
+        (lambda r: r[0].update(signals=["*"]), "waiver 1 (toggle, triaxis_core): signals changed since"),
+        (lambda r: r[0].update(range=["0", "L"]), "waiver 1 (toggle, triaxis_core): range changed since"),
+        (lambda r: r[0].update(where="W == 9", let={"x": "1"}), "where, let changed since"),
+        (lambda r: r[0].pop("step"), "waiver 1 (toggle, triaxis_core): recorded without step"),
+        (lambda r: r[0].clear(), "waiver 1 (toggle, triaxis_core): recorded without number, category"),
+        (lambda r: r.__setitem__(0, 7), "waiver 1 (toggle, triaxis_core): recorded without number"),
         (lambda r: r[1].update(bins=0), "waiver 2 (toggle, triaxis_verdict): covers no bin"),
     ],
 )

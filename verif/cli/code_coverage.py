@@ -67,7 +67,6 @@ def _totals(result: CodeCoverage) -> Table:
     for heading in ("bins", "hit", "waived", "total", "covered"):
         table.add_column(heading, justify="left" if heading == "bins" else "right")
     for kind, total in result.assessment.totals.items():
-        # Rounded down: 100 means all.
-        percent = f"{int(total.percent * 100) / 100:.2f} %"
+        percent = "none" if total.percent is None else f"{total.percent:.2f} %"
         table.add_row(kind, str(total.hit), str(total.waived), str(total.total), percent)
     return table

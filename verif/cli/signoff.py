@@ -159,7 +159,8 @@ def _scenes_table(scenes: list[Evidence]) -> Table:
             scene["name"],
             scene["expected"],
             scene["found"],
-            "yes" if scene["agrees"] else "NO",
+            # Where the boxes decide every pair, nothing is left to be judged.
+            "NO" if not scene["agrees"] else "yes" if scene["tested"] else "no pair left",
             *(str(scene[key]) for key in ("pairs", "skipped", "tested", "near")),
         )
     return table

@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import built, content_hash, rtl_hash
+from triaxis.verif.build import built, content_hash, rtl_files, rtl_hash
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.patching import apply_patch
 from triaxis.verif.paths import BUILD, DUT
@@ -25,8 +25,10 @@ def faulty_rtl(fault: Fault, dut: Path = DUT) -> Path:
     key = content_hash([patch], rtl_hash(dut))
 
     def make(partial: Path) -> None:
-        for source in sorted([*dut.glob("*.sv"), *dut.glob("*.svh"), *dut.glob("*.f")]):
-            shutil.copy(source, partial)
+        for source in rtl_files(dut):
+            place = partial / source.relative_to(dut)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, place)
         apply_patch(patch, partial)
 
     return built(FOLDER / f"{fault.name}-{key[:12]}", make)

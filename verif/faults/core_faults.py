@@ -13,7 +13,7 @@ from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.result import Catch, Example
-from triaxis.verif.faults.runs import TESTS, run_test, sign_of
+from triaxis.verif.faults.runs import TESTS, core_sign_of, run_test
 from triaxis.verif.paths import ROOT
 from triaxis.verif.simulation import RunResult
 
@@ -33,9 +33,10 @@ def try_core(fault: Fault, dut: Path, seed: int) -> Attempt:
         before += result.counts["checked"] if result.counts else 0
     else:
         return Attempt(None, f"{', '.join(TESTS)} pass", clean=True)
-    sign = sign_of(result)
+    sign = core_sign_of(result)
     if sign is None:
-        return Attempt(None, f"{test} ended without a verdict (log: {result.log})")
+        said = next(iter(result.errors), "no error line")
+        return Attempt(None, f"{test} ended without a verdict on the core: {said} (log: {result.log})")
     replay = f"{result.settings.replay_command} --fault {fault.name}"
     catch = Catch(test, sign.message, sign.pairs, sign.clocks, tuple(missed), before, replay)
     if result.failing_pairs is None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from triaxis.golden.judge import default_solver
 from triaxis.verif.build import rtl_hash
+from triaxis.verif.faults import runs
 from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, Fault, Kind
@@ -17,8 +18,9 @@ from triaxis.verif.faults.environment_faults import try_environment, try_healthy
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.faults.wrapper_faults import try_wrapper
 from triaxis.verif.paths import DUT
+from triaxis.verif.regression.file_lock import locked
 
-__all__ = ["catch", "catch_all", "control", "fault_names", "write_json"]
+__all__ = ["catch", "catch_all", "control", "signed_off_names", "write_json"]
 
 _JOBS = min(2, os.cpu_count() or 1)
 
@@ -27,7 +29,7 @@ def _signed_off() -> tuple[Fault, ...]:
     return tuple(fault for fault in FAULTS if fault.replaced)
 
 
-def fault_names() -> tuple[str, ...]:
+def signed_off_names() -> tuple[str, ...]:
     """Return the names of the faults that a sign-off must see caught."""
     return tuple(fault.name for fault in _signed_off())
 
@@ -46,8 +48,16 @@ def catch_all(
 ) -> FaultsResult:
     """Try the faults, those of a sign-off unless others are named; ``progress`` is told of each.
 
-    Raises InputError, before anything runs, where the RTL is no longer what a fault changes.
+    Waits while another process does. Raises InputError, before anything runs, where the RTL is no longer what
+    a fault changes.
     """
+    with locked(runs.RUNS / ".lock"):
+        return _catch_all(progress, seed, faults, dut)
+
+
+def _catch_all(
+    progress: Callable[[int], None], seed: int, faults: Sequence[Fault] | None, dut: Path
+) -> FaultsResult:
     start = time.monotonic()
     chosen = _signed_off() if faults is None else tuple(faults)
     before = rtl_hash(dut)

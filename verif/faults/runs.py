@@ -2,8 +2,10 @@
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
+from triaxis.verif.assertions import SVA, assertion_names
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.faults.broken_rtl import FOLDER
@@ -35,6 +37,15 @@ _JUDGED_ONE_IN = 100
 _TIMED = re.compile(r"\[(\d+)\] %Error: .*Assertion failed in \S*?(\w+): (.*)")
 _SCOREBOARD = re.compile(r"ERROR .*?\]: (.*?)(?:: margin \d+, \[.*)?$")
 _RAISED = re.compile(r"(?:AssertionError|HungBurstError|InputError): (.*)")
+# What the scoreboard says where an answer is wrong, and where one is lost or superfluous.
+_WRONG = re.compile(
+    r"core says .*, exact answer .*|tag \d+ where \d+ was due|claimed axis \d+ .* does not separate"
+)
+_LOST = re.compile(
+    r"\d+ (?:pairs accepted and never answered|results (?:before a reset )?that answer no pair"
+    r"|pairs unanswered at a reset; \d+ can be in flight)"
+)
+_HUNG = re.compile(r"(?:AssertionError|HungBurstError): (.*the core hangs)$")
 _PS_PER_CLOCK = 1000 * PERIOD_NS
 
 
@@ -66,12 +77,51 @@ def run_test(
 
 def sign_of(result: RunResult) -> Sign | None:
     """Return what made a run fail; None where it ended without a verdict: that proves nothing."""
-    for line in result.errors:
-        if found := _TIMED.search(line):
-            return Sign(f"{found[2]}: {found[3]}", clocks=int(found[1]) // _PS_PER_CLOCK)
-    pairs = result.counts["checked_until_failure"] if result.counts else None
+    if rule := _broken_rule(result):
+        return rule[1]
     for pattern in (_SCOREBOARD, _RAISED):
         for line in result.errors:
             if found := pattern.search(line):
-                return Sign(found[1], pairs)
+                return Sign(found[1], _pairs(result))
     return None
+
+
+def core_sign_of(result: RunResult) -> Sign | None:
+    """Return what the core did wrong in a run; None where the run failed for any other reason.
+
+    A rule of verif/sva is broken, an answer of a kept pair is wrong, answers are lost, or the core hangs.
+    Trouble of the environment, a full disk or a refused stimulus, says nothing of the core.
+    """
+    rule = _broken_rule(result)
+    if rule and rule[0] in _rules():
+        return rule[1]
+    said = [found[1] for line in result.errors if (found := _SCOREBOARD.search(line))]
+    pairs = _pairs(result)
+    if pairs is not None and result.failing_pairs is not None:
+        for message in filter(_WRONG.fullmatch, said):
+            return Sign(message, pairs)
+    for message in filter(_LOST.fullmatch, said):
+        return Sign(message)
+    for line in result.errors:
+        if found := _HUNG.search(line):
+            return Sign(found[1])
+    return None
+
+
+def _broken_rule(result: RunResult) -> tuple[str, Sign] | None:
+    """Return the label of the first assertion that failed, and what it says."""
+    for line in result.errors:
+        if found := _TIMED.search(line):
+            return found[2], Sign(f"{found[2]}: {found[3]}", clocks=int(found[1]) // _PS_PER_CLOCK)
+    return None
+
+
+@cache
+def _rules() -> frozenset[str]:
+    """Return the labels of the assertions of verif/sva."""
+    names = (name for path in sorted(SVA.glob("*.sv")) for name in assertion_names(path))
+    return frozenset(name.rpartition(".")[2] for name in names)
+
+
+def _pairs(result: RunResult) -> int | None:
+    return result.counts["checked_until_failure"] if result.counts else None

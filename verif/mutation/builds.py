@@ -4,20 +4,19 @@ Compiled here and not by Verilator's make files: without optimising, with one pr
 the model as one file, a build of a mutant takes three seconds, most of it g++'s.
 """
 
+import re
 import subprocess
-import tempfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.build import built, content_hash, run_tool
+from triaxis.verif.build import built, content_hash, rtl_files, run_tool
+from triaxis.verif.mutation.folder import FOLDER, temporary
 from triaxis.verif.mutation.targets import Target
-from triaxis.verif.paths import BUILD, VERIF, rtl_sources
+from triaxis.verif.paths import VERIF, rtl_sources
 from triaxis.verif.toolchain import verilator
-
-FOLDER = BUILD / "mutation"
 
 _SOURCES = Path(__file__).parent
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
@@ -27,8 +26,9 @@ _DEFINES = (
 )  # fmt: skip
 # Mutants are played for milliseconds each: compiling costs more than running, unless it is millions of pairs.
 QUICK, MANY, FAST = "-O0", "-O1", "-O2"
-# Seconds: a latency below zero is four thousand million registers.
+# Seconds for one elaboration, which is tried once more: the machine may be busy.
 _PATIENCE = 120
+_TRIES = 2
 
 
 def _include() -> Path:
@@ -79,17 +79,35 @@ def _verilate(target_: Target, dut: Path, folder: Path, extra: Sequence[Path], m
         *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut}", *more,
         "--Mdir", str(folder), *map(str, extra), *(str(dut / source.name) for source in rtl_sources()),
     ]  # fmt: skip
-    try:
-        answer = subprocess.run(
-            command, capture_output=True, text=True, check=False, env=verilator().environment(False),
-            timeout=_PATIENCE,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired as error:
-        raise ElaborationError(f"does not elaborate in {_PATIENCE} s") from error
+    answer = _answer(command, target_.name)
     (folder / "verilator.log").write_text(answer.stdout + answer.stderr)
     if answer.returncode:
-        lines = [line for line in answer.stderr.splitlines() if line.startswith("%Error")]
-        raise ElaborationError(lines[0] if lines else f"Verilator ends with {answer.returncode}")
+        raise _refusal(answer.returncode, answer.stderr, dut, target_.name)
+
+
+def _answer(command: Sequence[str], what: str) -> subprocess.CompletedProcess[str]:
+    for _ in range(_TRIES):
+        try:
+            return subprocess.run(
+                command, capture_output=True, text=True, check=False, env=verilator().environment(False),
+                timeout=_PATIENCE,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            continue
+    raise InputError(
+        f"{what}: Verilator does not end in {_PATIENCE} s, twice: run again, with less beside it"
+    )
+
+
+def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError | InputError:
+    """Return why Verilator failed: at a place in that RTL, or else for a reason that says nothing of it."""
+    place = re.compile(rf"%Error(-[A-Z0-9]+)?: {re.escape(str(dut))}/[^/:]+:\d+")
+    lines = [line for line in errors.splitlines() if line.startswith("%Error")]
+    refused = next((line for line in lines if place.match(line)), None)
+    if status == 1 and refused and "No space left" not in errors:
+        return ElaborationError(refused)
+    said = (lines or errors.strip().splitlines() or ["no message"])[0]
+    return InputError(f"{what}: Verilator ends with {status}, not for an error in the RTL: {said}")
 
 
 def _defines(target_: Target, selectable: bool) -> list[str]:
@@ -140,7 +158,7 @@ def schema_library(target_: Target, dut: Path, extra: Path, jobs: int) -> Path:
     build: the generator's fault, not a mutant's.
     """
     sva = sorted((VERIF / "sva").glob("*.sv")) if target_.asserted else []
-    sources = [*sorted(dut.glob("*.sv")), dut / "triaxis_stage.svh", *sva, *_harness_files()]
+    sources = [*rtl_files(dut), *sva, *_harness_files()]
     key = content_hash(sources, str(verilator()), target(cxx()), target_.name, MANY)
 
     def make(partial: Path) -> None:
@@ -169,9 +187,8 @@ def _elaborate(target_: Target, dut: Path, folder: Path, assertions: bool) -> st
 
 def elaboration_hash(target_: Target, dut: Path, assertions: bool) -> str:
     """Return a hash of the model that Verilator makes of some RTL: the same for RTL that does the same."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=FOLDER) as name:
-        return _elaborate(target_, dut, Path(name), assertions)
+    with temporary("mutant-") as folder:
+        return _elaborate(target_, dut, folder, assertions)
 
 
 def with_mutant_library(
@@ -185,10 +202,8 @@ def with_mutant_library(
     """Build one mutated copy of dut/, and call ``use`` with its library, which is then removed.
 
     ``assertions``: with those of verif/sva/. ``unless``: the `elaboration_hash` of a model that need not be
-    built. Raises ElaborationError where Verilator refuses the RTL.
+    built. Raises ElaborationError where Verilator refuses the RTL, InputError where it fails otherwise.
     """
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=FOLDER) as name:
-        folder = Path(name)
+    with temporary("mutant-") as folder:
         if _elaborate(target_, dut, folder, assertions) != unless:
             use(_compile(target_, folder, optimise, False, 1))

@@ -12,31 +12,33 @@
 
 import shutil
 import subprocess
-import tempfile
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from triaxis.fpga.synthesis import yosys
+from triaxis.fpga.synthesis import yosys, yosys_version
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH
 from triaxis.verif.build import content_hash
 from triaxis.verif.code_coverage_stimulus import flowing
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.mutation.builds import FAST, FOLDER, with_mutant_library
-from triaxis.verif.mutation.corners import all_corners, orientations, spans
+from triaxis.verif.mutation.builds import FAST, ElaborationError, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies
+from triaxis.verif.mutation.folder import FOLDER, temporary
+from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.models import Killed, Library
 from triaxis.verif.mutation.mutant import Mutant, applied
 from triaxis.verif.mutation.stimulus import Play
 from triaxis.verif.mutation.targets import Target
 from triaxis.verif.packing import COORDINATES
 from triaxis.verif.paths import DUT, rtl_sources
+from triaxis.verif.sequences.corners import all_corners, orientations, spans
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
@@ -127,9 +129,7 @@ def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
 
 def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Check an entry's evidence for its mutants; return what is wrong with it, None where it holds."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="proof-") as name:
-        folder = Path(name)
+    with temporary("proof-") as folder:
         _copy(dut, folder / "gold", None)
         script = [_read(folder / "gold", entry, "gold")]
         for number, mutant in enumerate(mutants):
@@ -187,9 +187,12 @@ def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> st
         def use(path: Path, found: list[Killed | None] = found) -> None:
             found.append(Library(path, target).play(0, [play]))
 
-        with tempfile.TemporaryDirectory(dir=FOLDER, prefix="exhaustive-") as name:
-            _copy(dut, Path(name) / "dut", mutant)
-            with_mutant_library(target, Path(name) / "dut", use, optimise=FAST)
+        with temporary("exhaustive-") as folder:
+            _copy(dut, folder / "dut", mutant)
+            try:
+                with_mutant_library(target, folder / "dut", use, optimise=FAST)
+            except ElaborationError as error:
+                return f"{mutant.id}: not equivalent at {configuration.name}: {error}"
         killed = found[0]
         if killed is not None:
             return f"{mutant.id}: not equivalent at {configuration.name}: {killed.symptom}"
@@ -215,7 +218,7 @@ def _all_inputs(target: Target) -> Play:
 def bound(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Hold the largest value at the corners against the width without its top bit.
 
-    Parameters: orientation or span, see corners.py; the cast's operand has slope * W + offset bits.
+    Parameters: orientation or span, see sequences/corners.py; the cast's operand has slope * W + offset bits.
     """
     del dut
     for mutant in mutants:
@@ -297,10 +300,11 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None
     """Prove an entry, or find that it was proved before."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
     files = [*sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh"))]
-    files += [Path(__file__), Path(__file__).with_name("corners.py")]
+    solver = _solver() if entry.evidence == PROOF else ""
     key = content_hash(
-        files, entry.evidence, entry.module, str(sorted(entry.parameters.items())), _MITER, *edits
-    )
+        files, killers_hash(), solver, entry.evidence, entry.module,
+        str(sorted(entry.parameters.items())), *edits,
+    )  # fmt: skip
     mark = FOLDER / "proofs" / key[:24]
     if mark.exists():
         return None
@@ -309,6 +313,11 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None
         mark.parent.mkdir(parents=True, exist_ok=True)
         mark.touch()
     return answer
+
+
+@cache
+def _solver() -> str:
+    return yosys_version()
 
 
 def forget_proofs() -> None:

@@ -6,9 +6,10 @@ Short directed runs first, on each target in turn; volume after, for those that 
 import multiprocessing
 import os
 import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -17,7 +18,6 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.verif.mutation.builds import (
     FAST,
-    FOLDER,
     QUICK,
     ElaborationError,
     elaboration_hash,
@@ -26,6 +26,7 @@ from triaxis.verif.mutation.builds import (
 )
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
 from triaxis.verif.mutation.elaborated import Elaborated, elaborated
+from triaxis.verif.mutation.folder import temporary
 from triaxis.verif.mutation.latencies import latency_table
 from triaxis.verif.mutation.models import Killed, Library
 from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant, applied
@@ -165,9 +166,7 @@ def _first_line(message: str) -> str:
 @contextmanager
 def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
     """Provide a copy of dut/ with that one mutant in it."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="dut-") as name:
-        folder = Path(name)
+    with temporary("dut-") as folder:
         for source in (*dut.glob("*.sv"), *dut.glob("*.svh")):
             shutil.copy(source, folder)
         path = folder / mutant.file
@@ -215,11 +214,8 @@ def write_schema(catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, fo
 def _libraries(
     catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, targets: Sequence[Target], jobs: int
 ) -> dict[str, Path]:
-    from concurrent.futures import ThreadPoolExecutor
-
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=FOLDER, prefix="schema-") as name:
-        folder = Path(name) / "dut"
+    with temporary("dut-") as whole:
+        folder = whole / "dut"
         extra = write_schema(catalogue, numbers, dut, folder)
         each = max(1, jobs // 2)
         with ThreadPoolExecutor(min(jobs, 2)) as pool:
@@ -269,13 +265,15 @@ def judge(
     # Expected words once, not in each process.
     for play in (play for found in plays.values() for play in found):
         _ = play.expected
-    for outcome in _in_processes(_judge, todo, setting, jobs, progress):
-        known[outcome.mutant.id] = outcome
-        store.put(outcome, "directed")
-        # Whatever ends a long run, what it found out is kept.
-        if len(known) % _SAVED_EVERY == 0:
-            store.save()
-    store.save()
+    # Whatever ends a long run, what it found out is kept.
+    try:
+        for outcome in _in_processes(_judge, todo, setting, jobs, progress):
+            known[outcome.mutant.id] = outcome
+            store.put(outcome, "directed")
+            if len(known) % _SAVED_EVERY == 0:
+                store.save()
+    finally:
+        store.save()
     survivors = [
         outcome.mutant
         for outcome in known.values()
@@ -295,8 +293,13 @@ def judge(
 
 def _check_original(setting: Setting) -> None:
     """Raise InputError unless the builds with mutants, none selected, answer as they must."""
-    with multiprocessing.get_context("fork").Pool(1, _start, (setting,)) as pool:
-        wrong = pool.apply(_original)
+    with _processes(setting, 1) as pool:
+        try:
+            wrong = pool.submit(_original).result()
+        except BrokenProcessPool as error:
+            raise InputError(
+                "the builds with mutants crash, none selected: wrong RTL or generator"
+            ) from error
     if wrong is not None:
         raise InputError(
             f"{wrong.target}, no mutant selected: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL "
@@ -322,7 +325,24 @@ def _in_processes(
 ) -> Iterator[Outcome]:
     if not mutants:
         return
-    with multiprocessing.get_context("fork").Pool(jobs, _start, (setting,)) as pool:
-        for outcome in pool.imap_unordered(work, mutants, chunksize=1):
-            progress(1)
-            yield outcome
+    running: dict[Future[Outcome], Mutant] = {}
+    with _processes(setting, jobs) as pool:
+        try:
+            # No more at a time than there are processes: a process that dies played one of them.
+            for mutant in mutants:
+                running[pool.submit(work, mutant)] = mutant
+                # The last one has none after it: then all are waited for.
+                while len(running) == jobs or (mutant is mutants[-1] and running):
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                        outcome = future.result()
+                        del running[future]
+                        progress(1)
+                        yield outcome
+        except BrokenProcessPool as error:
+            names = ", ".join(sorted(mutant.id for mutant in running.values()))
+            raise InputError(f"a process died that played one of {names}: play each with --mutant") from error
+
+
+def _processes(setting: Setting, jobs: int) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("fork")
+    return ProcessPoolExecutor(jobs, mp_context=context, initializer=_start, initargs=(setting,))

@@ -29,11 +29,15 @@ def every_latency() -> dict[tuple[int, int], int]:
     return {(w, 0): row for w, row in clocks.items()} | {(w, w): row + 1 for w, row in clocks.items()}
 
 
+def latency_section() -> str:
+    """Return the text of the README's section on latency."""
+    return (ROOT / "README.md").read_text().split("### Latency")[1].split("###")[0]
+
+
 def readme_latencies() -> dict[tuple[int, int], int]:
     """Return the latency in clocks for (W, M), from the README's table."""
-    section = (ROOT / "README.md").read_text().split("### Latency")[1].split("###")[0]
     table: dict[tuple[int, int], int] = {}
-    for line in section.splitlines():
+    for line in latency_section().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if len(cells) == 4 and all(cell.isdigit() for cell in cells):
             width, none, eight, full = map(int, cells)

@@ -10,14 +10,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.build import content_hash
-from triaxis.verif.mutation.builds import FOLDER
+from triaxis.verif.build import content_hash, rtl_hash
+from triaxis.verif.mutation.folder import FOLDER
+from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.models import Killed
 from triaxis.verif.mutation.mutant import Mutant
-from triaxis.verif.paths import ROOT, VERIF
 
-# The files of this folder on which an outcome depends.
-_DECISIVE = ("stimulus", "corners", "targets", "models", "builds", "schema")
+# Files of earlier states that are kept beside that of today's: for going back and forth.
+_EARLIER = 1
 
 
 @dataclass(frozen=True)
@@ -35,20 +35,16 @@ class Store:
 
     def __init__(self, dut: Path, seed: int, pairs: int, fresh: bool) -> None:
         """Read what an earlier run with the same RTL, stimulus and seed left; nothing where ``fresh``."""
-        folder = Path(__file__).parent
-        files = [
-            *sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh")), *sorted((VERIF / "sva").glob("*.sv")),
-            *sorted(folder.glob("*.cpp")), *sorted(folder.glob("*.h")),
-            *(folder / f"{name}.py" for name in _DECISIVE),
-            *sorted((VERIF / "sequences").glob("*.py")), *sorted((VERIF / "regressions").glob("*.json")),
-            VERIF / "code_coverage_stimulus.py", VERIF / "expectation.py",
-            *sorted((ROOT / "golden").glob("bulk*")), ROOT / "golden" / "facts.py",
-        ]  # fmt: skip
-        key = content_hash(files, str(seed), str(pairs))
+        self._dut = dut
+        self._state = self._state_now()
+        key = content_hash((), self._state, str(seed), str(pairs))
         self._path = FOLDER / f"outcomes-{key[:12]}.json"
         self._known: dict[str, Any] = {}
         if not fresh and self._path.exists():
             self._known = json.loads(self._path.read_text())
+
+    def _state_now(self) -> str:
+        return content_hash((), rtl_hash(self._dut), killers_hash())
 
     def _key(self, mutant: Mutant, stage: str) -> str:
         text = f"{stage}\0{mutant.id}\0{mutant.edit.start}\0{mutant.edit.text}"
@@ -71,8 +67,13 @@ class Store:
         }
 
     def save(self) -> None:
-        """Write all to build/."""
+        """Write all to build/, unless what it depends on has changed since; remove files of long ago."""
+        if self._state_now() != self._state:
+            return
         FOLDER.mkdir(parents=True, exist_ok=True)
         partial = self._path.with_name(f".{self._path.name}-{os.getpid()}.partial")
         partial.write_text(json.dumps(self._known))
         partial.replace(self._path)
+        others = {path: path.stat().st_mtime for path in FOLDER.glob("outcomes-*.json") if path != self._path}
+        for path in sorted(others, key=lambda path: -others[path])[_EARLIER:]:
+            path.unlink(missing_ok=True)

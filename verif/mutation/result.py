@@ -7,8 +7,9 @@ mutants again while the RTL is the same.
 
 import json
 import os
+import shutil
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,14 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.evidence import read_evidence, write_evidence
+from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
+from triaxis.verif.mutation.equivalence import read_equivalents
+from triaxis.verif.mutation.folder import FOLDER
+from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.models import ASSERTION
 from triaxis.verif.mutation.outcomes import Outcome
-from triaxis.verif.paths import BUILD
 
-EVIDENCE = BUILD / "mutation" / "mutation.json"
+EVIDENCE = FOLDER / "mutation.json"
 STORED = Path(__file__).with_name("result.json")
 
 RUN, BY_ASSERTION, BY_ELABORATION = "run", "assertion", "elaboration"
@@ -118,12 +122,17 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
 
 @dataclass(frozen=True)
 class MutationResult:
-    """The fates of all mutants of a run, in a fixed order; what is wrong; and how long it took."""
+    """The fates of all mutants of a run, in a fixed order; what is wrong; and how long it took.
+
+    ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of.
+    """
 
     fates: tuple[Fate, ...]
     problems: tuple[str, ...]
     seed: int
     seconds: float
+    rtl_hash: str
+    killers_hash: str
 
     @property
     def passed(self) -> bool:
@@ -138,12 +147,27 @@ class MutationResult:
     @property
     def summary(self) -> str:
         """Return the outcome in one line."""
-        total = tally(self.fates)
-        score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
-        return (
-            f"{total.mutants} mutants: {total.killed} killed, {total.equivalent} equivalent, "
-            f"{total.surviving + total.absent} surviving; {score}"
-        )
+        return _summary(self.fates)
+
+
+def _summary(fates: Iterable[Fate]) -> str:
+    total = tally(fates)
+    score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
+    return (
+        f"{total.mutants} mutants: {total.killed} killed, {total.equivalent} equivalent, "
+        f"{total.surviving + total.absent} surviving; {score}"
+    )
+
+
+def _counts(fates: Sequence[Fate]) -> dict[str, Any]:
+    """Return all that a file says of the fates together."""
+    return {
+        "summary": _summary(fates),
+        "total": _row(tally(fates)),
+        "kinds": _tallies(fates, "kind"),
+        "files": _tallies(fates, "file"),
+        "operators": _tallies(fates, "operator"),
+    }
 
 
 def _tallies(fates: Iterable[Fate], key: str) -> dict[str, dict[str, Any]]:
@@ -158,14 +182,12 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
     return {
         "passed": result.passed,
         "problems": list(result.problems),
-        "summary": result.summary,
         "command": command,
         "seconds": round(result.seconds, 1),
         "seed": result.seed,
-        "total": _row(tally(result.fates)),
-        "kinds": _tallies(result.fates, "kind"),
-        "files": _tallies(result.fates, "file"),
-        "operators": _tallies(result.fates, "operator"),
+        "rtl_hash": result.rtl_hash,
+        "killers_hash": result.killers_hash,
+        **_counts(result.fates),
         "mutants": [asdict(fate) for fate in result.fates],
     }
 
@@ -182,35 +204,72 @@ def store_result(result: MutationResult, path: Path = STORED) -> Path:
     """
     if not result.passed:
         raise ValueError("only a run without problems is stored")
-    content = _content(result, "triaxis mutate") | {"seconds": None, "rtl_hash": rtl_hash()}
+    content = {**_content(result, "triaxis mutate"), "seconds": None}
     for mutant in content["mutants"]:
         del mutant["seconds"]
     content["mutants"].sort(key=lambda mutant: mutant["id"])
     # One mutant a line: a change of one is a change of one line.
     mutants = ",\n".join(json.dumps(mutant, sort_keys=True) for mutant in content.pop("mutants"))
     head = json.dumps(content, indent=1, sort_keys=True)
-    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    partial = FOLDER / f".{path.name}-{os.getpid()}.partial"
     partial.write_text(head[: head.rindex("}")].rstrip() + f',\n "mutants": [\n{mutants}\n]}}\n')
-    partial.replace(path)
+    # A rename, unless build/ is on another disk.
+    shutil.move(partial, path)
     return path
 
 
 def stored_result(evidence: Path = EVIDENCE, stored: Path = STORED) -> dict[str, Any] | None:
-    """Return the last full result on this RTL: that of build/, else the committed one; None without either.
+    """Return the last full result on this RTL by today's tests: that of build/, else the committed one.
 
-    Raises InputError where a file is damaged.
+    None without either. Raises InputError where a file is damaged.
     """
-    now = rtl_hash()
+    now = rtl_hash(), killers_hash()
     for path in (evidence, stored):
         content = read_evidence(path)
-        if content is not None and content["rtl_hash"] == now:
+        if content is not None and (content["rtl_hash"], content.get("killers_hash")) == now:
             return content
     return None
 
 
-def fates_in(content: Mapping[str, Any]) -> list[Fate]:
-    """Return the fates of the mutants in a stored result; raise InputError where they are not all there."""
+def fates_in(content: Mapping[str, Any], equivalents: Path = EQUIVALENTS) -> list[Fate]:
+    """Return the fates of the mutants in a stored result.
+
+    Raises InputError where one is not whole, where they contradict the list of equivalent mutants, or where
+    the file's counts are not theirs.
+    """
     try:
-        return [Fate(**({"seconds": None} | mutant)) for mutant in content["mutants"]]
-    except (KeyError, TypeError) as error:
-        raise InputError(f"mutation result: damaged: {error}") from error
+        fates = [Fate(**({"seconds": None} | mutant)) for mutant in content["mutants"]]
+        listed = {name for entry in read_equivalents(equivalents) for name in entry.mutants}
+        wrong = next(filter(None, (_contradiction(fate, listed) for fate in fates)), None)
+        wrong = wrong or _miscount(content, fates)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise InputError(f"mutation result: damaged: {error!r}: run `make mutate`") from error
+    if wrong:
+        raise InputError(f"mutation result: {wrong}: run `make mutate`")
+    return fates
+
+
+def _contradiction(fate: Fate, listed: Collection[str]) -> str | None:
+    """Return what is wrong with a fate, None where nothing is."""
+    if fate.fate not in (KILLED, EQUIVALENT, SURVIVING, ABSENT):
+        return f"{fate.id}: no such fate: {fate.fate}"
+    if fate.fate == EQUIVALENT and fate.id not in listed:
+        return f"{fate.id}: equivalent, but not listed as such"
+    if fate.fate != KILLED:
+        return None
+    if fate.id in listed:
+        return f"{fate.id}: killed, but listed as equivalent"
+    if fate.by not in (RUN, BY_ASSERTION, BY_ELABORATION):
+        return f"{fate.id}: killed, but by nothing that is known: {fate.by}"
+    missing = [name for name in ("test", "target", "symptom") if not getattr(fate, name)]
+    return f"{fate.id}: killed, but without {', '.join(missing)}" if missing else None
+
+
+def _miscount(content: Mapping[str, Any], fates: Sequence[Fate]) -> str | None:
+    """Return what the file says of all fates that they do not bear out, None where there is nothing."""
+    wrong = [name for name, counted in _counts(fates).items() if content[name] != counted]
+    if wrong:
+        return f"{', '.join(wrong)}: not what its mutants come to"
+    lives = any(fate.fate in (SURVIVING, ABSENT) for fate in fates)
+    return "passed, with mutants that survive" if content["passed"] and lives else None

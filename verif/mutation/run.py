@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from triaxis.verif.build import rtl_hash
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
@@ -12,6 +13,8 @@ from triaxis.verif.mutation.equivalence import (
     forget_proofs,
     read_equivalents,
 )
+from triaxis.verif.mutation.folder import sweep
+from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.killing import judge
 from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
@@ -40,6 +43,8 @@ def mutate(
     earlier runs. Raises InputError where the RTL without mutants fails.
     """
     start = time.perf_counter()
+    rtl, killers = rtl_hash(dut), killers_hash()
+    sweep()
     everything = catalogue(dut)
     found = chosen or (everything.restricted(files, names) if files or names else everything)
     entries = read_equivalents(equivalents)
@@ -59,7 +64,9 @@ def mutate(
         ),
         *evidence.problems,
     ]
-    return MutationResult(fates, tuple(problems), seed, time.perf_counter() - start)
+    if (rtl_hash(dut), killers_hash()) != (rtl, killers):
+        problems.append("the RTL, or what plays its mutants, changed during the run: run again")
+    return MutationResult(fates, tuple(problems), seed, time.perf_counter() - start, rtl, killers)
 
 
 def _survivor(fate: Fate) -> str:

@@ -11,6 +11,7 @@ from triaxis.golden.pairs import Pairs
 from triaxis.verif.sequences.contact import Contact, one_step
 from triaxis.verif.sequences.containment import contained_pairs
 from triaxis.verif.sequences.coplanar import coplanar_near_miss, coplanar_pairs
+from triaxis.verif.sequences.corners import at_corners
 from triaxis.verif.sequences.degenerate import degenerate_pairs
 from triaxis.verif.sequences.margins import at_any_margin, random_margins
 from triaxis.verif.sequences.mixture import Mixture, mixed_once
@@ -86,6 +87,7 @@ FAMILIES: dict[str, Family] = {
     "penetrating": with_margins(penetrating_pairs),
     "slivers": with_margins(sliver_pairs),
     "extremes": with_margins(extreme_pairs),
+    "corners": at_corners,
     "tiny": with_margins(tiny_pairs),
     **{f"touching {name}": family_of([(and_one_step(made), 1)]) for name, made in TOUCHING.items()},
     "near-miss face": near_face,

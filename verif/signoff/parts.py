@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.judge import CertificateError
 from triaxis.verif import code_coverage
+from triaxis.verif.engine import CoreError
 from triaxis.verif.evidence import read_evidence
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, run_grid
@@ -18,9 +20,6 @@ from triaxis.verif.signoff.folder import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
 GRID = 3
-
-# In the order of the report.
-PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
 
 Progress = Callable[[int], None]
 Evidence = dict[str, Any]
@@ -40,11 +39,11 @@ class Part:
 
 
 def attempt(make: Callable[[], Evidence | None], why_not: str = "no result") -> Part:
-    """Return the part that ``make`` finds; a missing tool or result makes it absent, not the run fail."""
+    """Return the part that ``make`` finds; what ends it early makes it absent, and the verdict red."""
     try:
         evidence = make()
-    except InputError as error:
-        return Part(None, str(error))
+    except (InputError, CoreError, CertificateError, OSError) as error:
+        return Part(None, f"{type(error).__name__}: {error}" if isinstance(error, OSError) else str(error))
     return Part(evidence, None if evidence else why_not)
 
 
@@ -90,7 +89,7 @@ def mutation_part() -> Evidence | None:
     if sorted(fate.id for fate in fates) != sorted(mutant_names()):
         raise InputError("the stored result is of other mutants than today's: run `make mutate`")
     reasons = {name: entry for entry in read_equivalents() for name in entry.mutants}
-    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "seed")
+    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "killers_hash", "seed")
     return {
         **{key: content[key] for key in kept},
         "files": _totals(fates, "file"),

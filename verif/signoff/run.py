@@ -3,14 +3,16 @@
 import time
 from collections.abc import Callable
 
+from triaxis.coverage.gate import PARTS
+from triaxis.coverage.report import ModelReport
 from triaxis.verif.code_coverage import CORES
-from triaxis.verif.faults.run import fault_names
+from triaxis.verif.faults.run import signed_off_names
 from triaxis.verif.formal.run import proof_names
 from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff import simulation_part
 from triaxis.verif.signoff.folder import PAGE, RESULT
 from triaxis.verif.signoff.parts import (
-    PARTS,
+    Evidence,
     Part,
     attempt,
     code_coverage_part,
@@ -28,7 +30,12 @@ from triaxis.verif.signoff.testplan_part import testplan_part
 def step_count(seed: int, volume: int) -> int:
     """Return how many steps a sign-off has."""
     code_coverage = 2 * (len(CORES) + 1)
-    return simulation_part.step_count(seed, volume) + code_coverage + len(fault_names()) + len(proof_names())
+    return (
+        simulation_part.step_count(seed, volume)
+        + code_coverage
+        + len(signed_off_names())
+        + len(proof_names())
+    )
 
 
 def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> Signoff:
@@ -40,12 +47,18 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
     before = provenance()
     parts: dict[str, Part] = {}
     parts["mutation"] = attempt(mutation_part, "no stored result is of this RTL: run `make mutate`")
-    simulated = simulation_part.simulate(seed, progress, volume)
-    parts["simulation"] = Part(as_evidence(simulated, seed))
+    coverage: list[ModelReport] = []
+
+    def simulation() -> Evidence:
+        simulated = simulation_part.simulate(seed, progress, volume)
+        coverage.extend(simulated.coverage)
+        return as_evidence(simulated, seed, volume)
+
+    parts["simulation"] = attempt(simulation)
     parts["exhaustive"] = attempt(lambda: exhaustive_part(seed))
     parts["faults"] = attempt(lambda: faults_part(seed, progress))
     parts["code_coverage"] = attempt(lambda: code_coverage_part(seed, progress))
     parts["proofs"] = attempt(lambda: proofs_part(progress))
-    parts["testplan"] = attempt(lambda: testplan_part(parts, simulated.coverage))
+    parts["testplan"] = attempt(lambda: testplan_part(parts, coverage or None))
     ordered = {name: parts[name] for name in PARTS}
     return Signoff(ordered, before, seed, volume, time.monotonic() - start)

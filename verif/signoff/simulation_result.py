@@ -96,13 +96,13 @@ def _claim_names(judged: set[int]) -> list[str]:
     return ["nothing, being near" if axis == NO_AXIS else f"axis {axis}" for axis in missing]
 
 
-def as_evidence(result: SimulationResult, seed: int) -> dict[str, Any]:
+def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, Any]:
     """Return the result as it stands in the sign-off's file."""
     return {
         "passed": not result.problems,
         "problems": result.problems,
         "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model",
-        "command": f"triaxis signoff --seed {seed} --pairs {result.least_pairs}",
+        "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.provenance.rtl_hash,
         "pairs_checked": result.checked,

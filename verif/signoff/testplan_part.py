@@ -12,7 +12,7 @@ from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.parts import Evidence, Part
 
 
-def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport]) -> Evidence:
+def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | None) -> Evidence:
     """Return the state of each testpoint; problems: what the linter of the plan says."""
     start = time.monotonic()
     plan, found = check_plan()
@@ -32,7 +32,7 @@ def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport]) ->
     }
 
 
-def plan_results(parts: Mapping[str, Part], coverage: Sequence[ModelReport]) -> PlanResults:
+def plan_results(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | None) -> PlanResults:
     """Return what ran and how it went, as the testplan asks for it; None: a part is absent."""
     found = {name: part.evidence for name, part in parts.items()}
     simulation, mutation = found["simulation"], found["mutation"]

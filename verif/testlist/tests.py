@@ -85,9 +85,9 @@ class NearMissTest(FamilyTest):
 
 
 class ExtremesTest(FamilyTest):
-    """Coordinates at the limits of the range."""
+    """Coordinates at the limits of the range; corners at which projections are largest."""
 
-    families = ("extremes",)
+    families = ("extremes", "corners")
 
 
 class TinyTest(FamilyTest):

@@ -194,7 +194,7 @@ def test_pairs_for_coverage(width: int, rng: np.random.Generator) -> None:
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
     run = replace(Run("w16_m0", 10, 9, 0, 50, 1.0), **changes)
     waiver = Waiver(1, "bounded", "because", "dut", date(2030, 1, 1), "toggle", ("m",), signals=("s",))
-    return CodeCoverage([run], assessment, [waiver], 2.0)
+    return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
 
 
 def covered() -> Assessment:
@@ -213,6 +213,7 @@ def hole() -> Bin:
         (lambda: coverage(covered(), checked=0), False, "w16_m0: no result was checked"),
         (lambda: coverage(replace(covered(), uncovered=[hole()])), False, None),
         (lambda: coverage(replace(covered(), problems=["a waiver"])), False, "a waiver"),
+        (lambda: replace(coverage(covered()), changed=True), False, "the RTL changed during the run"),
     ],
 )
 def test_the_result_is_written(

@@ -28,11 +28,11 @@ from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_n
 from triaxis.verif.faults.patching import apply_patch, read_hunks
 from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.run import catch, catch_all, control
-from triaxis.verif.faults.runs import Sign, run_test, sign_of
+from triaxis.verif.faults.runs import Sign, core_sign_of, run_test, sign_of
 from triaxis.verif.paths import DUT, ROOT
 from triaxis.verif.sequences.families import mixed_pairs
 from triaxis.verif.sequences.seed_vectors import seed_vectors, seed_vectors_as_written
-from triaxis.verif.settings import BURST, PIN
+from triaxis.verif.settings import BURST, PIN, failure_file
 from triaxis.verif.simulation import RunResult, run_settings
 
 CORE = [fault.name for fault in FAULTS if fault.replaced and fault.kind is Kind.CORE]
@@ -207,7 +207,9 @@ def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
     monkeypatch.setattr(core_faults, "run_test", ended_early)
     outcome = catch(fault_of("F2"), seed)
     assert not outcome.caught
-    assert outcome.reason and "RandomTest ended without a verdict" in outcome.reason
+    assert (
+        outcome.reason and "RandomTest ended without a verdict on the core: no error line" in outcome.reason
+    )
     assert control([fault_of("F2")], seed)[0].startswith("RandomTest ended without a verdict")
 
 
@@ -231,6 +233,56 @@ def test_signs_are_read_from_the_log(tmp_path, line, expected):
     settings = run_settings("RandomTest", Configuration(), 1, 1)
     counts = {"checked_until_failure": 7}
     assert sign_of(RunResult(settings, False, 0.0, counts, ("noise", line), tmp_path)) == expected
+
+
+_SAYS = "9ns ERROR ..board.py(1) [top.env]: "
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (
+            f"{_SAYS}core says (1) (0x1), exact answer (2): margin 0, [[[1]]]",
+            Sign("core says (1) (0x1), exact answer (2)", pairs=7),
+        ),
+        (
+            f"{_SAYS}claimed axis 3 (box x) does not separate: margin 0, [[[1]]]",
+            Sign("claimed axis 3 (box x) does not separate", pairs=7),
+        ),
+        (f"{_SAYS}tag 3 where 2 was due: margin 0, [[[1]]]", Sign("tag 3 where 2 was due", pairs=7)),
+        (
+            f"{_SAYS}3 pairs accepted and never answered",
+            Sign("3 pairs accepted and never answered"),
+        ),
+        (
+            "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved",
+            Sign("PairHeld: it moved", clocks=13),
+        ),
+        ("triaxis.x.HungBurstError: 1 of 2: the core hangs", Sign("1 of 2: the core hangs")),
+        ("AssertionError: no beat moved: the core hangs", Sign("no beat moved: the core hangs")),
+        # Trouble of the environment says nothing of the core.
+        ("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.Unknown: it moved", None),
+        (f"{_SAYS}nothing was checked", None),
+        (f"{_SAYS}bulk checker and golden model disagree: margin 0, [[[1]]]", None),
+        (f"{_SAYS}golden model: no certificate: margin 0, [[[1]]]", None),
+        ("AssertionError: 5 pairs sent, 4 seen accepted", None),
+        ("InputError: build/faults: cannot write: No space left on device", None),
+        ("OSError: [Errno 28] No space left on device", None),
+    ],
+)
+def test_only_what_the_core_does_counts_against_it(tmp_path, line, expected):
+    settings = run_settings("RandomTest", Configuration(), 1, 1, folder=tmp_path)
+    failure_file(tmp_path).touch()
+    result = RunResult(settings, False, 0.0, {"checked_until_failure": 7}, ("noise", line), tmp_path)
+    assert core_sign_of(result) == expected
+
+
+def test_a_wrong_answer_of_no_kept_pair_counts_for_nothing(tmp_path):
+    """As where the disk is full: there would be no counterexample."""
+    settings = run_settings("RandomTest", Configuration(), 1, 1, folder=tmp_path)
+    line = f"{_SAYS}core says (1) (0x1), exact answer (2): margin 0, [[[1]]]"
+    result = RunResult(settings, False, 0.0, {"checked_until_failure": 7}, (line,), tmp_path)
+    assert core_sign_of(result) is None
 
 
 # --- Faults of the wrapper ---------------------------------------------------------------------------
@@ -392,7 +444,7 @@ def test_command_line(seed, capsys, monkeypatch):
 
 
 def test_sim_runs_on_a_broken_core(seed, capsys):
-    arguments = ["RandomTest", "--agent", "burst", "--pairs", "500", "--seed", str(seed + 7000)]
+    arguments = ["RandomTest", "--agent", "burst", "--pairs", "2000", "--seed", str(seed + 7000)]
     before = sorted(REGRESSIONS.iterdir())
     assert main(["sim", *arguments, "--fault", "F3"]) == 1
     told = capsys.readouterr().err.strip()

@@ -2,7 +2,10 @@
 
 import argparse
 import json
-from dataclasses import replace
+import os
+import signal
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +15,7 @@ from triaxis.fpga.synthesis import yosys
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
 from triaxis.verif.cli import mutate as command
-from triaxis.verif.mutation import killing, result
+from triaxis.verif.mutation import builds, folder, killers, killing, outcomes, result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CORNERS,
@@ -26,11 +29,18 @@ from triaxis.verif.mutation.equivalence import (
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.targets import MAIN
+from triaxis.verif.paths import DUT
 from triaxis.verif.result import AXIS_SHIFT, NEAR
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
 EXTENT = {"W": 3, "Comb": 1}
+
+
+@pytest.fixture(autouse=True)
+def outcomes_of_its_own(tmp_path, monkeypatch):
+    """Keep what these runs find out away from what the checkout's own runs know."""
+    monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
 
 
 def needs_yosys():
@@ -192,20 +202,164 @@ def test_the_fifo_from_generator_to_result(tmp_path, seed):
     assert {fate.id for fate in result.fates_in(taken)} == {fate.id for fate in found.fates}
 
 
-def test_a_stored_result_of_another_rtl_is_not_taken(tmp_path, monkeypatch):
-    outcome = killing.Outcome(catalogue().mutants[0], None, ("w8_m8",), 0.0)
-    found = result.MutationResult((result.fate_of(outcome, True),), (), 1, 1.0)
+@cache
+def first():
+    """Return a mutant."""
+    return catalogue().mutants[0]
+
+
+def one(killed=None):
+    """Return the result of a run over one mutant, equivalent unless it was killed."""
+    outcome = killing.Outcome(first(), killed, ("w8_m8",), 0.0)
+    fates = (result.fate_of(outcome, True),)
+    return result.MutationResult(fates, (), 1, 1.0, result.rtl_hash(), result.killers_hash())
+
+
+@pytest.mark.parametrize("what", ["rtl_hash", "killers_hash"])
+def test_a_stored_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
+    found = one()
     assert found.fates[0].fate == EQUIVALENT
     stored = result.store_result(found, tmp_path / "result.json")
     assert result.stored_result(tmp_path / "none.json", stored) is not None
-    monkeypatch.setattr(result, "rtl_hash", lambda: "another")
+    monkeypatch.setattr(result, what, lambda: "another")
     assert result.stored_result(tmp_path / "none.json", stored) is None
 
 
 def test_a_run_that_failed_is_not_stored(tmp_path):
-    found = result.MutationResult((), ("something survives",), 1, 1.0)
+    found = result.MutationResult((), ("something survives",), 1, 1.0, "", "")
     with pytest.raises(ValueError, match="without problems"):
         result.store_result(found, tmp_path / "result.json")
+
+
+def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypatch):
+    states = iter(("before", "after"))
+    monkeypatch.setattr("triaxis.verif.mutation.run.killers_hash", lambda: next(states))
+    monkeypatch.setattr("triaxis.verif.mutation.run.judge", lambda *_: [])
+    found = run(tmp_path, few(touching), seed)
+    assert found.killers_hash == "before"
+    assert any("changed during the run" in problem for problem in found.problems)
+
+
+def test_the_hash_of_the_killers_changes_with_each_of_them(tmp_path, monkeypatch):
+    names = {path.name for path in killers.killers()}
+    wanted = {"equivalents.toml", "core.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp", "packing.py"}
+    assert wanted < names
+    assert "result.json" not in names
+    before = killers.killers_hash()
+    monkeypatch.setattr(killers, "latency_section", lambda: "another table")
+    assert killers.killers_hash() != before
+
+
+KILL = killing.Killed("MixedTest", "touching", "w8_m8", "wrong word", 3)
+
+
+@pytest.mark.parametrize(
+    ("change", "listing", "message"),
+    [
+        ({}, [], None),
+        ({"symptom": None}, [], "killed, but without symptom"),
+        ({"test": ""}, [], "killed, but without test"),
+        ({"target": None}, [], "killed, but without target"),
+        ({"by": "belief"}, [], "by nothing that is known"),
+        ({}, None, "killed, but listed as equivalent"),
+        ({"fate": "equivalent"}, [], "equivalent, but not listed"),
+        ({"fate": "excused"}, [], "no such fate"),
+        ({"fate": "surviving", "by": None}, [], "not what its mutants come to"),
+        ({"nonsense": 1}, [], "damaged"),
+    ],
+)
+def test_fates_are_not_believed(tmp_path, change, listing, message):
+    content = json.loads(result.write_result(one(KILL), "test", tmp_path / "mutation.json").read_text())
+    name = content["mutants"][0]["id"]
+    content["mutants"][0] |= change
+    file = empty(tmp_path) if listing is not None else listed(tmp_path, name)
+    if message is None:
+        assert [fate.id for fate in result.fates_in(content, file)] == [name]
+        return
+    with pytest.raises(InputError, match=message):
+        result.fates_in(content, file)
+
+
+@pytest.mark.parametrize("key", ["summary", "total", "files", "operators", "kinds"])
+def test_counts_are_not_believed(tmp_path, key):
+    content = json.loads(result.write_result(one(KILL), "test", tmp_path / "mutation.json").read_text())
+    with pytest.raises(InputError, match=f"{key}: not what its mutants come to"):
+        result.fates_in(content | {key: {}}, empty(tmp_path))
+
+
+@dataclass(frozen=True)
+class Failing:
+    """A Verilator that is a script."""
+
+    executable: Path
+
+    def environment(self, _: bool) -> dict[str, str]:
+        return dict(os.environ)
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("exit 1", "ends with 1, not for an error in the RTL: no message"),
+        ("echo '%Error: no/such.sv:1:2: wrong' >&2; exit 1", "not for an error in the RTL"),
+        ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; kill -SEGV $$', "ends with -11"),
+        ('echo "%Error: $DUT/a.sv:1:2: x" >&2; echo No space left on device >&2; exit 1', "ends with 1"),
+        ("sleep 5", "does not end"),
+    ],
+)
+def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, message):
+    monkeypatch.setattr(builds, "_PATIENCE", 0.2)
+    monkeypatch.setattr(builds, "verilator", lambda: Failing(tmp_path / "fails"))
+    monkeypatch.setenv("DUT", str(tmp_path))
+    (tmp_path / "fails").write_text(f"#!/bin/sh\n{script}\n")
+    (tmp_path / "fails").chmod(0o755)
+    with pytest.raises(InputError, match=message):
+        builds._verilate(MAIN, tmp_path, tmp_path, [], [])
+    (tmp_path / "fails").write_text('#!/bin/sh\necho "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1\n')
+    monkeypatch.setattr(builds, "_PATIENCE", 10)
+    with pytest.raises(builds.ElaborationError, match=r"triaxis_core\.sv:1:2"):
+        builds._verilate(MAIN, tmp_path, tmp_path, [], [])
+
+
+def dies(_: object) -> killing.Outcome:
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def test_a_process_that_dies_ends_the_run_and_names_its_mutants(seed):
+    mutants = catalogue().mutants[:5]
+    setting = killing.Setting({}, {}, {}, (), {}, DUT, seed, False)
+    with pytest.raises(InputError, match=f"a process died that played one of .*{mutants[0].id}"):
+        list(killing._in_processes(dies, mutants, setting, 2, lambda _: None))
+
+
+def test_what_killed_runs_left_is_swept_unless_another_is_at_work(tmp_path, monkeypatch):
+    monkeypatch.setattr(folder, "FOLDER", tmp_path)
+    left = [
+        tmp_path / name for name in ("dut-a", "proof-b", "schema-w8_m8-c.partial", ".result.json-1.partial")
+    ]
+    kept = [tmp_path / name for name in ("proofs", "schema-w8_m8-c", "support-d")]
+    for path in (*left, *kept):
+        path.mkdir()
+        os.utime(path, (0, 0))
+    with folder.temporary("dut-") as mine:
+        folder.sweep(tmp_path)
+        assert all(path.exists() for path in (mine, *left, *kept))
+    folder.sweep(tmp_path)
+    assert [path for path in left if path.exists()] == []
+    assert all(path.exists() for path in kept)
+
+
+def test_few_files_of_outcomes_are_kept_and_none_of_a_state_that_changed(tmp_path, monkeypatch):
+    known = tmp_path / "known"
+    for seed in range(4):
+        outcomes.Store(DUT, seed, 60, False).save()
+    assert len(list(known.iterdir())) == 2
+    store = outcomes.Store(DUT, 9, 60, False)
+    monkeypatch.setattr(outcomes, "killers_hash", lambda: "another")
+    before = set(known.iterdir())
+    store.save()
+    assert set(known.iterdir()) == before
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,40 @@
+"""What counts as RTL: everything that can elaborate, wherever it lies; what lies outside is refused."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import content_hash, rtl_files, rtl_hash
+from triaxis.verif.paths import DUT, rtl_sources
+
+
+@pytest.fixture
+def dut(tmp_path: Path) -> Path:
+    """A copy of the RTL."""
+    return shutil.copytree(DUT, tmp_path / "dut")
+
+
+def test_all_of_the_rtl_counts(dut: Path) -> None:
+    names = {path.name for path in rtl_files()}
+    assert names >= {"triaxis.f", "triaxis_stage.svh", *(path.name for path in rtl_sources())}
+    assert rtl_hash(dut) == rtl_hash() == content_hash(sorted(DUT.glob("*.*")))
+
+
+@pytest.mark.parametrize("name", ["new.sv", "new.svh", "new.v", "new.vh", "new.f", "sub/new.svh"])
+def test_a_new_file_is_another_rtl(dut: Path, name: str) -> None:
+    place = dut / name
+    place.parent.mkdir(exist_ok=True)
+    place.touch()
+    assert rtl_hash(dut) != rtl_hash()
+
+
+@pytest.mark.parametrize(
+    "entry", ["../other.sv", "/other.sv", "other.inc", "+incdir+other", "sub/../../x.sv"]
+)
+def test_a_list_that_names_what_is_not_hashed_is_refused(dut: Path, entry: str) -> None:
+    with (dut / "triaxis.f").open("a") as file:
+        file.write(f"{entry}\n")
+    with pytest.raises(InputError, match="must be a file of RTL"):
+        rtl_hash(dut)
