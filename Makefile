@@ -47,10 +47,10 @@ $(DVSIM): requirements-regress.lock $(READY)
 signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
-regress: $(READY) $(DVSIM) ## every test in every configuration, on dvsim: minutes
+regress: $(READY) $(DVSIM) ## every test and every configuration at least once, on dvsim: minutes
 	@$(BIN)/triaxis regress smoke --launcher $(LAUNCHER)
 
-nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, all seeds: about half an hour
+nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
 	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
 
 mutate: $(READY) $(YOSYS) ## change dut/ in 1,800 ways; see each mutant killed, or shown equivalent

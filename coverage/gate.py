@@ -1,6 +1,7 @@
 """The gate before a bitstream: whether a stored sign-off allows the RTL that is about to be built."""
 
 import json
+import math
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ _SHOWN = 3
 
 def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str]:
     """Return why the sign-off in ``result`` does not cover the RTL of that hash ``today``; empty: it does.
+
+    What else a reader should know of it, such as changes that are in no commit, `remarks` tells.
 
     The verdict is computed again from the figures: a file that merely says "passed" opens nothing.
     """
@@ -46,6 +49,14 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
     return found + _first(waiver_problems(_waivers(content), today or date.today()))
 
 
+def remarks(result: Path) -> list[str]:
+    """Return what to know of a sign-off that opens the gate, a line each."""
+    content = json.loads(result.read_text(encoding="utf-8"))
+    if content.get("git_clean") is True:
+        return []
+    return ["signed off from a checkout with changes that are in no commit, or from none"]
+
+
 def _short(rtl_hash: Any) -> str:
     return rtl_hash[:12] if isinstance(rtl_hash, str) else "of unknown hash"
 
@@ -53,6 +64,13 @@ def _short(rtl_hash: Any) -> str:
 def _first(lines: list[str]) -> list[str]:
     more = [f".. and {len(lines) - _SHOWN} more"] if len(lines) > _SHOWN else []
     return lines[:_SHOWN] + more
+
+
+def _is_figure(value: Any) -> bool:
+    """Return whether a value can be a figure: a number that is one, or null."""
+    if isinstance(value, bool) or not isinstance(value, int | float | None):
+        return False
+    return value is None or math.isfinite(value)
 
 
 def _parts(parts: Any, signed: Any) -> list[str]:
@@ -77,9 +95,7 @@ def _waivers(content: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _shortfalls(values: Any) -> list[str]:
     """Return what today's bounds say of the stored figures."""
-    if not isinstance(values, dict) or any(
-        isinstance(value, bool) or not isinstance(value, int | float | None) for value in values.values()
-    ):
+    if not isinstance(values, dict) or not all(map(_is_figure, values.values())):
         return ["the sign-off holds no figures: run `make signoff` again"]
     try:
         return list(judge(read_figures(), values).shortfalls)

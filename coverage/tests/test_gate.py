@@ -5,7 +5,7 @@ from datetime import date, timedelta
 
 import pytest
 
-from triaxis.coverage.gate import PARTS, refusals
+from triaxis.coverage.gate import PARTS, refusals, remarks
 from triaxis.coverage.stages import read_figures
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
@@ -46,6 +46,14 @@ def test_a_pass_of_this_rtl_opens(tmp_path):
     assert refused(tmp_path, signed()) == []
 
 
+def test_a_sign_off_that_is_in_no_commit_is_remarked(tmp_path):
+    path = tmp_path / "signoff.json"
+    path.write_text(json.dumps(signed(git_clean=False)))
+    assert "in no commit" in remarks(path)[0]
+    path.write_text(json.dumps(signed(git_clean=True)))
+    assert remarks(path) == []
+
+
 def test_no_sign_off_is_refused(tmp_path):
     assert "run `make signoff`" in refusals(tmp_path / "none.json", RTL)[0]
 
@@ -68,6 +76,7 @@ def test_no_sign_off_is_refused(tmp_path):
         (signed(figures={**signed()["figures"], "mutation_score": 99.99}), "wanted at least 100 %"),
         (signed(figures={**signed()["figures"], "proofs_passed": None}), "not measured"),
         (signed(figures={}), "only on one side"),
+        (signed(figures={**signed()["figures"], "mutation_score": float("nan")}), "no figures"),
         (signed(parts=None), "no evidence"),
         (signed(parts={}), "mutation: no evidence"),
         (signed(parts={**signed()["parts"], "proofs": {"absent": "no tool"}}), "proofs: did not pass"),

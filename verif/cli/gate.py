@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from triaxis.coverage.gate import refusals
+from triaxis.coverage.gate import refusals, remarks
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.paths import DUT
@@ -18,7 +18,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "gate",
         help="say whether the stored sign-off allows a bitstream of this RTL",
-        description="Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL.",
+        description="Refuse, with the reason, where the sign-off is missing, failed, or is of another "
+        "RTL, or where a waiver that it rests on has expired or changed.",
         epilog="Exit codes: 0 allowed, 1 refused, 2 error.",
     )
     parser.add_argument(
@@ -43,4 +44,6 @@ def run(options: argparse.Namespace) -> int:
         print(f"gate: refused: {line}", file=sys.stderr)
     if not found:
         print(f"gate: open: {options.result} covers this RTL")
+        for line in remarks(options.result):
+            print(f"gate: note: {line}")
     return REFUSED if found else OPEN
