@@ -9,6 +9,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from triaxis.golden.errors import InputError
 from triaxis.verif.regression.definition import DEFINITION, in_checkout
+from triaxis.verif.regression.failing import FailingSeeds
 from triaxis.verif.regression.junit import NAME as JUNIT
 from triaxis.verif.regression.launchers import LAUNCHERS, LOCAL
 from triaxis.verif.regression.outcome import Outcome
@@ -29,7 +30,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         description="Run a regression of verif/regression/triaxis_sim_cfg.hjson on dvsim: seeds that failed "
         "before first, then the rest. One that was interrupted or killed is continued by the same command: "
         "what passed on the same sources and with the same seed is not run again. Writes results.json, "
-        "report.html, junit.xml and the merged coverage into build/regress/NAME/.",
+        "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are kept "
+        "in build/regress/failing.json until they pass on other sources; smoke replays at most three of each "
+        "kind of failure, nightly all of them.",
         epilog="Exit codes: 0 passed, 1 failed, 2 error, 130 interrupted.",
     )
     parser.add_argument(
@@ -42,6 +45,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )  # fmt: skip
     parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time (local: one for each core)")
     parser.add_argument("--fresh", action="store_true", help="start anew, continue nothing")
+    parser.add_argument(
+        "--forget", action="store_true",
+        help="run nothing: forget all seeds that failed before, those found flaky too, and say which",
+    )  # fmt: skip
     parser.add_argument(
         "--seeds-times", type=float, default=1.0, metavar="X",
         help="run X times as many seeds of each test, at least one: 5 for a weekend (1)",
@@ -95,6 +102,8 @@ class _Progress:
 def run(options: argparse.Namespace) -> int:
     """Run the regression and print what came of it."""
     request = _request(options)
+    if options.forget:
+        return _forget(request)
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
@@ -103,19 +112,27 @@ def run(options: argparse.Namespace) -> int:
     return FAILED if outcome.problems else PASSED
 
 
+def _forget(request: Request) -> int:
+    forgotten = FailingSeeds(request.failing).forget() if request.failing.exists() else []
+    for seed in forgotten:
+        print(f"forgotten: {seed.run.test} in {seed.run.config}, seed {seed.run.seed}: {seed.bucket}")
+    print(f"{len(forgotten)} failing seeds forgotten, none is left in {in_checkout(request.failing)}")
+    return PASSED
+
+
 def _print(outcome: Outcome) -> None:
     for bucket in outcome.buckets:
         first = bucket.records[0]
         print(f"{len(bucket.records)} x {bucket.message}")
-        for line in (*first.errors, *first.counterexamples):
+        for line in (*first.errors[:1], *first.counterexamples[:1]):
             print(f"  {line}")
         print(f"  log:    {first.log}\n  replay: {first.replay}")
     for seed in outcome.fixed:
         print(f"fixed: {seed.run.test} in {seed.run.config}, seed {seed.run.seed} failed before and passes")
-    for problem in outcome.problems[:_SHOWN]:
+    for problem in outcome.shortfalls[:_SHOWN]:
         print(f"PROBLEM {problem}")
-    if len(outcome.problems) > _SHOWN:
-        print(f".. and {len(outcome.problems) - _SHOWN} more: see {RESULTS}")
+    if len(outcome.shortfalls) > _SHOWN:
+        print(f".. and {len(outcome.shortfalls) - _SHOWN} more: see {RESULTS}")
     print(f"{'FAILED' if outcome.problems else 'PASSED'}: {outcome.summary}")
     files = ", ".join((RESULTS, REPORT, JUNIT, "coverage.html"))
     print(f"written to {in_checkout(outcome.folder)}: {files}")

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from triaxis.verif.regression.run_record import RunRecord
 
 _LONGEST = 160
+# A bracket that the cut left open.
+_OPEN = re.compile(r"\s*[(\[][^)\]]*$")
 # What differs from run to run, and what stands for it; in this order.
 _GENERAL = (
     # The simulator's time, and the level and place that its log puts before a message.
@@ -15,7 +17,10 @@ _GENERAL = (
     # Of a path its last name, however much of the rest the log shows.
     (re.compile(r"[\w.@+~-]*/(?:[\w.@+~-]+/)*"), ""),
     (re.compile(r"\b0[xX][0-9a-fA-F]+\b"), "HEX"),
-    (re.compile(r"\b(?=[0-9a-f]*\d)[0-9a-f]{8,}\b"), "HEX"),
+    (re.compile(r"\b(?=[0-9a-f]*\d)(?=\d*[a-f])[0-9a-f]{8,}\b"), "HEX"),
+    # Verdicts, and the pair itself: one fault answers many pairs wrongly, each in its own way.
+    (re.compile(r"\((?=[^()]*\b(?:True|False)\b)[^()]*\)"), "(..)"),
+    (re.compile(r": margin -?\d.*", re.DOTALL), ""),
     (re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"), "N"),
     # Arrays of any length look the same.
     (re.compile(r"\[+N[\[\]N,.\s]*"), "[..] "),
@@ -35,12 +40,14 @@ def general(message: str) -> str:
     """Return a message without what differs from run to run."""
     for pattern, substitute in _GENERAL:
         message = pattern.sub(substitute, message)
-    return message.strip()[:_LONGEST]
+    message = message.strip()
+    return message if len(message) <= _LONGEST else _OPEN.sub("", message[:_LONGEST])
 
 
 def bucket_of(record: RunRecord) -> str:
     """Return the name of the bucket of a failed run: its first error line, made general."""
-    return general(record.errors[0]) if record.errors else "no error line"
+    said = general(record.errors[0]) if record.errors else "no error line"
+    return f"ended without a result: {said.removeprefix('ERROR ')}" if record.silent else said
 
 
 def buckets(records: Iterable[RunRecord]) -> list[Bucket]:

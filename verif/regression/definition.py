@@ -55,7 +55,8 @@ class Definition:
     def regression(self, name: str) -> Regression:
         """Return the regression of that name; raise InputError where there is none."""
         if name not in self.regressions:
-            raise InputError(f"regression {name}: unknown; one of: {', '.join(self.regressions)}")
+            known = ", ".join(self.regressions)
+            raise InputError(f"regression {name or repr(name)}: unknown; one of: {known}")
         return self.regressions[name]
 
     def part(self, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The seeds that failed, kept until they pass on other sources: what a regression replays first."""
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -12,6 +13,8 @@ from triaxis.verif.regression.buckets import bucket_of
 from triaxis.verif.regression.file_lock import locked
 from triaxis.verif.regression.planned_run import PlannedRun, from_dict
 from triaxis.verif.regression.run_record import RunRecord
+
+_FEW = 3
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,11 @@ class FailingSeeds:
             raise InputError(f"{self.path}: damaged: {error!r}; remove it to forget its seeds") from error
 
     def note(self, records: Iterable[RunRecord]) -> None:
-        """Take in results: what failed is kept, what passed on other sources than it failed on is dropped."""
-        new = {record.run.key: record for record in records}
+        """Take in results: what failed is kept, what passed on other sources than it failed on is dropped.
+
+        A run that left no result of its own changes nothing: it is simply run again.
+        """
+        new = {record.run.key: record for record in records if not record.silent}
 
         def change(entries: list[FailingSeed]) -> list[FailingSeed]:
             known = {entry.run.key for entry in entries}
@@ -54,12 +60,35 @@ class FailingSeeds:
 
         self._change(change)
 
+    def forget(self) -> list[FailingSeed]:
+        """Drop them all, and return what was dropped."""
+        forgotten: list[FailingSeed] = []
+
+        def change(entries: list[FailingSeed]) -> list[FailingSeed]:
+            forgotten.extend(entries)
+            return []
+
+        self._change(change)
+        return forgotten
+
     def _change(self, change: Callable[[list[FailingSeed]], list[FailingSeed]]) -> None:
         with locked(self.path.with_suffix(".lock")):
             before = self.read()
             after = change(before)
             if after != before:
                 write_whole(self.path, json.dumps([asdict(entry) for entry in after], indent=1) + "\n")
+
+
+def few_of_each_bucket(seeds: Iterable[FailingSeed]) -> list[FailingSeed]:
+    """Return at most three seeds of each bucket, those of the fewest pairs, in the order given."""
+    every = list(seeds)
+    taken: set[str] = set()
+    counts: Counter[str] = Counter()
+    for seed in sorted(every, key=lambda seed: seed.run.pairs):
+        counts[seed.bucket] += 1
+        if counts[seed.bucket] <= _FEW:
+            taken.add(seed.run.key)
+    return [seed for seed in every if seed.run.key in taken]
 
 
 def _entry(content: dict[str, Any]) -> FailingSeed:

@@ -35,19 +35,34 @@ class NightlyRecord:
 
 def now() -> str:
     """Return the time as records hold it."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
+    return as_date(datetime.now(UTC).timestamp())
 
 
-def append_record(record: NightlyRecord, path: Path = HISTORY) -> None:
-    """Add a line. One that was cut off before, by a kill, is left alone and ended."""
+def as_date(seconds: float) -> str:
+    """Return a time, seconds since 1970, as records hold it."""
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
+
+
+def append_record(record: NightlyRecord, begun: float, path: Path = HISTORY) -> None:
+    """Add the line of a run that began at ``begun``, seconds since 1970, unless it is there already.
+
+    One that was cut off before, by a kill, is left alone and ended.
+    """
     line = json.dumps(asdict(record)) + "\n"
     with locked(path.with_suffix(".lock")), path.open("a+b") as file:
+        if any(_is_same(one, record, begun) for one in read_history(path)):
+            return
         if file.seek(0, os.SEEK_END):
             file.seek(-1, os.SEEK_END)
             line = line if file.read(1) == b"\n" else "\n" + line
         file.write(line.encode())
         file.flush()
         os.fsync(file.fileno())
+
+
+def _is_same(one: NightlyRecord, record: NightlyRecord, begun: float) -> bool:
+    """Return whether a line is of the very run: of its kind and seed, and ended since it began."""
+    return (one.kind, one.seed) == (record.kind, record.seed) and one.date > as_date(begun)
 
 
 def read_history(path: Path = HISTORY) -> list[NightlyRecord]:

@@ -29,9 +29,8 @@ def write_junit(outcome: Outcome) -> Path:
         suite.set("timestamp", begin.strftime("%Y-%m-%dT%H:%M:%S"))
         for record in records:
             _case(suite, record)
-    against = [p for p in outcome.problems if not _is_of_a_run(p, outcome)]
-    if against:
-        _goals(root, outcome, against)
+    if outcome.shortfalls:
+        _goals(root, outcome)
     path = outcome.folder / NAME
     partial = path.with_name(f".{NAME}-{os.getpid()}.partial")
     indent(root)
@@ -66,18 +65,12 @@ def _case(suite: Element, record: RunRecord) -> None:
         failure.text = _text("\n".join(lines))
 
 
-def _is_of_a_run(problem: str, outcome: Outcome) -> bool:
-    """Return whether a problem stands at a test case of its own already."""
-    starts = (f"{r.run.test} in {r.run.config}, seed {r.run.seed} failed" for r in outcome.failed)
-    return problem.startswith(tuple(starts))
-
-
-def _goals(root: Element, outcome: Outcome, problems: list[str]) -> None:
+def _goals(root: Element, outcome: Outcome) -> None:
     """Add what no single run is to blame for: goals missed, flaky seeds, runs without a result."""
     suite = SubElement(root, "testsuite", name="goals", tests="1", failures="1", errors="0", time="0")
     case = SubElement(suite, "testcase", classname="goals", name=outcome.regression.name, time="0")
-    failure = SubElement(case, "failure", message=_text(problems[0]), type="goal")
-    failure.text = _text("\n".join(problems))
+    failure = SubElement(case, "failure", message=_text(outcome.shortfalls[0]), type="goal")
+    failure.text = _text("\n".join(outcome.shortfalls))
     for key in ("tests", "failures"):
         root.set(key, str(int(root.get(key, "0")) + 1))
 

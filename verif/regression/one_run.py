@@ -5,6 +5,7 @@ Exit codes: 0 passed, 1 failed.
 
 import argparse
 import os
+import re
 import socket
 import sys
 import time
@@ -23,6 +24,8 @@ from triaxis.verif.simulation import run as simulate
 ANY = "any"
 # Tests send whole groups: some pairs less than they were asked for.
 _MOST_OF = 0.9
+# An error of the RTL or of the environment; a simulator that was killed logs none.
+_BLAME = re.compile("ERROR|CRITICAL|%Error|Error:")
 
 
 def _options() -> argparse.Namespace:
@@ -51,14 +54,15 @@ def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
     settings = run.settings(folder / "runs" / run.key)
     log = Path(settings.folder) / "simulation.log"
     started = time.time()
-    counts, found, errors = None, (), ()
+    counts, found, errors, silent = None, (), (), False
     try:
         result = simulate(settings)
         errors = result.errors + _too_few(run, result)
         counts, found = result.counts, result.counterexamples
         passed = result.passed and not errors
+        silent = not passed and counts is None and not any(map(_BLAME.search, errors))
     except InputError as error:
-        passed, errors = False, (f"ERROR {error}",)
+        passed, errors, silent = False, (f"ERROR {error}",), True
     return RunRecord(
         run,
         sources,
@@ -73,6 +77,7 @@ def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
         str(log),
         settings.folder,
         settings.replay_command,
+        silent,
     )
 
 

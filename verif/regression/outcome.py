@@ -66,13 +66,18 @@ class Outcome:
         """Return the share of bins that met their goals, None where no coverage was collected."""
         return percent(self.coverage) if self.coverage else None
 
-    @cached_property
+    @property
     def problems(self) -> list[str]:
         """Return what stands against a pass, one line each."""
-        found = [
+        failures = [
             f"{r.run.test} in {r.run.config}, seed {r.run.seed} failed: {bucket_of(r)}" for r in self.failed
         ]
-        found += [
+        return failures + self.shortfalls
+
+    @cached_property
+    def shortfalls(self) -> list[str]:
+        """Return the problems that are no run's failure: goals missed, flaky seeds, no result."""
+        found = [
             f"{s.run.test} in {s.run.config}, seed {s.run.seed} is flaky: it failed and passed on the same "
             "sources"
             for s in self.flaky

@@ -4,13 +4,19 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
+from triaxis.coverage.core_sample import Build
 from triaxis.coverage.html import Marked, code, folded, mark, page, table
 from triaxis.coverage.report import percent
+from triaxis.verif.configuration import parse_configuration
 from triaxis.verif.exhaustive.state import write_whole
+from triaxis.verif.provenance import provenance
 from triaxis.verif.regression.buckets import Bucket
 from triaxis.verif.regression.history import now
+from triaxis.verif.regression.junit import NAME as JUNIT
 from triaxis.verif.regression.outcome import Outcome
+from triaxis.verif.regression.results_file import NAME as RESULTS
 from triaxis.verif.regression.run_record import RunRecord
+from triaxis.verif.toolchain import verilator
 
 NAME = "report.html"
 
@@ -27,14 +33,15 @@ def _body(outcome: Outcome) -> Iterator[str]:
     verdict = mark("FAILED" if outcome.problems else "PASSED", not outcome.problems)
     yield f"<p class=verdict><b>{verdict}</b> {mark(outcome.summary, None)}</p>\n"
     yield f"<p>{code(outcome.command)}, finished {now()}</p>\n"
-    if outcome.problems:
-        yield "<h2>What stands against it</h2>\n<ul>"
-        yield "".join(f"<li>{mark(problem, None)}\n" for problem in outcome.problems)
-        yield "</ul>\n"
+    yield from _stamp()
     if outcome.buckets:
         yield "<h2>Failure buckets</h2>\n"
         for bucket in outcome.buckets:
             yield from _bucket(bucket)
+    if outcome.shortfalls:
+        yield "<h2>What else stands against it</h2>\n<ul>"
+        yield "".join(f"<li>{mark(problem, None)}\n" for problem in outcome.shortfalls)
+        yield "</ul>\n"
     yield from _kept(outcome)
     yield "<h2>Configurations</h2>\n"
     yield from _configurations(outcome)
@@ -43,7 +50,25 @@ def _body(outcome: Outcome) -> Iterator[str]:
     yield from _links(outcome)
 
 
+def _stamp() -> Iterator[str]:
+    stamp = provenance()
+    changed = {True: "", False: ", with changes", None: ""}[stamp.git_clean]
+    commit = f"{stamp.git_commit or 'unknown'}{changed}"
+    tool = mark(str(verilator()), None)
+    yield f"<p>commit {code(commit)}, RTL {code(stamp.rtl_hash)}, Verilator {tool}</p>\n"
+
+
+def _runs_in_words(count: int) -> str:
+    return f"{count} run" if count == 1 else f"{count} runs"
+
+
 def _bucket(bucket: Bucket) -> Iterator[str]:
+    """Give what the first run said, and under it, folded, all of them."""
+    first = bucket.records[0]
+    said = (*first.errors[:1], *first.counterexamples[:1])
+    yield f"<h3>{len(bucket.records)} x {mark(bucket.message, None)}</h3>\n<ul>"
+    yield "".join(f"<li>{mark(line, None)}\n" for line in said)
+    yield f"<li>{code(first.replay)}\n</ul>\n"
     shown = (
         (
             record.run.item,
@@ -54,7 +79,7 @@ def _bucket(bucket: Bucket) -> Iterator[str]:
         for record in bucket.records
     )
     rows = table(("test", "seed", "said", "replay"), shown)
-    yield from folded(f"{len(bucket.records)} x {bucket.message}", rows, is_open=True)
+    yield from folded(_runs_in_words(len(bucket.records)), rows)
 
 
 def _kept(outcome: Outcome) -> Iterator[str]:
@@ -74,7 +99,7 @@ def _configurations(outcome: Outcome) -> Iterator[str]:
     groups: dict[str, list[RunRecord]] = defaultdict(list)
     for record in outcome.records:
         groups[record.run.config].append(record)
-    covered = {model.model.removeprefix("core_"): percent([model]) for model in outcome.coverage}
+    covered = {model.model: percent([model]) for model in outcome.coverage}
     rows = (
         (
             config,
@@ -82,7 +107,8 @@ def _configurations(outcome: Outcome) -> Iterator[str]:
             mark(sum(not r.passed for r in group), all(r.passed for r in group)),
             sum(r.checked for r in group),
             sum(r.judged for r in group),
-            covered.get(config),
+            # Configurations that differ in their tags share a model.
+            covered.get(f"core_{Build(*parse_configuration(config).covered).name}"),
         )
         for config, group in groups.items()
     )
@@ -106,13 +132,14 @@ def _runs(outcome: Outcome) -> Iterator[str]:
             )
             for record in sorted(group, key=lambda record: record.passed)
         )
-        summary = f"{item}: {len(group)} runs" + (f", {failed} failed" if failed else "")
+        summary = f"{item}: {_runs_in_words(len(group))}" + (f", {failed} failed" if failed else "")
         headings = ("seed", "", "pairs checked", "seconds", "where", "replay")
-        yield from folded(summary, table(headings, rows), is_open=bool(failed))
+        yield from folded(summary, table(headings, rows))
 
 
 def _links(outcome: Outcome) -> Iterator[str]:
-    pages = [outcome.folder / "coverage.html", *outcome.folder.glob("dvsim/**/reports/index.html")]
+    own = [outcome.folder / name for name in (RESULTS, JUNIT, "coverage.html")]
+    pages = [*own, *outcome.folder.glob("dvsim/**/reports/index.html")]
     found = sorted(str(path.relative_to(outcome.folder)) for path in pages if path.exists())
     if found:
         yield "<h2>More</h2>\n<ul>"

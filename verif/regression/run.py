@@ -19,7 +19,7 @@ from triaxis.verif.regression.dispatch import (
     run_pass,
     terminated_as_interrupted,
 )
-from triaxis.verif.regression.failing import FailingSeed, FailingSeeds
+from triaxis.verif.regression.failing import FailingSeed, FailingSeeds, few_of_each_bucket
 from triaxis.verif.regression.file_lock import locked
 from triaxis.verif.regression.history import HISTORY, append_record
 from triaxis.verif.regression.identity import identity
@@ -63,6 +63,17 @@ class Request:
     folder: Path = FOLDER
     history: Path = HISTORY
 
+    @property
+    def failing(self) -> Path:
+        """Return the file of the seeds that failed, which all regressions of the folder share."""
+        return self.folder / "failing.json"
+
+    @property
+    def is_whole_nightly(self) -> bool:
+        """Return whether this is the nightly regression as it is defined, not a part or a multiple of it."""
+        usual = (NIGHTLY, DEFINITION, FOLDER, 1.0)
+        return (self.regression, self.definition, self.folder, self.multiplier) == usual
+
     def command(self, seed: int) -> str:
         """Return the command that asks for the same."""
         words = ["triaxis", "regress", self.regression, "--seed", str(seed)]
@@ -84,9 +95,11 @@ def regress(request: Request, say: Callable[[str], None], watch: Watch) -> Outco
     then is kept, and the same call goes on from there.
     """
     folder = request.folder / request.regression
+    # First, so that what cannot be run leaves nothing behind.
+    regression = _Regression(request, folder, say, watch)
     busy = f"{folder}: a regression is running there: wait for its end, or use another --folder"
     with locked(request.folder / f"{request.regression}.lock", busy), terminated_as_interrupted():
-        return _Regression(request, folder, say, watch).run()
+        return regression.run()
 
 
 def usual_seed(name: str) -> int:
@@ -107,12 +120,15 @@ class _Regression:
         for path in (ROOT, request.folder):
             if any(character.isspace() for character in str(path)):
                 raise InputError(f"{path}: has a blank in its name, which make cannot take: use another")
+        there = next(path for path in (request.folder, *request.folder.parents) if path.exists())
+        if not there.is_dir():
+            raise InputError(f"{there}: is no folder: give --folder one, or a name that is free")
         self._request, self._folder, self._say, self._watch = request, folder, say, watch
         self._definition: Definition = read_definition(request.definition)
         self._regression = self._definition.regression(request.regression)
         self._identity = identity()
         self._launcher: Launcher = launcher(request.launcher, f"triaxis-{_tag(folder)}", request.jobs)
-        self._failing = FailingSeeds(request.folder / "failing.json")
+        self._failing = FailingSeeds(request.failing)
         self._results = folder / "results"
 
     def run(self) -> Outcome:
@@ -129,7 +145,7 @@ class _Regression:
         first = [seed.run for seed in replayed]
         everything = list({run.key: run for run in (*first, *planned)}.values())
         if first:
-            self._say(f"replaying {len(first)} seeds that failed before")
+            self._say(f"replaying {len(first)} seed{'s' * (len(first) > 1)} that failed before")
         self._pass("replay", first, everything)
         keys = {run.key for run in first}
         self._pass("main", [run for run in planned if run.key not in keys], everything)
@@ -143,24 +159,32 @@ class _Regression:
 
     def _begin(self) -> State:
         request = self._request
+        usual = usual_seed(request.regression) if request.seed is None else request.seed
+        wanted = State(request.regression, usual, request.multiplier, self._identity, ())
         before = read_state(self._folder)
-        seed = request.seed
-        if seed is None:
-            left = before if before and not before.finished and not request.fresh else None
-            seed = left.seed if left else usual_seed(request.regression)
-        wanted = State(request.regression, seed, request.multiplier, self._identity, ())
-        state = begin(self._folder, wanted, request.fresh)
-        if before and not before.finished and not request.fresh and len(state.started) == 1:
-            self._say("not continued: what was left unfinished is of another seed or of other sources")
-        return state
+        if before and not before.finished and not request.fresh:
+            same_seed = replace(wanted, seed=before.seed) if request.seed is None else wanted
+            if differences := same_seed.differences(before):
+                self._say(f"not continued: what was left unfinished is {', '.join(differences)}")
+            else:
+                wanted = same_seed
+        return begin(self._folder, wanted, request.fresh)
 
     def _kept_seeds(self) -> list[FailingSeed]:
-        """Return the seeds to be replayed: those that the definition still has a test for."""
+        """Return the seeds to be replayed: those that the definition still has a test for.
+
+        All of them only at night: others take a few of each bucket, those of the fewest pairs.
+        """
         seeds, items = self._failing.read(), self._definition.items
         known = [s for s in seeds if s.run.item in items and items[s.run.item].config == s.run.config]
         if len(known) < len(seeds):
             self._say(f"{len(seeds) - len(known)} kept seeds not replayed: their tests are not in this file")
-        return known
+        if self._request.regression == NIGHTLY:
+            return known
+        taken = few_of_each_bucket(known)
+        if len(taken) < len(known):
+            self._say(f"{len(known) - len(taken)} kept seeds put off: {NIGHTLY} replays them all")
+        return taken
 
     def _done(self, run: PlannedRun) -> bool:
         record = read_record(record_file(self._results, run))
@@ -220,8 +244,8 @@ class _Regression:
                 str(one.run_log(run)),
                 settings.folder,
                 settings.replay_command,
+                silent=True,
             )
-            self._failing.note([record])
             write_record(self._results, record)
 
     def _why_silent(self, one: Pass, run: PlannedRun) -> str:
@@ -232,7 +256,7 @@ class _Regression:
         log = one.run_log(run)
         if not log.exists():
             return ""
-        return f"the run ended without a result, killed or out of time: {last_error(log)}"
+        return f"killed or out of time: {last_error(log)}"
 
     def _outcome(
         self,
@@ -264,9 +288,10 @@ class _Regression:
 
     def _write(self, outcome: Outcome) -> None:
         """Write the reports, the history, last that it is finished: a kill repeats them."""
-        write_report(outcome)
         write_junit(outcome)
         write_results(outcome)
-        if outcome.regression.name == NIGHTLY:
-            append_record(history_record(outcome), self._request.history)
+        # Last of them: it links the others.
+        write_report(outcome)
+        if self._request.is_whole_nightly:
+            append_record(history_record(outcome), outcome.state.started[0], self._request.history)
         write_state(self._folder, replace(outcome.state, finished=True))

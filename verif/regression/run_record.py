@@ -15,6 +15,7 @@ class RunRecord:
 
     ``counts`` are those of the scoreboard, None where it wrote none; ``job``: the number that Slurm or LSF
     gave it, None where it ran locally; ``log`` and ``folder``: where its simulation left its files.
+    ``silent``: it left no result of its own: killed, out of time, not built; that says nothing of its seed.
     """
 
     run: PlannedRun
@@ -30,6 +31,7 @@ class RunRecord:
     log: str
     folder: str
     replay: str
+    silent: bool = False
 
     @property
     def seconds(self) -> float:

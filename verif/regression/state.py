@@ -23,8 +23,20 @@ class State:
 
     def continues(self, other: "State") -> bool:
         """Return whether this is what is left of the other: the same runs of the same sources."""
-        same = ("regression", "seed", "multiplier", "identity")
-        return not other.finished and all(getattr(self, name) == getattr(other, name) for name in same)
+        return not other.finished and not self.differences(other)
+
+    def differences(self, other: "State") -> list[str]:
+        """Return in what the other is not the same, in words; empty where it is."""
+        found: list[str] = []
+        if other.regression != self.regression:
+            found.append(f"of the regression {other.regression}")
+        if other.seed != self.seed:
+            found.append(f"of seed {other.seed}")
+        if other.multiplier != self.multiplier:
+            found.append(f"of {other.multiplier:g} times the seeds")
+        if other.identity != self.identity:
+            found.append("of other sources")
+        return found
 
     def seconds(self, records: list[RunRecord], now: float) -> float:
         """Return how long it was worked on: until now, and before each kill until its last result."""

@@ -8,6 +8,7 @@ import pytest
 
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.verif.evidence import read_evidence
+from triaxis.verif.provenance import provenance
 from triaxis.verif.regression.definition import Regression
 from triaxis.verif.regression.failing import FailingSeed
 from triaxis.verif.regression.history import NightlyRecord
@@ -16,6 +17,7 @@ from triaxis.verif.regression.outcome import Outcome
 from triaxis.verif.regression.planned_run import PlannedRun
 from triaxis.verif.regression.report_page import write_report
 from triaxis.verif.regression.results_file import history_record, write_results
+from triaxis.verif.regression.run import Request
 from triaxis.verif.regression.run_record import RunRecord
 from triaxis.verif.regression.state import State
 
@@ -72,6 +74,30 @@ def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message
     assert len(failures) >= 1
     assert (root.get("tests"), root.get("failures")) == (str(len(cases)), str(len(failures)))
     assert "FAILED" in write_report(found).read_text()
+
+
+def test_page_shows_buckets_first_and_coverage_of_a_configuration_with_other_tags(tmp_path):
+    run = replace(RUN, config="w13_m4_t1")
+    models = (ModelReport("core_w13_m4", (replace(ITEM, hit=32, missing=("near",)),)),)
+    found = outcome(tmp_path, records=(replace(FAILED, run=run),), coverage=models)
+    write_junit(found)
+    write_results(found)
+    page = write_report(found).read_text()
+    assert page.count("96.96") == 2
+    assert "1 run," in page and "1 runs" not in page.split("<h2>", 1)[1]
+    assert page.index("Failure buckets") < page.index("What else stands against it")
+    assert "href='results.json'" in page and "href='junit.xml'" in page
+    assert provenance().rtl_hash in page
+    assert "<details open" not in page
+
+
+def test_only_a_whole_nightly_goes_into_the_history(tmp_path):
+    whole = Request("nightly")
+    assert whole.is_whole_nightly
+    assert not replace(whole, regression="smoke").is_whole_nightly
+    assert not replace(whole, multiplier=0.5).is_whole_nightly
+    assert not replace(whole, folder=tmp_path).is_whole_nightly
+    assert not replace(whole, definition=tmp_path / "other.hjson").is_whole_nightly
 
 
 def test_smoke_has_no_goals_but_nothing_illegal_may_be_hit():

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import pytest
 
@@ -11,7 +12,7 @@ from triaxis.golden.errors import InputError
 from triaxis.verif.regression import dispatch
 from triaxis.verif.regression.buckets import buckets, general
 from triaxis.verif.regression.definition import Item
-from triaxis.verif.regression.failing import FailingSeeds
+from triaxis.verif.regression.failing import FailingSeed, FailingSeeds, few_of_each_bucket
 from triaxis.verif.regression.history import NightlyRecord, append_record, now, read_history
 from triaxis.verif.regression.launchers import LSF, SLURM, launcher
 from triaxis.verif.regression.one_build import error_file
@@ -41,6 +42,11 @@ LINE = NightlyRecord("2026-01-31T01:17:00+00:00", "nightly", None, "f" * 64, 1, 
         ("cannot read /tmp/a/b/c.npz", "cannot read /var/c.npz"),
         ("build abcdef0123456789 gone", "build 0123456789abcdef gone"),
         ("took 3.5e-07 s", "took 12 s"),
+        ("123456789 pairs sent, 123456788 seen", "7 pairs sent, 6 seen"),
+        (
+            "core says (False, 3, True) (0x0006), exact answer (True, None, False): margin 7, [[[1, 2",
+            "core says (True, 12, False) (0xbeef), exact answer (False, 1, True): margin 0, [[[-1]]]",
+        ),
     ],
 )
 def test_messages_that_say_the_same(first, second):
@@ -54,6 +60,35 @@ def test_messages_that_say_something_else():
         "%Error: a.sv:1: x",
     )
     assert len({general(text) for text in texts}) == len(texts)
+
+
+def test_a_long_message_is_cut_before_an_open_bracket():
+    assert general("x" * 150 + " (one of many words)") == "x" * 150
+    assert general("core says (True, 1) (0x1): margin 0, [[1]]") == "core says (..) (HEX)"
+
+
+def test_a_run_without_a_result_says_nothing_of_its_seed(tmp_path):
+    silent = replace(FAILED, errors=("ERROR no space left",), silent=True)
+    assert buckets([silent])[0].message == "ended without a result: no space left"
+    write_record(tmp_path, silent)
+    assert read_record(record_file(tmp_path, RUN)) == silent
+    store = FailingSeeds(tmp_path / "failing.json")
+    store.note([silent])
+    assert store.read() == []
+    store.note([FAILED])
+    (entry,) = store.read()
+    store.note([silent])
+    assert store.read() == [entry]
+    assert store.forget() == [entry]
+    assert store.read() == store.forget() == []
+
+
+def test_a_few_short_seeds_stand_for_a_bucket():
+    seeds = [
+        FailingSeed(replace(RUN, seed=i, pairs=9000 - i), "sources", "other" if i == 4 else "many")
+        for i in range(9)
+    ]
+    assert [seed.run.seed for seed in few_of_each_bucket(seeds)] == [4, 6, 7, 8]
 
 
 def test_fullest_bucket_first():
@@ -108,13 +143,20 @@ def test_a_cut_result_counts_as_missing(tmp_path):
 def test_history_survives_a_kill_in_the_middle_of_a_line(tmp_path):
     path = tmp_path / "history" / "nightly.jsonl"
     assert read_history(path) == []
-    append_record(LINE, path)
+    begun = datetime(2026, 1, 31, 1, 0, tzinfo=UTC).timestamp()
+    append_record(LINE, begun, path)
+    # Killed after it was written, and continued: there it stands already.
+    append_record(replace(LINE, date="2026-01-31T02:00:00+00:00"), begun, path)
     with path.open("a") as file:
         file.write('{"date": "2026-02-01T0')
     assert read_history(path) == [LINE]
     second = replace(LINE, date=now(), kind="signoff", coverage_percent=99.5)
-    append_record(second, path)
+    append_record(second, begun, path)
     assert read_history(path) == [LINE, second]
+    # The same seed once more, another day.
+    third = replace(LINE, date="2026-02-01T01:17:00+00:00")
+    append_record(third, datetime(2026, 2, 1, tzinfo=UTC).timestamp(), path)
+    assert read_history(path) == [LINE, second, third]
 
 
 def test_only_the_same_unfinished_regression_is_continued(tmp_path):
@@ -125,10 +167,13 @@ def test_only_the_same_unfinished_regression_is_continued(tmp_path):
     second = begin(folder, wanted, fresh=False)
     assert len(second.started) == 2 and second.started[0] == first.started[0]
     assert (folder / "result").exists()
-    for changed in (
-        replace(wanted, seed=2), replace(wanted, identity="other"), replace(wanted, multiplier=2.0),
-    ):  # fmt: skip
+    for changed, difference in (
+        (replace(wanted, seed=2), "of seed 1"),
+        (replace(wanted, identity="other"), "of other sources"),
+        (replace(wanted, multiplier=2.0), "of 1 times the seeds"),
+    ):
         assert not changed.continues(second)
+        assert changed.differences(second) == [difference]
     # Finished, or not wanted: moved aside, where it stays readable.
     write_state(folder, replace(second, finished=True))
     third = begin(folder, wanted, fresh=False)

@@ -91,7 +91,7 @@ def test_failures_go_into_buckets_and_are_kept_and_replayed_first(folder, seed):
     assert [bucket["runs"] for bucket in result["buckets"]] == [2, 1]
     dropped, corrupt = (bucket["message"] for bucket in result["buckets"])
     assert dropped.endswith("N pairs accepted and never answered")
-    assert "core says (False, N, " in corrupt
+    assert "core says (..) (HEX), exact answer (..)" in corrupt
     assert f"2 x {dropped}" in said
     assert "replay: .venv/bin/triaxis sim DroppedResultTest" in said
 
@@ -188,6 +188,31 @@ def test_another_seed_is_another_regression(folder, seed):
     assert len(results_of(folder, "long")["runs"]) == 2
     # The one before stays readable.
     assert read_records(folder / "long.previous" / "results") == left
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("nope", (), "regression nope: unknown"),
+        ("../../zz", (), "regression ../../zz: unknown"),
+        ("", (), "regression '': unknown"),
+        ("good", ("--definition", "nonexistent"), "cannot read"),
+        ("good", ("--folder", "small.hjson"), "small.hjson: is no folder"),
+    ],
+)
+def test_what_cannot_be_run_leaves_nothing_behind(folder, monkeypatch, name, options, message):
+    monkeypatch.chdir(folder)
+    assert message in regress(folder, name, *options, status=2)
+    assert [path.name for path in folder.iterdir()] == ["small.hjson"]
+
+
+def test_failing_seeds_can_be_forgotten(folder):
+    run = PlannedRun(f"FarTest_{CONFIG}", "FarTest", CONFIG, 4321, 2000, "burst", 100)
+    entry = {"run": vars(run), "identity": identity(), "bucket": "it failed", "flaky": True}
+    (folder / "failing.json").write_text(json.dumps([entry]))
+    said = regress(folder, "good", "--forget")
+    assert f"forgotten: FarTest in {CONFIG}, seed 4321: it failed" in said
+    assert json.loads((folder / "failing.json").read_text()) == []
 
 
 def test_a_build_that_dvsim_cannot_start_is_an_error(tmp_path):

@@ -60,6 +60,17 @@ def test_what_must_outlive_a_failing_job_is_kept_whatever_happens():
                     assert step["if"] == "always()"
 
 
+def test_pictures_and_kept_cases_are_uploaded_and_each_attempt_has_its_own_cache():
+    for name in ("pull-request.yml", "nightly.yml"):
+        steps = [step for job in workflow(name)["jobs"].values() for step in job["steps"]]
+        for step in steps:
+            if step.get("uses", "").startswith("actions/upload-artifact"):
+                assert "verif/regressions/*.json" in step["with"]["path"]
+                assert "/**/*.png" in step["with"]["path"]
+            if step.get("uses", "").startswith("actions/cache/"):
+                assert step["with"]["key"].endswith("${{ github.run_id }}-${{ github.run_attempt }}")
+
+
 def test_artifacts_are_taken_from_where_results_are_written():
     sources = "".join(path.read_text() for path in (ROOT / "verif").glob("*/*.py"))
     for one in matrix(workflow("nightly.yml")["jobs"]["checks"]):
