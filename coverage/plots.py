@@ -1,6 +1,7 @@
 """The plots of a sign-off's page, as SVG text that stands in the page itself."""
 
 import io
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -106,17 +107,25 @@ def time_by_part(seconds: Mapping[str, float]) -> str:
     return _drawn("Time", 0.9 + 0.25 * len(names), draw)
 
 
-def trend(title: str, label: str, dates: Sequence[str], values: Sequence[float | None]) -> str:
-    """Return a line over nightly runs, oldest first; a gap where a value is missing."""
+def trend(
+    title: str, label: str, dates: Sequence[str], values: Sequence[float | None], from_zero: bool = True
+) -> str:
+    """Return a line over nightly runs, oldest first; a gap where a value is missing.
+
+    ``from_zero``: the scale begins at 0; otherwise just below the values, where small losses matter.
+    """
+    known = [value for value in values if value is not None] or [0.0]
+    bottom = 0.0 if from_zero else math.floor(min(known)) - 1
+    top = max(known) + 0.1 * ((max(known) - bottom) or 1)
 
     def draw(axes: Axes) -> None:
         places = list(range(len(dates)))
         drawn = [float("nan") if value is None else value for value in values]
         axes.plot(places, drawn, marker="o", markersize=4, color=_PLAIN, linewidth=1.3)
-        step = max(1, len(dates) // 8)
+        step = -(-len(dates) // 7)
         axes.set_xticks(places[::step], dates[::step], rotation=30, ha="right", fontsize=7)
         axes.set_ylabel(label)
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(bottom, top)
         axes.grid(axis="y", alpha=0.3)
 
     return _drawn(title, 2.3, draw, width=4.2)

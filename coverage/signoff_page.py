@@ -127,7 +127,7 @@ def _trends(nights: Sequence[Content]) -> Iterator[str]:
         ("Failing runs", "runs", "failures", 1.0),
     ):
         values = [None if night[key] is None else night[key] * scale for night in nights]
-        yield plots.trend(title, label, dates, values)
+        yield plots.trend(title, label, dates, values, from_zero=label != "percent")
     yield "</div>\n"
     keys = ("commit", "seed", "pairs", "failures", "seconds")
     rows = ([date, *(night[key] for key in keys)] for date, night in zip(dates, nights, strict=True))
