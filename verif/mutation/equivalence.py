@@ -144,11 +144,14 @@ def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str 
 
 
 def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]) -> str | None:
-    # In a file: the command line would come back in the output.
-    (folder / "script.ys").write_text(script.replace("; ", "\n"))
-    command = [str(yosys()), "-Q", "-q", "-s", str(folder / "script.ys"), "-l", str(folder / "log")]
+    # In a file: the command line would come back in the output. By relative names: the solver sees files
+    # through a sandbox, which has a /tmp of its own.
+    (folder / "script.ys").write_text(script.replace("; ", "\n").replace(f"{folder}/", ""))
+    command = [str(yosys()), "-Q", "-q", "-s", "script.ys", "-l", "log"]
     try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=_PATIENCE)
+        answer = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, check=False, timeout=_PATIENCE
+        )
     except subprocess.TimeoutExpired:
         return f"{entry.mutants[0]}: no proof in {_PATIENCE} s: choose a smaller module or smaller widths"
     log = (folder / "log").read_text() if (folder / "log").exists() else ""
