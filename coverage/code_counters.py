@@ -89,8 +89,8 @@ class Counters:
             self.count_point(key, point.count)
 
 
-def read_counters(path: Path) -> Counters:
-    """Read the counters that a run wrote; raise InputError where the file is damaged or cut short."""
+def read_lines(path: Path) -> list[str]:
+    """Return the lines of the bins in a coverage file; raise InputError where it is none, or cut short."""
     try:
         lines = path.read_text().splitlines()
     except OSError as error:
@@ -101,8 +101,13 @@ def read_counters(path: Path) -> Counters:
         raise InputError(f"{path}: not a coverage file: line 1 must read {FIRST_LINE}")
     if lines[-1] != LAST_LINE or len(lines) == 2:
         raise InputError(f"{path}: cut short after line {len(lines)}: run again")
+    return lines[1:-1]
+
+
+def read_counters(path: Path) -> Counters:
+    """Read the counters that a run wrote; raise InputError where the file is damaged or cut short."""
     counters = Counters()
-    for number, line in enumerate(lines[1:-1], 2):
+    for number, line in enumerate(read_lines(path), 2):
         match = _BIN.fullmatch(line)
         if match is None or not _count(counters, match):
             raise InputError(f"{path}: line {number}: damaged, or written by another Verilator")

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from triaxis.coverage.cover_model import CoverModel, Sample
 from triaxis.coverage.sampling import Hits, Sampler
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 
 _FORMAT = "triaxis coverage 1"
@@ -80,14 +80,7 @@ def write_counts(path: Path, counts: Iterable[Counts]) -> None:
         for c in counts
     ]
     content = {"format": _FORMAT, "digest": _digest(models), "models": models}
-    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
-    try:
-        partial.write_text(json.dumps(content) + "\n")
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
-    finally:
-        partial.unlink(missing_ok=True)
+    write_whole(path, json.dumps(content) + "\n")
 
 
 def read_counts(path: Path, models: Iterable[CoverModel[Any]]) -> list[Counts]:

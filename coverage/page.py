@@ -1,6 +1,5 @@
 """Coverage as one HTML page that needs nothing else: every bin with its count, goal and exclusion."""
 
-import os
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -13,19 +12,12 @@ from triaxis.coverage.html import page
 from triaxis.coverage.report import ItemReport, ModelReport, percent, report
 from triaxis.coverage.sampling import Hits
 from triaxis.coverage.terminal import summary_line
-from triaxis.golden.errors import InputError
+from triaxis.coverage.whole_files import write_whole
 
 
 def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:
     """Write the page, whole or not at all; raise InputError where that cannot be done."""
-    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
-    try:
-        partial.write_text(page(title, _body(database, title)), encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
-    finally:
-        partial.unlink(missing_ok=True)
+    write_whole(path, page(title, _body(database, title)))
 
 
 def _body(database: CoverageDatabase, title: str) -> Iterator[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from triaxis.coverage.code_counters import FIRST_LINE, LAST_LINE
+from triaxis.coverage.code_counters import read_lines
 from triaxis.golden.errors import InputError
 
 _POINT = re.compile(
@@ -56,18 +56,8 @@ def read_code_points(path: Path, root: Path) -> list[CodePoint]:
 
     Raise InputError where the file is damaged or cut short, or counts files outside of ``root``.
     """
-    try:
-        lines = path.read_text().splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: damaged: not text") from error
-    if not lines or lines[0] != FIRST_LINE:
-        raise InputError(f"{path}: not a coverage file: line 1 must read {FIRST_LINE}")
-    if lines[-1] != LAST_LINE:
-        raise InputError(f"{path}: cut short after line {len(lines)}: run again")
     found: list[CodePoint] = []
-    for number, text in enumerate(lines[1:-1], 2):
+    for number, text in enumerate(read_lines(path), 2):
         if any(kind in text for kind in _OTHER_KINDS):
             continue
         match = _POINT.fullmatch(text)

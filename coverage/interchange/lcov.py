@@ -19,7 +19,7 @@ from itertools import groupby
 from pathlib import Path
 
 from triaxis.coverage.interchange.code_points import Place, branch_statements, read_code_points
-from triaxis.coverage.interchange.whole_files import write_whole
+from triaxis.coverage.whole_files import write_whole
 
 _TEST = "triaxis"
 
@@ -31,7 +31,7 @@ def write_lcov(path: Path, counters: Iterable[Path], root: Path) -> Path:
     the tracefile cannot be written.
     """
     text = "".join(f"{line}\n" for line in _tracefile(_merged(counters, root)))
-    return write_whole(path, text.encode())
+    return write_whole(path, text)
 
 
 def _merged(counters: Iterable[Path], root: Path) -> dict[Place, int]:

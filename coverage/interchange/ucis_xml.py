@@ -34,9 +34,9 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Kind
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.interchange.code_points import CodePoint, branch_statements
-from triaxis.coverage.interchange.whole_files import write_whole
 from triaxis.coverage.report import report
 from triaxis.coverage.sampling import Hits
+from triaxis.coverage.whole_files import write_whole
 
 _VERSION = "1.0"
 _TOOL = "triaxis"

@@ -128,7 +128,7 @@ def test_files_that_cannot_be_read_or_written_are_one_clear_line(tmp_path):
     with pytest.raises(InputError, match="not a coverage file"):
         load(path, MODEL)
     with pytest.raises(InputError, match="cannot write"):
-        counted([1]).save(tmp_path / "no folder" / "coverage.json")
+        counted([1]).save(path / "coverage.json")
 
 
 def test_a_write_that_fails_leaves_the_old_file(tmp_path, monkeypatch):

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
@@ -23,7 +24,7 @@ from triaxis.verif.checking import Failure
 from triaxis.verif.engine import RtlEngine
 from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
 from triaxis.verif.exhaustive.grid import Grid
-from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save, write_whole
+from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save
 from triaxis.verif.failing_pairs import write_failing_pairs
 from triaxis.verif.paths import BUILD, ROOT
 from triaxis.verif.toolchain import verilator

@@ -2,11 +2,11 @@
 
 import hashlib
 import json
-import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 from triaxis.verif.exhaustive.check import ClassResult, Counts, Mismatch
 
@@ -53,17 +53,6 @@ def other_states(folder: Path, identity: Identity) -> list[Path]:
     """Return the states of unfinished runs on the same grid with another seed, RTL or checker."""
     own = state_file(folder, identity)
     return sorted(path for path in folder.glob(f"grid{identity.grid}-*.state.json") if path != own)
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file whole or not at all: to a temporary file beside it, then renamed."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
-    try:
-        partial.write_text(text)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def save(folder: Path, identity: Identity, progress: Progress) -> None:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.exhaustive.state import write_whole
 from triaxis.verif.paths import ROOT
 from triaxis.verif.provenance import provenance
 from triaxis.verif.regression.definition import Definition

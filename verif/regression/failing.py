@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.exhaustive.state import write_whole
 from triaxis.verif.regression.buckets import bucket_of
 from triaxis.verif.regression.file_lock import locked
 from triaxis.verif.regression.planned_run import PlannedRun, from_dict

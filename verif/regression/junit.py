@@ -1,11 +1,11 @@
 """The outcome of a regression as JUnit XML, which CI systems show: a suite for each configuration."""
 
-import os
 import re
 from datetime import UTC, datetime
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.verif.regression.buckets import bucket_of
 from triaxis.verif.regression.outcome import Outcome
 from triaxis.verif.regression.run_record import RunRecord
@@ -32,14 +32,8 @@ def write_junit(outcome: Outcome) -> Path:
     if outcome.shortfalls:
         _goals(root, outcome)
     path = outcome.folder / NAME
-    partial = path.with_name(f".{NAME}-{os.getpid()}.partial")
     indent(root)
-    try:
-        ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-    return path
+    return write_whole(path, tostring(root, encoding="utf-8", xml_declaration=True))
 
 
 def _count(element: Element, records: "tuple[RunRecord, ...] | list[RunRecord]") -> None:

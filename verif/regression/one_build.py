@@ -7,9 +7,9 @@ import argparse
 import sys
 from pathlib import Path
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.exhaustive.state import write_whole
 from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import build_for, run_settings
 

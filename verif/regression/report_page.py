@@ -7,8 +7,8 @@ from pathlib import Path
 from triaxis.coverage.core_sample import Build
 from triaxis.coverage.html import Marked, code, folded, mark, page, table
 from triaxis.coverage.report import percent
+from triaxis.coverage.whole_files import write_whole
 from triaxis.verif.configuration import parse_configuration
-from triaxis.verif.exhaustive.state import write_whole
 from triaxis.verif.provenance import provenance
 from triaxis.verif.regression.buckets import Bucket
 from triaxis.verif.regression.history import now

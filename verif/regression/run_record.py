@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.exhaustive.state import write_whole
+from triaxis.coverage.whole_files import write_whole
 from triaxis.verif.regression.planned_run import PlannedRun, from_dict
 
 

@@ -6,7 +6,7 @@ import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from triaxis.verif.exhaustive.state import write_whole
+from triaxis.coverage.whole_files import write_whole
 from triaxis.verif.regression.run_record import RunRecord
 
 

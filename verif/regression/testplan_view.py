@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.exhaustive.state import write_whole
 from triaxis.verif.paths import ROOT
 from triaxis.verif.regression.definition import Item
 

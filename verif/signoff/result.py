@@ -1,6 +1,5 @@
 """The result of a sign-off: evidence, figures, verdict; its file and its page."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -10,6 +9,7 @@ from typing import Any
 
 from triaxis.coverage.signoff_page import signoff_page
 from triaxis.coverage.stages import Judgement, judge, read_figures
+from triaxis.coverage.whole_files import write_whole
 from triaxis.verif.evidence import write_evidence
 from triaxis.verif.provenance import Provenance, provenance
 from triaxis.verif.signoff.figures import Value, figures
@@ -86,7 +86,4 @@ def write(result: Signoff, nights: Sequence[Mapping[str, Any]]) -> Path:
     content = result.content()
     page = signoff_page(content, read_figures(), nights)
     write_evidence(RESULT, content)
-    partial = PAGE.with_name(f".{PAGE.name}-{os.getpid()}.partial")
-    partial.write_text(page, encoding="utf-8")
-    partial.replace(PAGE)
-    return PAGE
+    return write_whole(PAGE, page)

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any
 
 from triaxis.coverage.report import ModelReport
+from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.verif.provenance import Provenance, provenance
@@ -125,6 +126,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         "scenes": [asdict(s) for s in result.scenes],
         "real_meshes": None if result.real_meshes is None else [asdict(s) for s in result.real_meshes],
         "detector": asdict(result.detector),
+        "exclusions": exclusion_records(result.coverage),
         "coverage": {
             model.model: {
                 item.name: {"hit": item.hit, "total": item.total, "meaning": item.meaning}

@@ -6,13 +6,17 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 
 
-def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file, and the folder where there is none; raise InputError where that cannot be done."""
+def write_whole(path: Path, content: str | bytes) -> Path:
+    """Write a file, and the folder where there is none; raise InputError where that cannot be done.
+
+    Text is written as UTF-8.
+    """
+    whole = content.encode() if isinstance(content, str) else content
     partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            partial.write_bytes(content)
+            partial.write_bytes(whole)
             partial.replace(path)
         finally:
             partial.unlink(missing_ok=True)
