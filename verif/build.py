@@ -14,7 +14,8 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
 from triaxis.verif.toolchain import verilator
 
 # No signal is public: Verilator's default for cocotb costs most of the speed. Functions of moderate length:
@@ -48,10 +49,15 @@ def rtl_files(dut: Path = DUT) -> list[Path]:
     found = sorted(path for path in dut.rglob("*") if path.suffix in _RTL_SUFFIXES and path.is_file())
     for listing in (path for path in found if path.suffix == _LISTING):
         for entry in listing.read_text(encoding="utf-8").split():
-            place = Path(os.path.normpath(dut / entry))
+            place = Path(os.path.normpath(listing.parent / entry))
             if place.suffix not in _RTL_SUFFIXES or not place.is_relative_to(os.path.normpath(dut)):
                 raise InputError(f"{listing}: {entry}: must be a file of RTL in {dut}")
     return found
+
+
+def core_files(dut: Path = DUT) -> list[Path]:
+    """Return what builds of the core depend on: all but the folders of what stands above it."""
+    return [path for path in rtl_files(dut) if path.parent == dut]
 
 
 def rtl_hash(dut: Path = DUT) -> str:
@@ -142,8 +148,12 @@ def _library(
     harness: Path,
     defines: Sequence[str],
     dut: Path = DUT,
+    above: Sequence[Path] = (),
 ) -> Path:
-    """Return a shared library of a Verilated module and its C++ harness, built where needed."""
+    """Return a shared library of a Verilated module and its C++ harness, built where needed.
+
+    ``above``: files that compile after those of the core, control files of Verilator among them.
+    """
     command = [
         "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
         "--top-module", top, "--prefix", prefix,
@@ -151,10 +161,10 @@ def _library(
         f"-I{dut}",
         "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]),
     ]  # fmt: skip
-    sources = [*(dut / source.name for source in rtl_sources()), harness]
+    sources = [*(dut / source.name for source in rtl_sources()), *above, harness]
     # The folder of the RTL stands for its contents, wherever it is.
     arguments = [argument for argument in command if argument != f"-I{dut}"]
-    key = content_hash([*sources, *rtl_files(dut)], str(verilator()), target(cxx()), *arguments)
+    key = content_hash([*sources, *core_files(dut)], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
 
@@ -184,6 +194,19 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
     )
 
 
+def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
+    """Return the shared library of the mesh engine in that configuration; see mesh_engine.py. ``dut``: as `library`."""
+    defines = [
+        f"-DWIDTH={configuration.width}",
+        f"-DMARGIN_BITS={configuration.margin_bits}",
+        f"-DINDEX_BITS={configuration.index_bits}",
+    ]
+    harness = Path(__file__).with_name("mesh_harness.cpp")
+    above = [*mesh_sources(dut), Path(__file__).with_name("mesh_public.vlt")]
+    name, parameters = f"mesh_{configuration.name}", configuration.parameters
+    return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above)
+
+
 def detector_library(width: int, dut: Path = DUT) -> Path:
     """Return the shared library of the wrapper CollisionDetector; see detector.py. ``dut``: as `library`."""
     harness = Path(__file__).with_name("detector.cpp")
@@ -207,7 +230,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         "-CFLAGS", "-O0 -std=c++20", "-Wno-fatal",
     ]  # fmt: skip
     runtime = _runtime("-O1")
-    key = content_hash([*sources, *rtl_files(dut)], str(verilator()), target(cxx()), *arguments)
+    key = content_hash([*sources, *core_files(dut)], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
@@ -263,7 +286,7 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
         *(f"-G{name}={value}" for name, value in configuration.parameters.items()),
         "-CFLAGS", " ".join([_FAST_CODE, *_FAST_RUNTIME[1:], f"-I{burst}", *defines]),
     ]  # fmt: skip
-    hashed = [*sources, *sorted(burst.glob("*.h")), *rtl_files(dut)]
+    hashed = [*sources, *sorted(burst.glob("*.h")), *core_files(dut)]
     key = content_hash(hashed, str(verilator()), target(cxx()), *command)
     kind = "" if assertions else "_no_assertions"
     folder = BUILD / "burst" / f"{configuration.name}{kind}-{key[:12]}"

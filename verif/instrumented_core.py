@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.build import built, content_hash, rtl_files, run_tool
+from triaxis.verif.build import built, content_hash, core_files, run_tool
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.engine import CoreError
 from triaxis.verif.packing import COORDINATES
@@ -87,7 +87,7 @@ def _library(model: Model, harness: Path, prefix: str, defines: Sequence[str], d
         "-MAKEFLAGS", make_variables,
     ]  # fmt: skip
     sources = [*_sources(dut), harness]
-    hashed = [*sources, *rtl_files(dut), *sorted(FOLDER.glob("*.h"))]
+    hashed = [*sources, *core_files(dut), *sorted(FOLDER.glob("*.h"))]
     parameters = [f"{name}={value}" for name, value in model.parameters.items()]
     key = content_hash(hashed, str(verilator()), str(dut), *command, *parameters)
     folder = BUILD / "instrumented" / f"{model.name}-{key[:12]}"
@@ -107,7 +107,7 @@ def _library(model: Model, harness: Path, prefix: str, defines: Sequence[str], d
 
 def elaborated(model: Model, dut: Path = DUT) -> Path:
     """Return the file in which Verilator describes the elaborated design (JSON)."""
-    key = content_hash([*_sources(dut), *rtl_files(dut)], str(verilator()), str(dut))
+    key = content_hash([*_sources(dut), *core_files(dut)], str(verilator()), str(dut))
     folder = BUILD / "elaborated" / f"{model.name}-{key[:12]}"
 
     def make(partial: Path) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.build import built, content_hash, rtl_files, run_tool
+from triaxis.verif.build import built, content_hash, core_files, run_tool
 from triaxis.verif.mutation.folder import FOLDER, temporary
 from triaxis.verif.mutation.targets import Target
 from triaxis.verif.paths import VERIF, rtl_sources
@@ -158,7 +158,7 @@ def schema_library(target_: Target, dut: Path, extra: Path, jobs: int) -> Path:
     build: the generator's fault, not a mutant's.
     """
     sva = sorted((VERIF / "sva").glob("*.sv")) if target_.asserted else []
-    sources = [*rtl_files(dut), *sva, *_harness_files()]
+    sources = [*core_files(dut), *sva, *_harness_files()]
     key = content_hash(sources, str(verilator()), target(cxx()), target_.name, MANY)
 
     def make(partial: Path) -> None:

@@ -1,0 +1,88 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: what a run makes of the core's verdicts: counts of tested and of near pairs, and the
+// near pairs themselves as a stream, as the mode asks. first_o stays high once the first near pair
+// has ended a run in mode first. What comes while drain_i is high is dropped; a near pair that is
+// offered stays offered.
+// Widths: a number of pairs has 2 log2(Depth) + 1 bits, for Depth^2 itself.
+// Latency: 1 from a verdict to its near pair.
+
+module triaxis_near_pairs
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned IndexWidth = 12,
+    parameter int unsigned InFlight = 34,  // most pairs between issue_i and their verdict
+    localparam int unsigned PairCountWidth = 2 * IndexWidth + 1
+) (
+    input  logic  clk_i,
+    input  logic  rst_ni,
+    input  logic  start_i,
+    input  logic  drain_i,
+    output logic  idle_o,
+    input  mode_e mode_i,
+    output logic  first_o,
+
+    input logic issue_i,
+    input logic verdict_valid_i,
+    output logic verdict_ready_o,
+    input logic verdict_near_i,
+    input logic [2*IndexWidth-1:0] verdict_pair_i,
+
+    output logic m_axis_near_tvalid_o,
+    input logic m_axis_near_tready_i,
+    output logic [2*IndexWidth-1:0] m_axis_near_tdata_o,
+
+    output logic [PairCountWidth-1:0] tested_o,
+    output logic [PairCountWidth-1:0] near_o
+);
+
+  typedef logic [PairCountWidth-1:0] pair_count_t;
+  typedef logic [$clog2(InFlight+1)-1:0] in_flight_t;
+
+  logic drop, take, counted, near_taken, offer;
+  in_flight_t in_flight_q;
+
+  assign drop = drain_i || first_o;
+  // A verdict waits only where its pair has to be offered and another one is still on offer.
+  assign verdict_ready_o = drop || mode_i == ModeCount || !verdict_near_i ||
+      !m_axis_near_tvalid_o || m_axis_near_tready_i;
+  assign take = verdict_valid_i && verdict_ready_o;
+  assign counted = take && !drop;
+  assign near_taken = counted && verdict_near_i;
+  assign offer = near_taken && mode_i != ModeCount;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      first_o  <= 1'b0;
+      tested_o <= '0;
+      near_o   <= '0;
+    end else if (start_i) begin
+      first_o  <= 1'b0;
+      tested_o <= '0;
+      near_o   <= '0;
+    end else begin
+      if (near_taken && mode_i == ModeFirst) first_o <= 1'b1;
+      tested_o <= tested_o + pair_count_t'(counted);
+      near_o   <= near_o + pair_count_t'(near_taken);
+    end
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      m_axis_near_tvalid_o <= 1'b0;
+      in_flight_q <= '0;
+    end else begin
+      if (offer) m_axis_near_tvalid_o <= 1'b1;
+      else if (m_axis_near_tready_i) m_axis_near_tvalid_o <= 1'b0;
+      in_flight_q <= in_flight_q + in_flight_t'(issue_i) - in_flight_t'(take);
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (offer) m_axis_near_tdata_o <= verdict_pair_i;
+  end
+
+  assign idle_o = in_flight_q == '0 && !m_axis_near_tvalid_o;
+
+endmodule
