@@ -18,7 +18,7 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim fpga-report lock clean
+.PHONY: code-coverage bench-sim bench-mesh fpga-report lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -88,6 +88,9 @@ code-coverage: $(READY) ## measure line, branch, expression and toggle coverage 
 
 bench-sim: $(READY) ## measure the speed of the simulations against the bare core
 	@$(BIN)/triaxis bench-sim
+
+bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
+	@$(BIN)/triaxis bench-mesh
 
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report

@@ -9,6 +9,7 @@ approach or part by at most r. Hence a clearance c is never missed with the marg
 ceil(c / r) + 1 (DESIGN, section 1).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
@@ -22,19 +23,29 @@ from triaxis.golden.stl import Facets
 
 _FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
 
+Vector = tuple[Fraction, Fraction, Fraction]
+# The lowest and the highest corner.
+Box = tuple[Vector, Vector]
+_NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+
 
 @dataclass(frozen=True)
 class Grid:
     """The integers' place in space: x = offset + resolution * q, with q of ``width`` signed bits."""
 
     resolution: Fraction
-    offset: tuple[Fraction, Fraction, Fraction]
+    offset: Vector
     width: int
 
     @property
     def rounding_bound(self) -> Fraction:
         """Return the most that any coordinate moves, in the unit of the files."""
         return self.resolution / 2
+
+    def moved(self, move: Vector) -> "Grid":
+        """Return the grid for a mesh that is moved exactly: its integers are those after the move, here."""
+        x, y, z = (o - m for o, m in zip(self.offset, move, strict=True))
+        return Grid(self.resolution, (x, y, z), self.width)
 
 
 def check_resolution(resolution: Fraction) -> None:
@@ -45,32 +56,54 @@ def check_resolution(resolution: Fraction) -> None:
         raise InputError(f"resolution: {shown}: must be 1e-30..1e30, in the files' unit")
 
 
-def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
-    """Return the grid whose origin is the multiple of the resolution nearest the meshes' centre.
+def box_of(facets: Facets, move: Vector = _NOWHERE) -> Box:
+    """Return the lowest and the highest corner of the facets' box after a move, exactly."""
+
+    def corner(extreme: npt.NDArray[np.floating]) -> Vector:
+        x, y, z = (Fraction(float(c)) + m for c, m in zip(extreme, move, strict=True))
+        return x, y, z
+
+    return corner(facets.min((0, 1))), corner(facets.max((0, 1)))
+
+
+def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
+    """Return the grid whose origin is the multiple of the resolution nearest the boxes' common centre.
 
     Raises InputError where the resolution is not a positive number of a size that float32 knows.
     """
     check_resolution(resolution)
-    low = np.min([mesh.min((0, 1)) for mesh in meshes], 0)
-    high = np.max([mesh.max((0, 1)) for mesh in meshes], 0)
-    centre = [(Fraction(float(a)) + Fraction(float(b))) / 2 for a, b in zip(low, high, strict=True)]
-    x, y, z = (resolution * round(c / resolution) for c in centre)
+    low = [min(box[0][k] for box in boxes) for k in range(3)]
+    high = [max(box[1][k] for box in boxes) for k in range(3)]
+    x, y, z = (resolution * round((a + b) / 2 / resolution) for a, b in zip(low, high, strict=True))
     return Grid(resolution, (x, y, z), width)
 
 
+def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
+    """Return the grid around the meshes: see `grid_around`."""
+    return grid_around([box_of(mesh) for mesh in meshes], resolution, width)
+
+
 def smallest_width(
-    meshes: list[Facets], resolution: Fraction, clearance: Fraction, widths: tuple[int, ...]
+    boxes: Sequence[Box], resolution: Fraction, clearance: Fraction, widths: tuple[int, ...]
 ) -> int:
-    """Return the first width whose centred grid holds the meshes and the margin, or else the last."""
+    """Return the first width whose grid around the boxes holds them and the margin, or else the last."""
     check_resolution(resolution)
     for width in widths:
-        if clearance / resolution + 3 > 1 << width:
-            continue
-        low, high = coordinate_range(width)
-        rounded = [_round(mesh, centred_grid(meshes, resolution, width)) for mesh in meshes]
-        if all(mesh.min() >= low and mesh.max() <= high for mesh in rounded):
+        if clearance / resolution + 3 <= 1 << width and fits(boxes, grid_around(boxes, resolution, width)):
             return width
     return widths[-1]
+
+
+def fits(boxes: Sequence[Box], grid: Grid) -> bool:
+    """Return whether the grid holds the boxes."""
+    low, high = coordinate_range(grid.width)
+    corners = (
+        round((c - o) / grid.resolution)
+        for box in boxes
+        for corner in box
+        for c, o in zip(corner, grid.offset, strict=True)
+    )
+    return all(low <= corner <= high for corner in corners)
 
 
 def _round(facets: Facets, grid: Grid) -> npt.NDArray[np.float64]:

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
+from triaxis.verif.board.parameters import BoardParameters
+from triaxis.verif.board.sources import BOARD_RTL, board_sources
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.mesh_configuration import MeshConfiguration
@@ -195,7 +197,7 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
 
 
 def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
-    """Return the shared library of the mesh engine in that configuration; see mesh_engine.py. ``dut``: as `library`."""
+    """Return the shared library of the mesh engine; see mesh_engine.py. ``dut``: as `library`."""
     defines = [
         f"-DWIDTH={configuration.width}",
         f"-DMARGIN_BITS={configuration.margin_bits}",
@@ -205,6 +207,19 @@ def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
     above = [*mesh_sources(dut), Path(__file__).with_name("mesh_public.vlt")]
     name, parameters = f"mesh_{configuration.name}", configuration.parameters
     return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above)
+
+
+def board_library(parameters: BoardParameters, rtl: Path = BOARD_RTL) -> Path:
+    """Return the shared library of the whole board; see board/simulated_top.py.
+
+    ``rtl``: another folder with the board's files.
+    """
+    harness = Path(__file__).with_name("board") / "harness.cpp"
+    above = [*mesh_sources(), *board_sources(rtl)]
+    defines = [f"-DCLOCKS_PER_BIT={parameters.clocks_per_bit}"]
+    return _library(
+        parameters.name, "nexys4ddr_top", "Vboard", parameters.rtl, harness, defines, above=above
+    )
 
 
 def detector_library(width: int, dut: Path = DUT) -> Path:

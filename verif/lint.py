@@ -4,11 +4,13 @@ import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, rtl_sources
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, mesh_sources, rtl_sources
 from triaxis.verif.plan_check import check_plan
 from triaxis.verif.toolchain import verilator
 
@@ -20,6 +22,13 @@ _BUILDS = (
     Configuration(24, 10),
     Configuration(13, 1, tag_bits=1),
     Configuration(16, 0, edge_box=False, gating=False),
+)
+_MESH_BUILDS = (
+    MeshConfiguration(),
+    MeshConfiguration(8, 0, depth=16, group=4, lanes=4),
+    MeshConfiguration(32, 32, depth=64, group=8, lanes=2),
+    MeshConfiguration(24, 2, lanes=1),
+    MeshConfiguration(16, 16, depth=2, group=1, lanes=1),
 )
 
 
@@ -42,11 +51,11 @@ def _run(what: str, command: list[str]) -> bool:
     return answer.returncode == 0
 
 
-def _verilator(top: str, parameters: dict[str, int]) -> list[str]:
+def _verilator(top: str, parameters: dict[str, int], sources: Sequence[Path] = ()) -> list[str]:
     return [
         str(verilator().executable), "--lint-only", "-Wall", f"-I{DUT}", "--top-module", top,
         *(f"-G{name}={value}" for name, value in parameters.items()),
-        *map(str, rtl_sources()),
+        *map(str, [*rtl_sources(), *sources]),
     ]  # fmt: skip
 
 
@@ -86,7 +95,8 @@ def _link_package() -> None:
 
 def lint(fix: bool) -> bool:
     """Return whether everything is clean; with ``fix``, format first."""
-    systemverilog = [str(path) for path in sorted([*DUT.glob("*.sv"), *VERIF.glob("**/*.sv")])]
+    folders = (DUT, VERIF, ROOT / "fpga")
+    systemverilog = [str(path) for folder in folders for path in sorted(folder.rglob("*.sv"))]
     good = True
     if fix:
         good &= _run("verible format", [_bin("verible-verilog-format"), "--inplace", *systemverilog])
@@ -97,6 +107,9 @@ def lint(fix: bool) -> bool:
             f"verilator -Wall triaxis_core {build.name}",
             _verilator("triaxis_core", build.parameters),
         )
+    for engine in _MESH_BUILDS:
+        command = _verilator("triaxis_mesh", engine.parameters, mesh_sources())
+        good &= _run(f"verilator -Wall triaxis_mesh {engine.name}", command)
     good &= _run("verilator -Wall CollisionDetector", _verilator("CollisionDetector", {"W": 16}))
     good &= _run("verible lint", [_bin("verible-verilog-lint"), *systemverilog])
     good &= _run(

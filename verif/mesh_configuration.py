@@ -36,8 +36,8 @@ class MeshConfiguration:
             raise InputError(f"depth {self.depth}: must be 2..65536")
         if self.lanes > self.group or self.group * self.lanes > self.depth:
             raise InputError(
-                f"lanes {self.lanes}, group {self.group}, depth {self.depth}: lanes must be at most the group, "
-                "and group * lanes at most the depth"
+                f"lanes {self.lanes}, group {self.group}, depth {self.depth}: lanes must be at most the "
+                "group, and group * lanes at most the depth"
             )
         if not 2 <= self.cycle_bits <= 64:
             raise InputError(f"cycle bits {self.cycle_bits}: must be 2..64")

@@ -44,8 +44,8 @@ class Status(IntEnum):
 class MeshRun:
     """What a run answered.
 
-    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan. ``reached`` (T, 2): the
-    pairs that reached the core, in the same form, where they were asked for.
+    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan. ``reached`` (T, 2):
+    the pairs that reached the core, in the same form, where they were asked for.
     """
 
     status: Status
@@ -90,7 +90,7 @@ class MeshEngine:
     """The engine in one configuration, built on first use."""
 
     def __init__(self, configuration: MeshConfiguration, dut: Path = DUT) -> None:
-        """Build the engine where needed, load and reset it. ``dut``: another folder of RTL with the same files."""
+        """Build the engine where needed, load and reset it. ``dut``: another folder of the same files."""
         self.configuration = configuration
         self.counts = (0, 0)
         library = ctypes.CDLL(str(mesh_library(configuration, dut)))
@@ -106,7 +106,8 @@ class MeshEngine:
         self._run.restype = ctypes.c_int64
         self._run.argtypes = [
             ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_int, ctypes.c_int64, ctypes.c_uint64,
-            ctypes.c_uint32, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p,
+            ctypes.c_uint32, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64,
+            ctypes.c_void_p,
         ]  # fmt: skip
         self._handle = library.triaxis_mesh_new()
 
@@ -119,12 +120,15 @@ class MeshEngine:
     def load(
         self, a: npt.NDArray[np.integer[Any]], b: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
     ) -> None:
-        """Load meshes of shape (N, 3, 3) and (M, 3, 3), coordinates in LSB; raise InputError where they do not fit."""
+        """Load meshes of shape (N, 3, 3) and (M, 3, 3), coordinates in LSB.
+
+        Raises InputError where they do not fit.
+        """
         for mesh, triangles in enumerate((a, b)):
             if len(triangles) > self.configuration.depth:
                 raise InputError(
-                    f"mesh {'AB'[mesh]}: {len(triangles)} triangles: the engine holds {self.configuration.depth}; "
-                    "split the mesh, or build the engine with a greater depth"
+                    f"mesh {'AB'[mesh]}: {len(triangles)} triangles: the engine holds "
+                    f"{self.configuration.depth}; split the mesh, or build the engine with a greater depth"
                 )
             self.load_unchecked(mesh, triangles, traffic)
 
@@ -154,9 +158,10 @@ class MeshEngine:
         traffic: Traffic = _NO_STALLS,
         reached: bool = False,
     ) -> MeshRun:
-        """Run at a translation of A and a margin, both in LSB; ``reached``: note the pairs that reach the core.
+        """Run at a translation of A and a margin, both in LSB.
 
-        Raises InputError where translation or margin are beyond the engine's ports, CoreError where it hangs.
+        ``reached``: note the pairs that reach the core. Raises InputError where translation or margin are
+        beyond the engine's ports, CoreError where it hangs.
         """
         limit = 1 << self.configuration.width
         if not all(-limit <= part < limit for part in translation):

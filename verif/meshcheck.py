@@ -1,6 +1,6 @@
 """Two meshes against each other: quantise, skip what boxes decide, ask an engine about the rest."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -10,18 +10,23 @@ import numpy.typing as npt
 from triaxis.golden.broadphase import candidates
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import Pairs, Verdicts
-from triaxis.golden.quantise import Grid, centred_grid, margin_for, quantise, smallest_width
+from triaxis.golden.pose import Pose, turned
+from triaxis.golden.quantise import Grid, Vector, box_of, grid_around, margin_for, quantise, smallest_width
 from triaxis.golden.stl import StlMesh
 
 # Widths that are tried where none is asked for.
 AUTOMATIC_WIDTHS = (16, 24, 32)
 
 Decide = Callable[[Pairs, npt.NDArray[np.int64]], Verdicts]
+FacetPairs = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class MeshPair:
-    """Two meshes on one grid, with the margin that covers clearance and rounding."""
+    """Two meshes on one grid, with the margin that covers clearance and rounding.
+
+    ``mesh_a`` is A as it was turned; ``move`` is what then moved it. ``a`` is on the grid where A stands.
+    """
 
     mesh_a: StlMesh
     mesh_b: StlMesh
@@ -30,6 +35,7 @@ class MeshPair:
     grid: Grid
     clearance: Fraction
     margin: int
+    move: Vector
 
 
 @dataclass(frozen=True)
@@ -50,14 +56,47 @@ def prepare(
     resolution: Fraction,
     clearance: Fraction,
     width: int | None,
+    pose: Pose | None = None,
 ) -> MeshPair:
-    """Quantise both meshes on one centred grid; raise InputError where they do not fit."""
-    meshes = [mesh_a.facets, mesh_b.facets]
-    chosen = width or smallest_width(meshes, resolution, clearance, AUTOMATIC_WIDTHS)
-    grid = centred_grid(meshes, resolution, chosen)
-    a, b = quantise(mesh_a.facets, grid, names[0]), quantise(mesh_b.facets, grid, names[1])
+    """Quantise both meshes on one grid, A in its pose; raise InputError where they do not fit."""
+    pose = pose or Pose()
+    mesh_a = turned(mesh_a, pose.turns)
+    boxes = [box_of(mesh_a.facets, pose.move), box_of(mesh_b.facets)]
+    chosen = width or smallest_width(boxes, resolution, clearance, AUTOMATIC_WIDTHS)
+    grid = grid_around(boxes, resolution, chosen)
+    a = quantise(mesh_a.facets, grid.moved(pose.move), names[0])
+    b = quantise(mesh_b.facets, grid, names[1])
     margin = margin_for(clearance, grid, mesh_a.rounding + mesh_b.rounding)
-    return MeshPair(mesh_a, mesh_b, a, b, grid, clearance, margin)
+    return MeshPair(mesh_a, mesh_b, a, b, grid, clearance, margin, pose.move)
+
+
+def near_facets(
+    a: npt.NDArray[np.int64],
+    b: npt.NDArray[np.int64],
+    margin: int,
+    decide: Decide,
+    progress: Callable[[int], None] | None = None,
+    at_once: int = 1 << 20,
+) -> Iterator[tuple[int, FacetPairs]]:
+    """Yield, piece by piece, how many pairs were decided, and which (i of A, j of B) are near: (K, 2).
+
+    ``a`` and ``b`` have shape (N, 3, 3). ``progress`` is told of facets of A that are done with. A piece has
+    at most ``at_once`` pairs.
+    """
+    done = 0
+    for i, j in candidates(a, b, margin):
+        for start in range(0, len(i), at_once):
+            k, m = i[start : start + at_once], j[start : start + at_once]
+            near = decide(np.stack([a[k], b[m]], 1), np.full(len(k), margin, np.int64))["near"]
+            yield len(k), np.stack([k[near], m[near]], 1)
+        if progress:
+            progress(int(i[-1]) + 1 - done)
+            done = int(i[-1]) + 1
+
+
+def in_order(pairs: FacetPairs) -> FacetPairs:
+    """Return facet pairs (K, 2) by their number in A, then in B."""
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def check_meshes(
@@ -66,35 +105,30 @@ def check_meshes(
     """Decide all facet pairs; ``progress`` is told of facets of A that are done with."""
     tested, near_count = 0, 0
     near: list[tuple[int, int]] = []
-    done = 0
-    for i, j in candidates(meshes.a, meshes.b, meshes.margin):
-        pairs = np.stack([meshes.a[i], meshes.b[j]], 1)
-        verdicts = decide(pairs, np.full(len(pairs), meshes.margin, np.int64))
-        tested += len(pairs)
-        hits = np.flatnonzero(verdicts["near"])
-        near_count += len(hits)
-        order = hits[np.lexsort((j[hits], i[hits]))][: max(listed - len(near), 0)]
-        near += [(int(i[k]), int(j[k])) for k in order]
-        if progress:
-            progress(int(i[-1]) + 1 - done)
-            done = int(i[-1]) + 1
+    for count, found in near_facets(meshes.a, meshes.b, meshes.margin, decide, progress):
+        tested += count
+        near_count += len(found)
+        near += [(int(i), int(j)) for i, j in in_order(found)[: max(listed - len(near), 0)]]
     total = len(meshes.a) * len(meshes.b)
     return MeshResult(total, total - tested, tested, near_count, tuple(near))
 
 
+def distance_of(mesh_a: StlMesh, i: int, mesh_b: StlMesh, j: int, move: Vector) -> Fraction:
+    """Return the exact Chebyshev distance of facet i of A, after an exact move, and facet j of B."""
+    a = [[Fraction(float(x)) + m for x, m in zip(vertex, move, strict=True)] for vertex in mesh_a.facets[i]]
+    b = [[Fraction(float(x)) for x in vertex] for vertex in mesh_b.facets[j]]
+    return judge(a, b, 0).distance
+
+
 def exact_distance(meshes: MeshPair, i: int, j: int) -> Fraction:
-    """Return the exact Chebyshev distance of two facets as they stand in the files, unrounded."""
-
-    def exact(facet: npt.NDArray[np.floating]) -> list[list[Fraction]]:
-        return [[Fraction(float(x)) for x in vertex] for vertex in facet]
-
-    return judge(exact(meshes.mesh_a.facets[i]), exact(meshes.mesh_b.facets[j]), meshes.clearance).distance
+    """Return the exact Chebyshev distance of two facets as they stand, unrounded."""
+    return distance_of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.move)
 
 
-def one_box_holds_the_other(meshes: MeshPair) -> bool:
-    """Return whether the box of one mesh lies inside the box of the other."""
-    low_a, high_a = meshes.a.min((0, 1)), meshes.a.max((0, 1))
-    low_b, high_b = meshes.b.min((0, 1)), meshes.b.max((0, 1))
+def one_box_holds_the_other(a: npt.NDArray[np.int64], b: npt.NDArray[np.int64]) -> bool:
+    """Return whether the box of one mesh, facets (N, 3, 3), lies inside the box of the other."""
+    low_a, high_a = a.min((0, 1)), a.max((0, 1))
+    low_b, high_b = b.min((0, 1)), b.max((0, 1))
     a_holds_b = (low_a <= low_b).all() and (high_b <= high_a).all()
     b_holds_a = (low_b <= low_a).all() and (high_a <= high_b).all()
     return bool(a_holds_b or b_holds_a)

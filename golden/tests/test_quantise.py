@@ -5,7 +5,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.golden.quantise import Grid, centred_grid, margin_for, quantise, smallest_width
+from triaxis.golden.quantise import Grid, box_of, centred_grid, margin_for, quantise, smallest_width
 
 
 def exact(facets):
@@ -102,11 +102,25 @@ def test_smallest_width():
     facets = np.zeros((1, 3, 3), np.float32)
     facets[0, 1] = 60
     widths = (16, 24, 32)
-    assert smallest_width([facets], Fraction(1, 1000), Fraction(1), widths) == 16
-    assert smallest_width([facets * 10], Fraction(1, 1000), Fraction(1), widths) == 24
-    assert smallest_width([facets * 1e4], Fraction(1, 1000), Fraction(1), widths) == 32
-    assert smallest_width([facets * 1e9], Fraction(1, 1000), Fraction(1), widths) == 32
-    assert smallest_width([facets], Fraction(1, 1000), Fraction(100), widths) == 24
+    assert smallest_width([box_of(facets)], Fraction(1, 1000), Fraction(1), widths) == 16
+    assert smallest_width([box_of(facets * 10)], Fraction(1, 1000), Fraction(1), widths) == 24
+    assert smallest_width([box_of(facets * 1e4)], Fraction(1, 1000), Fraction(1), widths) == 32
+    assert smallest_width([box_of(facets * 1e9)], Fraction(1, 1000), Fraction(1), widths) == 32
+    assert smallest_width([box_of(facets)], Fraction(1, 1000), Fraction(100), widths) == 24
+
+
+def test_a_moved_mesh_is_rounded_where_it_stands(rng):
+    facets = rng.uniform(-1, 1, (20, 3, 3)).astype(np.float32)
+    grid = Grid(Fraction(1, 7), (Fraction(1, 3), Fraction(0), Fraction(-5)), 24)
+    move = (Fraction(10**4, 3), Fraction(-1, 10**9), Fraction(5))
+    q = quantise(facets, grid.moved(move), "mesh")
+    for facet, rounded in zip(exact(facets), q.tolist(), strict=True):
+        for vertex, r in zip(facet, rounded, strict=True):
+            assert r == [round((x + m - o) * 7) for x, m, o in zip(vertex, move, grid.offset, strict=True)]
+    low, high = box_of(facets, move)
+    for k in range(3):
+        assert low[k] == min(v[k] for facet in exact(facets) for v in facet) + move[k]
+        assert high[k] == max(v[k] for facet in exact(facets) for v in facet) + move[k]
 
 
 def test_what_reading_moved_is_covered():

@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.verif.cli import (
+    bench_mesh,
     bench_sim,
     check,
     code_coverage,
@@ -52,6 +53,7 @@ _COMMANDS = (
     export,
     shrink,
     bench_sim,
+    bench_mesh,
     fpga_report,
 )
 

@@ -1,42 +1,20 @@
 """``triaxis check``: do two STL meshes come within a clearance of each other?"""
 
 import argparse
-from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.judge import judge_in_parallel
 from triaxis.golden.pairs import check_width
+from triaxis.golden.pose import AXES, Pose, Turn
 from triaxis.golden.stl import read_stl
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.engine import RtlEngine, configuration_for
-from triaxis.verif.meshcheck import (
-    MeshPair,
-    MeshResult,
-    check_meshes,
-    exact_distance,
-    one_box_holds_the_other,
-    prepare,
-)
+from triaxis.verif.cli.numbers import number
+from triaxis.verif.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.verif.scene_engines import ENGINES, RTL, SceneRun, scene_engine
+from triaxis.verif.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
 
 CLEAR, NEAR = 0, 1
 _LISTED = 10
-_DIGITS = 60
-
-
-def _number(text: str) -> Fraction:
-    """Parse a decimal number exactly."""
-    try:
-        number = Decimal(text)
-    except InvalidOperation as error:
-        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number") from error
-    if not number.is_finite():
-        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number")
-    # Keeps the exact fraction, and everything computed from it, of a reasonable size.
-    if abs(number.adjusted()) > _DIGITS or len(number.as_tuple().digits) > _DIGITS:
-        raise argparse.ArgumentTypeError(f"{text:.40}: beyond {_DIGITS} digits")
-    return Fraction(number)
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -53,18 +31,30 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
     parser.add_argument(
-        "--resolution", type=_number, default=Fraction(1, 1000), metavar="R",
+        "--resolution", type=number, default=Fraction(1, 1000), metavar="R",
         help="one step of the grid, in the files' unit (0.001)",
     )  # fmt: skip
     parser.add_argument(
-        "--clearance", type=_number, default=Fraction(1, 2), metavar="C",
+        "--clearance", type=number, default=Fraction(1, 2), metavar="C",
         help="wanted clearance, in the files' unit (0.5); 0 is touching",
     )  # fmt: skip
     parser.add_argument(
         "--width", type=int, metavar="W",
         help="coordinate bits of the core, 8..32 (the smallest of 16, 24, 32 that holds the meshes)",
     )  # fmt: skip
-    parser.add_argument("--engine", choices=("rtl", "golden"), default="rtl", help="who decides (rtl)")
+    parser.add_argument(
+        "--move", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
+        help="move A, after --rotate (0 0 0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--rotate", nargs=2, action="append", default=[], metavar=("AXIS", "DEGREES"),
+        help="turn A about axis x, y or z of its frame, right-handed; again for further turns, in this order",
+    )  # fmt: skip
+    parser.add_argument(
+        "--engine", choices=ENGINES, default=RTL,
+        help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
+    )  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.set_defaults(run=run)
 
 
@@ -74,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
         check_width(options.width)
     if options.clearance < 0:
         raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
+    check_written(options.json, (options.a, options.b))
+    pose = Pose(tuple(_turn(*words) for words in options.rotate), tuple(options.move))
     meshes = prepare(
         read_stl(options.a),
         read_stl(options.b),
@@ -81,35 +73,69 @@ def run(options: argparse.Namespace) -> int:
         options.resolution,
         options.clearance,
         options.width,
+        pose,
     )
-    if options.engine == "rtl":
-        decide = RtlEngine(configuration_for(meshes.grid.width, meshes.margin)).verdicts
-    else:
-        decide = judge_in_parallel
-    with progress_bar("facets of A", len(meshes.a)) as progress:
-        result = check_meshes(meshes, decide, _LISTED, progress)
-    _print(options, meshes, result)
-    return NEAR if result.near_count else CLEAR
+    engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
+    run = engine.run((0, 0, 0), meshes.margin)
+    if options.json is not None:
+        _write(options, pose, meshes, run)
+    _print(options, pose, meshes, run)
+    return NEAR if run.near_count else CLEAR
 
 
-def _print(options: argparse.Namespace, meshes: MeshPair, result: MeshResult) -> None:
+def _turn(axis: str, degrees: str) -> Turn:
+    """Return one --rotate; raise InputError where it is none."""
+    if axis.lower() not in AXES or len(axis) != 1:
+        raise InputError(f"--rotate {axis:.40}: must be x, y or z, then degrees")
+    try:
+        return Turn(AXES.index(axis.lower()), number(degrees))
+    except argparse.ArgumentTypeError as error:
+        raise InputError(f"--rotate {axis} {error}") from error
+
+
+def _write(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
+    turns = [{"axis": AXES[turn.axis], "degrees": turn.degrees} for turn in pose.turns]
+    report = {
+        "verdict": "near" if run.near_count else "clear",
+        "a": {"file": options.a, "facets": len(meshes.a)},
+        "b": {"file": options.b, "facets": len(meshes.b)},
+        "pose": {"rotate": turns, "move": pose.move},
+        "clearance": options.clearance,
+        "grid": grid_entry(meshes.grid),
+        "margin": meshes.margin,
+        "engine": options.engine,
+        **run_entry(run, len(meshes.a) * len(meshes.b)),
+    }
+    write_report(options.json, report)
+
+
+def _print(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
     grid = meshes.grid
     offset = ", ".join(f"{float(x):g}" for x in grid.offset)
     print(f"A: {options.a}, {len(meshes.a)} facets; B: {options.b}, {len(meshes.b)} facets")
+    if pose.turns or any(pose.move):
+        turns = [f"turned by {float(turn.degrees):g} degrees about {AXES[turn.axis]}" for turn in pose.turns]
+        print(f"A is {', '.join([*turns, 'moved by ' + ' '.join(f'{float(x):g}' for x in pose.move)])}")
     print(
         f"grid: {grid.width} bits, resolution {float(grid.resolution):g}, offset ({offset}), rounding at "
         f"most {float(grid.rounding_bound):g}; margin {meshes.margin} steps"
     )
-    print(f"facet pairs: {result.pairs}; skipped by boxes: {result.skipped}; tested: {result.tested}")
+    skipped = run.skipped_in_groups + run.skipped
+    print(f"facet pairs: {skipped + run.tested}; skipped by boxes: {skipped}; tested: {run.tested}")
+    if run.cycles is not None:
+        print(
+            f"group pairs skipped: {run.group_pairs_skipped}; opened: {run.group_pairs_opened}; "
+            f"{run.cycles} cycles, {milliseconds(run.cycles):.3g} ms at 100 MHz"
+        )
     clearance = f"{float(options.clearance):g}"
-    if not result.near_count:
+    if not run.near_count:
         print(f"CLEAR: no facets come within {clearance}")
-        if one_box_holds_the_other(meshes):
+        if one_box_holds_the_other(meshes.a, meshes.b):
             print("note: one mesh's box holds the other's; only surfaces are compared, not insides")
         return
-    print(f"NEAR: {result.near_count} facet pairs come within {clearance} (or within the rounding of it)")
-    for i, j in result.near:
-        distance = float(exact_distance(meshes, i, j))
-        print(f"  facet {i} of A, facet {j} of B: exact distance {distance:g}")
-    if result.near_count > len(result.near):
-        print(f"  .. and {result.near_count - len(result.near)} more")
+    print(f"NEAR: {run.near_count} facet pairs come within {clearance} (or within the rounding of it)")
+    kind = "exact distance" if pose.exact else "distance as turned"
+    for i, j in run.near[:_LISTED].tolist():
+        print(f"  facet {i} of A, facet {j} of B: {kind} {float(exact_distance(meshes, i, j)):g}")
+    if run.near_count > _LISTED:
+        print(f"  .. and {run.near_count - _LISTED} more")

@@ -1,0 +1,198 @@
+"""``triaxis path``: does a tool stay clear of a workpiece all along a program of moves?"""
+
+import argparse
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import check_width
+from triaxis.golden.stl import read_stl
+from triaxis.verif.cli.numbers import number
+from triaxis.verif.cli.progress import progress_bar
+from triaxis.verif.meshcheck import one_box_holds_the_other
+from triaxis.verif.motion.clearance import Clearance, clearances, lengths, places
+from triaxis.verif.motion.path_check import Effort, NearPose, PathResult, check_path
+from triaxis.verif.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.verif.motion.picture import draw_path
+from triaxis.verif.motion.program import read_program
+from triaxis.verif.motion.report import path_report
+from triaxis.verif.motion.sampling import nearest
+from triaxis.verif.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
+from triaxis.verif.scene_report import check_written, milliseconds, write_report
+
+CLEAR, NEAR = 0, 1
+_LISTED = 10
+# Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
+_STEPS = 4
+_PLACES = 200
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "path",
+        help="decide whether a tool stays clear of a workpiece along a G-code program",
+        description="Move the tool along the program and find the first pose within the clearance "
+        "(Chebyshev distance) of the workpiece, or prove that there is none: every real position of the path "
+        "is covered, not only samples. The program's position is where the origin of TOOL.stl is, in the "
+        "frame of WORK.stl. G-code: G0 G1 G90 G91 G20 G21 X Y Z F, and words that do not change where the "
+        "tool is; anything else is refused. G0 is taken for a straight line. Surfaces only. Lengths in "
+        "millimetres.",
+        epilog="Exit codes: 0 clear, 1 near, 2 error.",
+    )
+    parser.add_argument(
+        "tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in the tool's frame"
+    )
+    parser.add_argument(
+        "work", type=Path, metavar="WORK.stl", help="workpiece and fixture, in the program's frame"
+    )
+    parser.add_argument("moves", type=Path, metavar="MOVES.nc", help="the program")
+    parser.add_argument(
+        "--start", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
+        help="where the tool is before the first move (0 0 0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--clearance", type=number, default=Fraction(1, 2), metavar="C", help="wanted clearance (0.5)"
+    )
+    parser.add_argument(
+        "--resolution",
+        type=number,
+        default=Fraction(1, 1000),
+        metavar="R",
+        help="one step of the grid (0.001)",
+    )
+    parser.add_argument(
+        "--step", type=number, metavar="S",
+        help=f"longest piece of path on which a near pose ends the check ({_STEPS} R); a false alarm is less "
+        "than 4 R + S/2 beyond the clearance",
+    )  # fmt: skip
+    parser.add_argument(
+        "--scale",
+        type=number,
+        default=Fraction(1),
+        metavar="MM",
+        help="millimetres per unit of the STL files (1)",
+    )
+    parser.add_argument(
+        "--width", type=int, metavar="W",
+        help="coordinate bits of the engine, 8..32 (the smallest of 16, 24, 32 that holds everything)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
+    )
+    parser.add_argument(
+        "--engine", choices=ENGINES, default=RTL,
+        help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
+    )  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
+    parser.add_argument(
+        "--profile", type=int, metavar="N",
+        help=f"bound the clearance at N places, for report and picture ({_PLACES} with --picture)",
+    )  # fmt: skip
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check the path and print what was found."""
+    _check_options(options)
+    program = read_program(options.moves, tuple(options.start), options.block_delete)
+    step = _STEPS * options.resolution if options.step is None else options.step
+    wanted = Wanted(options.clearance, options.resolution, step, options.scale, options.width)
+    names = (str(options.tool), str(options.work))
+    scene = prepare_path(read_stl(options.tool), read_stl(options.work), names, program, wanted)
+    engine = scene_engine(options.engine, scene.a, scene.b, scene.grid.width)
+    with progress_bar("moves", len(program.moves)) as progress:
+        result = check_path(scene, engine, progress)
+    profile, profiling = _profile(options, scene, engine)
+    if options.json is not None:
+        write_report(options.json, path_report(scene, options.engine, result, profile, profiling))
+    if options.picture is not None:
+        draw_path(options.picture, scene, result, profile)
+    _print_scene(options, scene)
+    _print_effort(result)
+    _print_verdict(scene, result)
+    return NEAR if result.near else CLEAR
+
+
+def _check_options(options: argparse.Namespace) -> None:
+    """Raise InputError at what no later check names as well."""
+    if options.width is not None:
+        check_width(options.width)
+    if options.profile is not None and options.profile < 2:
+        raise InputError(f"profile {options.profile}: must be at least 2 places")
+    if options.picture is not None and options.picture.suffix not in (".png", ".svg"):
+        raise InputError(f"{options.picture}: must end in .png or .svg")
+    for written in (options.json, options.picture):
+        check_written(written, (options.tool, options.work, options.moves))
+
+
+def _profile(
+    options: argparse.Namespace, scene: PathScene, engine: SceneEngine
+) -> tuple[list[Clearance], Effort]:
+    effort = Effort()
+    count = options.profile or (_PLACES if options.picture is not None else 0)
+    if not count:
+        return [], effort
+    with progress_bar("places", len(places(scene, count))) as progress:
+        return clearances(scene, engine, count, effort, progress), effort
+
+
+def _print_scene(options: argparse.Namespace, scene: PathScene) -> None:
+    program, wanted, grid = scene.program, scene.wanted, scene.grid
+    print(f"tool: {options.tool}, {len(scene.a)} facets; workpiece: {options.work}, {len(scene.b)} facets")
+    print(f"path: {program.path}, {len(program.moves)} moves, {lengths(scene).sum():.6g} mm")
+    for note in program.notes:
+        print(f"note: {note}")
+    print(
+        f"grid: {grid.width} bits, resolution {float(wanted.resolution):g} mm; clearance "
+        f"{float(wanted.clearance):g} mm, false alarms less than {float(scene.band):g} mm beyond it"
+    )
+    start = scene.a + np.array(nearest(scene.segment(program.moves[0]).start))
+    if one_box_holds_the_other(start, scene.b):
+        print(
+            "note: one object's box holds the other's at the start; only surfaces are compared, not insides"
+        )
+
+
+def _print_effort(result: PathResult) -> None:
+    effort, levels = result.effort, result.levels
+    by_boxes, by_pose = (sum(getattr(level, name) for level in levels) for name in ("by_boxes", "by_pose"))
+    print(
+        f"segments proven clear: {by_boxes} by the objects' boxes, {by_pose} by a pose each; levels: "
+        f"{len(levels)}; poses asked: {effort.poses}"
+    )
+    print(
+        f"facet pairs of all poses: skipped by boxes: {effort.skipped_in_groups + effort.skipped}; tested: "
+        f"{effort.tested}"
+    )
+    if effort.cycles is not None and effort.most_cycles is not None:
+        print(
+            f"{effort.cycles} cycles, {milliseconds(effort.cycles):.4g} ms at 100 MHz; at most "
+            f"{effort.most_cycles} for a pose"
+        )
+
+
+def _print_verdict(scene: PathScene, result: PathResult) -> None:
+    clearance = f"{float(scene.wanted.clearance):g} mm"
+    if result.near is None:
+        print(f"CLEAR: the tool does not come within {clearance} anywhere on the path")
+        return
+    near = result.near
+    print(f"NEAR: line {near.line}: at {position_text(near)} the tool comes within {clearance}")
+    if not near.certain:
+        print("  (or within the band beyond it: no facets judged are within it at this very position)")
+    for found in near.facets[:_LISTED]:
+        print(
+            f"  facet {found.tool_facet} of the tool, facet {found.work_facet} of the workpiece: exact "
+            f"distance {float(found.distance):g}"
+        )
+    if near.near_count > _LISTED:
+        print(f"  .. and {near.near_count - _LISTED} more")
+
+
+def position_text(near: NearPose) -> str:
+    """Return a position as words of G-code, to the tenth of a micrometre."""
+    return " ".join(f"{axis}{float(c):.4f}" for axis, c in zip("XYZ", near.position, strict=True))

@@ -1,0 +1,132 @@
+"""The words of a G-code file, read strictly: what is not understood is refused, with its line and word.
+
+The parsers on the package index do not fit: gcodeparser 0.3.0 drops lines of axis words without a G, runs
+comments in parentheses, and pygcode 0.2.1 drops the rest of a line after a character that it does not know;
+both round to binary.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+
+# Digits of a number: more than any control takes, few enough to keep exact sums small.
+_DIGITS = 15
+
+_WORD = re.compile(r"([A-Za-z])[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.ASCII)
+_LINE_END = re.compile(r"\r\n|\n|\r")
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line of a file, counted from 1."""
+
+    path: Path
+    line: int
+
+    def error(self, word: str, why: str) -> InputError:
+        """Return the error that names file, line and word. ``why`` ends with what to do."""
+        shown = "".join(c if c.isprintable() else "?" for c in word[:20])
+        return InputError(f"{self.path}: line {self.line}: word '{shown}': {why}")
+
+
+@dataclass(frozen=True)
+class Word:
+    """A letter, in upper case, and an exact number. ``text`` is how it stands in the file."""
+
+    letter: str
+    value: Fraction
+    text: str
+
+    @property
+    def code(self) -> str:
+        """Return the word in its shortest form: G1 for g01, G38.2, X-0.5."""
+        value = self.value
+        return f"{self.letter}{value.numerator if value.denominator == 1 else float(value)}"
+
+
+@dataclass(frozen=True)
+class Block:
+    """The words of one line. ``optional``: it begins with the block-delete sign, /."""
+
+    place: Place
+    words: tuple[Word, ...]
+    optional: bool
+
+
+def read_blocks(path: Path) -> Iterator[Block]:
+    """Yield the lines with words, in order, to the end or to the second line of a single %.
+
+    Raises InputError where the file cannot be read, or a line is not made of words, comments and blanks.
+    """
+    try:
+        text = path.read_bytes().removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
+    except OSError as error:
+        raise InputError(f"{path}: cannot read: {error.strerror}") from error
+    started = False
+    for number, line in enumerate(_LINE_END.split(text), 1):
+        place = Place(path, number)
+        body = _without_comments(place, line).strip()
+        if body == "%":
+            if started:
+                return
+            started = True
+        elif body:
+            started = True
+            yield _block(place, body)
+
+
+def _without_comments(place: Place, line: str) -> str:
+    """Return the line with a blank in place of each comment, ( .. ) or ; to its end."""
+    kept: list[str] = []
+    rest = line
+    while match := re.search(r"[();]", rest):
+        kept.append(rest[: match.start()])
+        tail = rest[match.start() :]
+        if match[0] == ";":
+            return "".join(kept)
+        if match[0] == ")":
+            raise place.error(tail, "')' without '(': remove it")
+        end = tail.find(")")
+        if end < 0:
+            raise place.error(tail, "the comment does not end on its line: add ')'")
+        if "(" in tail[1:end]:
+            raise place.error(tail, "a comment within a comment: remove the inner '('")
+        kept.append(" ")
+        rest = tail[end + 1 :]
+    return "".join((*kept, rest))
+
+
+def _block(place: Place, body: str) -> Block:
+    optional = body.startswith("/")
+    rest = body.removeprefix("/").lstrip()
+    words: list[Word] = []
+    while rest:
+        match = _WORD.match(rest)
+        if match is None:
+            raise _not_a_word(place, rest)
+        letter, digits = match.groups()
+        if sum(c.isdigit() for c in digits) > _DIGITS:
+            raise place.error(match[0], f"more than {_DIGITS} digits: round it")
+        words.append(Word(letter.upper(), Fraction(digits), match[0]))
+        rest = rest[match.end() :].lstrip()
+    return Block(place, tuple(words), optional)
+
+
+def _not_a_word(place: Place, rest: str) -> InputError:
+    """Return what is wrong with a line that goes on with ``rest``."""
+    word = rest.split()[0]
+    if "#" in word or "[" in word or "=" in word:
+        why = "parameters and expressions are not supported: post-process to plain numbers"
+    elif rest[0] == "/":
+        why = "block delete is understood at the beginning of a line only: move it there"
+    elif rest[0] == "%":
+        why = "'%' stands alone on its line: remove it"
+    elif rest[0].isascii() and rest[0].isalpha():
+        why = "no decimal number after the letter: give one"
+    else:
+        why = "not a letter followed by a decimal number: correct or remove it"
+    return place.error(word, why)

@@ -1,0 +1,168 @@
+"""Does a tool stay clear of a workpiece all along its path? Exactly, by proving whole segments clear.
+
+The engine is asked about one pose at the middle of a segment, with a margin that covers half of it
+(`sampling`). Where that is near, the objects' boxes, swept along the segment, may still prove it clear: along
+a face they do so where a margin, which grows in all directions, cannot. Else both halves are looked at in
+turn, down to the step.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from triaxis.golden.quantise import Vector
+from triaxis.verif.meshcheck import distance_of
+from triaxis.verif.motion.path_scene import PathScene
+from triaxis.verif.motion.program import Move
+from triaxis.verif.motion.sampling import Segment
+from triaxis.verif.scene_engines import SceneEngine, SceneRun
+
+# Near facet pairs whose exact distance is computed.
+_JUDGED = 500
+
+
+@dataclass(frozen=True)
+class NearFacets:
+    """Facet numbers in the files, and the exact distance of the two, in millimetres."""
+
+    tool_facet: int
+    work_facet: int
+    distance: Fraction
+
+
+@dataclass(frozen=True)
+class NearPose:
+    """The first pose that could not be proven clear.
+
+    ``facets``: the nearest of the ``near_count`` facet pairs within the margin, nearest first; ``certain``:
+    one of them really is within the clearance at the position, in millimetres.
+    """
+
+    move: int
+    line: int
+    position: Vector
+    along: Fraction
+    margin: int
+    near_count: int
+    facets: tuple[NearFacets, ...]
+    certain: bool
+
+
+@dataclass
+class Level:
+    """What became of the segments of one level: moves are 0, their halves 1, and so on."""
+
+    by_boxes: int = 0
+    by_pose: int = 0
+    halved: int = 0
+
+
+@dataclass
+class Effort:
+    """Poses asked, and what the engine did in all of them.
+
+    ``near``: facet pairs within the margins asked, which are larger than the clearance. ``cycles``: None
+    where no cycles are counted.
+    """
+
+    poses: int = 0
+    skipped_in_groups: int = 0
+    skipped: int = 0
+    tested: int = 0
+    near: int = 0
+    group_pairs_skipped: int = 0
+    group_pairs_opened: int = 0
+    cycles: int | None = None
+    most_cycles: int | None = None
+
+    def add(self, run: SceneRun) -> None:
+        """Count a run."""
+        self.poses += 1
+        self.skipped_in_groups += run.skipped_in_groups
+        self.skipped += run.skipped
+        self.tested += run.tested
+        self.near += run.near_count
+        self.group_pairs_skipped += run.group_pairs_skipped
+        self.group_pairs_opened += run.group_pairs_opened
+        if run.cycles is not None:
+            self.cycles = (self.cycles or 0) + run.cycles
+            self.most_cycles = max(self.most_cycles or 0, run.cycles)
+
+
+@dataclass
+class PathResult:
+    """How far the path is clear, and how that was shown. ``near``: None where all of it is."""
+
+    near: NearPose | None = None
+    levels: list[Level] = field(default_factory=list)
+    effort: Effort = field(default_factory=Effort)
+
+
+def check_path(
+    scene: PathScene, engine: SceneEngine, progress: Callable[[int], None] | None = None
+) -> PathResult:
+    """Prove the path clear, move by move, or find its first near pose; ``progress`` is told of moves done."""
+    result = PathResult()
+    for index, move in enumerate(scene.program.moves):
+        found = _first_near(scene, engine, scene.segment(move), result)
+        if found is not None:
+            segment, run = found
+            result.near = _near_pose(scene, index, move, segment, run)
+            break
+        if progress:
+            progress(1)
+    return result
+
+
+def _first_near(
+    scene: PathScene, engine: SceneEngine, move: Segment, result: PathResult
+) -> tuple[Segment, SceneRun] | None:
+    """Return the first segment of a move, no longer than the step, that is near; None where all is clear."""
+    pending = [move]
+    while pending:
+        segment = pending.pop()
+        result.levels += [Level() for _ in range(segment.level + 1 - len(result.levels))]
+        level = result.levels[segment.level]
+        margin = scene.path.margin(segment)
+        run = None
+        if margin <= scene.largest_margin:
+            run = engine.run(segment.sample, margin, stop_at_first=segment.length > scene.step)
+            result.effort.add(run)
+        if run is not None and not run.near_count:
+            level.by_pose += 1
+            continue
+        if _boxes_apart(scene, segment):
+            level.by_boxes += 1
+            continue
+        if run is not None and segment.length <= scene.step:
+            return segment, run
+        level.halved += 1
+        pending += reversed(segment.halves())
+    return None
+
+
+def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
+    """Return whether one axis keeps the objects' boxes further apart than the clearance all along."""
+    low_a, high_a = scene.box_a
+    low_b, high_b = scene.box_b
+    base = scene.path.base
+    for k in range(3):
+        least, most = sorted((segment.start[k], segment.end[k]))
+        if low_a[k] + least - high_b[k] > base or low_b[k] - high_a[k] - most > base:
+            return True
+    return False
+
+
+def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: SceneRun) -> NearPose:
+    half = (segment.first + segment.last) / 2
+    along = Fraction(int(half.numerator), int(half.denominator))
+    x, y, z = (a + (b - a) * along for a, b in zip(move.start, move.end, strict=True))
+    place, scale = scene.in_files((x, y, z)), scene.wanted.scale
+    judged = [
+        NearFacets(int(i), int(j), scale * distance_of(scene.tool, i, scene.work, j, place))
+        for i, j in run.near[:_JUDGED]
+    ]
+    judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))
+    certain = judged[0].distance <= scene.wanted.clearance
+    margin = scene.path.margin(segment)
+    return NearPose(index, move.line, (x, y, z), along, margin, run.near_count, tuple(judged), certain)

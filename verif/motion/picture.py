@@ -1,0 +1,189 @@
+"""The picture of a path: tool, workpiece and moves in space; the proven clearance along the path."""
+
+import contextlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.stl import Facets
+from triaxis.verif.counterexample.style import GAP, LARGE, NORMAL, SMALL, A, B
+from triaxis.verif.motion.clearance import Clearance, lengths
+from triaxis.verif.motion.path_check import PathResult
+from triaxis.verif.motion.path_scene import PathScene
+
+_INCHES = (13.5, 7.0)
+_DPI = 110
+_WORK = "#9A9A9A"
+_RAPID = "#56B4E9"
+_LIGHT = np.array([0.35, -0.55, 0.76])
+# Facets drawn of a mesh: beyond that a picture takes minutes, and shows no more.
+_DRAWN = 6000
+
+
+def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
+    """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
+    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure = _figure(scene, result, profile)
+        # No date, and fixed names inside: the same path gives the same file.
+        with rc_context({"svg.hashsalt": "triaxis"}):
+            figure.savefig(temporary, dpi=_DPI, metadata={"Date": None} if path.suffix == ".svg" else None)
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+
+
+def _figure(scene: PathScene, result: PathResult, profile: list[Clearance]) -> Figure:
+    figure = Figure(figsize=_INCHES, dpi=_DPI)
+    FigureCanvasAgg(figure)
+    clearance = float(scene.wanted.clearance)
+    verdict = (
+        f"clear of the workpiece by more than {clearance:g} mm all along"
+        if result.near is None
+        else f"comes within {clearance:g} mm in line {result.near.line}"
+    )
+    figure.text(0.03, 0.94, f"{scene.program.path.name}: the tool {verdict}", fontsize=LARGE, weight="bold")
+    lines = (
+        f"{len(scene.program.moves)} moves, {lengths(scene).sum():.5g} mm; {result.effort.poses} poses asked"
+    )
+    if result.near is not None:
+        where = "  ".join(
+            f"{axis} {float(c):.3f}" for axis, c in zip("XYZ", result.near.position, strict=True)
+        )
+        lines += f"; first near pose at {where}"
+    figure.text(0.03, 0.9, lines, fontsize=NORMAL)
+    space = figure.add_axes((0.0, 0.06, 0.5, 0.8), projection="3d")
+    assert isinstance(space, Axes3D)
+    _draw_space(space, scene, result, profile)
+    _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
+    return figure
+
+
+def _draw_space(axes: Axes3D, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
+    # The order below: lines that pass behind a facet must still be seen.
+    axes.computed_zorder = False
+    scale = float(scene.wanted.scale)
+    moves = scene.program.moves
+    ends = np.array([[[float(c) for c in p] for p in (move.start, move.end)] for move in moves])
+    work, tool = scene.work.facets * scale, scene.tool.facets * scale
+    _add_mesh(axes, work, _WORK, 0.30)
+    start = tool + ends[0, 0]
+    _add_mesh(axes, start, A.colour, 0.16)
+    shown = [work, start, ends]
+    if result.near is not None:
+        position = np.array([float(c) for c in result.near.position])
+        _add_mesh(axes, tool + position, B.colour, 0.4)
+        axes.plot(*position[:, None], marker="X", markersize=10, color="black", linestyle="", zorder=30)
+        shown.append(tool + position)
+    rapid = np.array([move.feed is None for move in moves])
+    for chosen, colour, style in ((rapid, _RAPID, "--"), (~rapid, "black", "-")):
+        if chosen.any():
+            lines = Line3DCollection(
+                list(ends[chosen]), colors=colour, linestyles=style, linewidths=1.3, zorder=20
+            )
+            axes.add_collection3d(lines)
+    close = np.array([place.position for place in profile if place.proven <= float(scene.wanted.clearance)])
+    if len(close):
+        axes.plot(*close.T, marker=".", markersize=7, color=B.colour, linestyle="", zorder=25)
+    _frame(axes, np.concatenate([part.reshape(-1, 3) for part in shown]))
+    _add_legend(axes, result.near is not None, len(close) > 0)
+
+
+def _add_mesh(axes: Axes3D, facets: Facets, colour: str, alpha: float) -> None:
+    facets = facets[:: len(facets) // _DRAWN + 1]
+    normals = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    shade = 0.6 + 0.4 * np.abs((normals / np.where(size, size, 1)) @ _LIGHT)
+    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    colours = np.column_stack([np.outer(shade, [red, green, blue]), np.full(len(shade), alpha)])
+    axes.add_collection3d(Poly3DCollection(facets, facecolors=colours, linewidths=0))
+
+
+def _frame(axes: Axes3D, points: npt.NDArray[np.floating]) -> None:
+    """Show all points, at one scale in all directions."""
+    low, high = points.min(0), points.max(0)
+    middle, size = (low + high) / 2, np.maximum(high - low, 1e-9)
+    size = np.maximum(size, size.max() / 5)
+    for limits, centre, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
+        limits(centre - span / 2, centre + span / 2)
+    axes.set_box_aspect(size)
+    axes.view_init(elev=22, azim=-58)
+    axes.tick_params(labelsize=SMALL)
+    for label, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "XYZ", strict=True):
+        label(f"{name} (mm)", fontsize=SMALL)
+
+
+def _add_legend(axes: Axes3D, near: bool, close: bool) -> None:
+    entries: list[tuple[str, dict[str, Any]]] = [
+        ("workpiece", {"color": _WORK, "linewidth": 6, "alpha": 0.6}),
+        ("tool at the start", {"color": A.colour, "linewidth": 6, "alpha": 0.4}),
+        ("rapid", {"color": _RAPID, "linestyle": "--"}),
+        ("feed", {"color": "black"}),
+    ]
+    if near:
+        entries.insert(2, ("tool at the first near pose", {"color": B.colour, "linewidth": 6, "alpha": 0.7}))
+        entries.append(("first near pose", {"color": "black", "marker": "X", "linestyle": ""}))
+    if close:
+        entries.append(("not proven clear", {"color": B.colour, "marker": ".", "linestyle": ""}))
+    for name, style in entries:
+        axes.plot([], [], [], label=name, **style)
+    axes.legend(loc="upper left", fontsize=SMALL, framealpha=0.9)
+
+
+def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
+    wanted = float(scene.wanted.clearance)
+    along = np.array([place.along for place in profile])
+    proven = np.array([place.proven for place in profile])
+    seen = np.array([place.seen for place in profile])
+    axes.fill_between(
+        along, proven, seen, color=A.colour, alpha=0.25, linewidth=0, label="the clearance is here"
+    )
+    axes.plot(along, proven, color=A.colour, linewidth=1.2, label="proven lower bound")
+    axes.axhline(wanted, color=B.colour, linestyle="--", linewidth=1.4, label=f"wanted: {wanted:g} mm")
+    total = float(lengths(scene).sum())
+    if result.near is None:
+        axes.axhspan(0, wanted, color=GAP, alpha=0.08, linewidth=0)
+    else:
+        before = float(lengths(scene)[: result.near.move].sum())
+        at = before + float(result.near.along) * float(lengths(scene)[result.near.move])
+        axes.axvspan(at, total, color=_WORK, alpha=0.15, linewidth=0, label="after the first near pose")
+        axes.plot([at], [wanted], marker="X", markersize=10, color="black", linestyle="", zorder=5)
+        right = at > 0.6 * total
+        axes.annotate(
+            f"line {result.near.line}", (at, wanted), (-10 if right else 10, 12), textcoords="offset points",
+            ha="right" if right else "left", fontsize=NORMAL, weight="bold",
+        )  # fmt: skip
+    # Linear where it matters, logarithmic above: a rapid far away must not flatten the rest.
+    axes.set_yscale("symlog", linthresh=max(wanted, float(scene.wanted.resolution)) * 2, linscale=1.0)
+    axes.set_ylim(0, max(seen.max(initial=0), 2 * wanted) * 1.3)
+    axes.set_xlim(0, total or 1)
+    ticks = [0.0, *_round_numbers(wanted, seen.max(initial=wanted))]
+    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    axes.grid(alpha=0.3)
+    axes.tick_params(labelsize=SMALL)
+    axes.set_xlabel("along the path (mm)", fontsize=NORMAL)
+    axes.set_ylabel("clearance (mm, Chebyshev)", fontsize=NORMAL)
+    axes.set_title(f"clearance at {len(profile)} places", fontsize=NORMAL, loc="left")
+    axes.legend(loc="upper right", fontsize=SMALL, framealpha=0.9)
+
+
+def _round_numbers(wanted: float, most: float) -> list[float]:
+    """Return 1, 2, 5, 10, .. from about the wanted clearance to the largest."""
+    low = wanted if wanted > 0 else most / 1000
+    numbers = [m * 10.0**e for e in range(-6, 7) for m in (1, 2, 5)]
+    return [number for number in numbers if low * 0.9 <= number <= most * 1.3]

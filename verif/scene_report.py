@@ -1,0 +1,68 @@
+"""Reports of checks as JSON: exact numbers become decimals, of 17 digits."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, is_dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from triaxis.coverage.whole_files import write_whole
+from triaxis.golden.errors import InputError
+from triaxis.golden.quantise import Grid
+from triaxis.verif.scene_engines import SceneRun
+
+# The clock that times are given for.
+_CLOCK_HZ = 100_000_000
+
+
+def check_written(path: Path | None, inputs: Sequence[Path]) -> None:
+    """Raise InputError where a file that is to be written is one that is read."""
+    for source in inputs:
+        if path is not None and path.exists() and source.exists() and path.samefile(source):
+            raise InputError(f"{path}: is an input file: name another to write to")
+
+
+def write_report(path: Path, report: dict[str, Any]) -> Path:
+    """Write a report of dataclasses, fractions and arrays; raise InputError where that cannot be done."""
+    return write_whole(path, json.dumps(report, indent=2, default=_plain) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Fraction):
+        return float(value)
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    raise TypeError(f"{type(value).__name__} in a report")
+
+
+def milliseconds(cycles: int | None) -> float | None:
+    """Return how long the engine takes at 100 MHz; None where no cycles were counted."""
+    return None if cycles is None else cycles * 1000 / _CLOCK_HZ
+
+
+def grid_entry(grid: Grid) -> dict[str, Any]:
+    """Return the grid's part of a report."""
+    return {"width": grid.width, "resolution": grid.resolution, "offset": grid.offset}
+
+
+def run_entry(run: SceneRun, pairs: int) -> dict[str, Any]:
+    """Return a complete run's part of a report, of so many facet pairs."""
+    return {
+        "facet_pairs": pairs,
+        "group_pairs_skipped": run.group_pairs_skipped,
+        "group_pairs_opened": run.group_pairs_opened,
+        "pairs_skipped_in_groups": run.skipped_in_groups,
+        "pairs_skipped_by_their_boxes": run.skipped,
+        "pairs_tested": run.tested,
+        "pairs_near": run.near_count,
+        "cycles": run.cycles,
+        "milliseconds_at_100_MHz": milliseconds(run.cycles),
+        "near": run.near,
+    }

@@ -1,0 +1,83 @@
+"""``triaxis check``: poses of the first mesh, engines, reports."""
+
+import json
+
+import pytest
+
+from triaxis.verif import scenes
+from triaxis.verif.cli import main
+
+
+@pytest.fixture
+def meshes(tmp_path):
+    """Return two STL files, 2 mm apart along z."""
+    a, b = tmp_path / "a.stl", tmp_path / "b.stl"
+    scenes.write_stl(a, scenes.box((0, 0, 0), (10, 10, 10)))
+    scenes.write_stl(b, scenes.box((2, 2, 12), (8, 8, 20)))
+    return a, b
+
+
+@pytest.fixture
+def check(meshes, capsys):
+    """Return a function that runs the command and returns what it printed: the error, where it is refused."""
+
+    def run(*options, status=0):
+        assert main(["check", *map(str, (*meshes, *options))]) == status
+        printed = capsys.readouterr()
+        return printed.err if status == 2 else printed.out
+
+    return run
+
+
+def test_check_reports(check, meshes, tmp_path):
+    report = tmp_path / "new" / "report.json"
+    found = {}
+    for engine in ("rtl", "bulk", "golden"):
+        check("--clearance", "2", "--engine", engine, "--json", report, status=1)
+        found[engine] = json.loads(report.read_text())
+    rtl = found["rtl"]
+    assert rtl["verdict"] == "near"
+    assert rtl["margin"] == 2001
+    assert rtl["facet_pairs"] == 144
+    skipped = rtl["pairs_skipped_in_groups"] + rtl["pairs_skipped_by_their_boxes"]
+    assert skipped + rtl["pairs_tested"] == 144
+    assert rtl["pairs_near"] == len(rtl["near"]) > 0
+    assert rtl["group_pairs_skipped"] + rtl["group_pairs_opened"] == 4
+    assert rtl["milliseconds_at_100_MHz"] == rtl["cycles"] / 100_000
+    for engine in ("bulk", "golden"):
+        assert found[engine]["near"] == rtl["near"]
+        assert found[engine]["pairs_tested"] == rtl["pairs_tested"]
+        assert found[engine]["cycles"] is None
+    assert "is an input file" in check("--json", meshes[0], status=2)
+
+
+def test_check_in_a_pose(check, meshes, tmp_path):
+    # The gap of 2 mm along z is a gap along y, x for A turned about the origin.
+    moved = check("--move", "0", "0", "-1.5", "--clearance", "3.4")
+    assert "A is moved by 0 0 -1.5" in moved
+    out = check("--move", "0", "0", "1.75", "--clearance", "0.25", status=1)
+    assert "exact distance 0.25\n" in out
+    check("--move", "0", "0", "1.7", "--clearance", "0.25")
+    # By 90 degrees about x: y becomes z, and -z y. Then 10 to y puts it back under B.
+    turned = ("--rotate", "x", "90", "--engine", "bulk")
+    check(*turned, "--move", "0", "10", "0", "--clearance", "1.9")
+    out = check(*turned, "--move", "0", "10", "0", "--clearance", "2", status=1)
+    assert "A is turned by 90 degrees about x, moved by 0 10 0" in out
+    assert "exact distance 2\n" in out
+    # About z by 45: A's corner reaches 10 sqrt 2 along y; turned back, it is as it was.
+    report = tmp_path / "report.json"
+    there = ("--rotate", "z", "45", "--rotate", "z", "-45", "--engine", "bulk")
+    out = check(*there, "--clearance", "2", "--json", report, status=1)
+    assert "distance as turned 2\n" in out
+    turns = json.loads(report.read_text())["pose"]["rotate"]
+    assert turns == [{"axis": "z", "degrees": 45.0}, {"axis": "z", "degrees": -45.0}]
+    check(*there, "--clearance", "1.99")
+
+
+def test_check_refuses_bad_poses(check, meshes):
+    assert "--rotate w: must be x, y or z" in check("--rotate", "w", "90", status=2)
+    assert "--rotate xy: must be x, y or z" in check("--rotate", "xy", "90", status=2)
+    assert "--rotate x inf: not a finite decimal number" in check("--rotate", "x", "inf", status=2)
+    with pytest.raises(SystemExit):
+        check("--move", "0", "0", "up")
+    assert "does not fit 16 bits" in check("--width", "16", "--move", "0", "0", "90", status=2)

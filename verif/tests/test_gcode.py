@@ -1,0 +1,183 @@
+"""Programs of G-code: read exactly, or refused with line and word."""
+
+import re
+import string
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.motion.program import read_program
+from triaxis.verif.motion.refused_words import WHY_REFUSED
+
+ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
+
+
+@pytest.fixture
+def read(tmp_path):
+    path = tmp_path / "moves.nc"
+
+    def read_text(text, start=ORIGIN, **options):
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return read_program(path, start, **options)
+
+    return read_text
+
+
+def ends(program):
+    return [tuple(move.end) for move in program.moves]
+
+
+ACCEPTED = [
+    ("G0X10", [(10, 0, 0)]),
+    ("g00 x+1.50 y-.5 z3.", [(Fraction(3, 2), Fraction(-1, 2), 3)]),
+    ("G1 X1 F100\nY2\nZ3", [(1, 0, 0), (1, 2, 0), (1, 2, 3)]),
+    ("G0 X1 Y1\nG91\nX1\nX0.1 Y-2", [(1, 1, 0), (2, 1, 0), (Fraction(21, 10), -1, 0)]),
+    ("G91 X1 G0", [(1, 0, 0)]),
+    ("G20 G0 X1\nG21 X1", [(Fraction(254, 10), 0, 0), (1, 0, 0)]),
+    ("X1 G0 G20", [(Fraction(254, 10), 0, 0)]),
+    ("G20\nG91 G0 X.001\nX.001", [(Fraction(254, 10**4), 0, 0), (Fraction(508, 10**4), 0, 0)]),
+    ("%\nO1001\n(NAME; G0 X9)\nN10 G0 X1 (G0 X8) Y2 ; X7\n%\nG0 X5", [(1, 2, 0)]),
+    ("/G0 X3\nG0 X1", [(3, 0, 0), (1, 0, 0)]),
+    ("N5 G17 G40 G49 G54 G80 G90 G94 G61 G21\nT1 M6\nS1000 M3 M8\nG0 X1\nG4 P0.5\nM9 M5", [(1, 0, 0)]),
+    ("G0 X1 M30\nG0 X2\nnonsense", [(1, 0, 0)]),
+    ("G0 X1\r\nX2\rX3\n", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
+    ("G0 X1\nG80 G1 F5\nX2", [(1, 0, 0), (2, 0, 0)]),
+    ("\ufeffG0\tX 1", [(1, 0, 0)]),
+    ("G0 X0\nX0", [(0, 0, 0), (0, 0, 0)]),
+]
+
+
+@pytest.mark.parametrize(("text", "wanted"), ACCEPTED)
+def test_moves(read, text, wanted):
+    assert ends(read(text)) == wanted
+
+
+def test_moves_know_line_start_and_feed(read):
+    program = read("(first)\nG20 G0 X1\n\nG1 Y2 F10\nG21 F50 Z1\n", (Fraction(1), Fraction(2), Fraction(3)))
+    assert [move.line for move in program.moves] == [2, 4, 5]
+    assert program.moves[0].start == (1, 2, 3)
+    assert [move.start for move in program.moves[1:]] == ends(program)[:-1]
+    assert [move.feed for move in program.moves] == [None, 254, 50]
+
+
+def test_what_was_assumed_is_said(read):
+    assert read("G21 G0 X1").notes == ()
+    assert read("G0 X1").notes == ("line 1: no G20 or G21 before it: millimetres assumed",)
+    assert "taken to be the one given" in read("G21\nT3 M6\nG0 X1").notes[0]
+    assert read("G21 G0 X1\nM2").notes == ("the program ends in line 2",)
+    assert ends(read("/G0 X3\nG0 X1", skip_optional=True)) == [(1, 0, 0)]
+    assert "lines that begin with / are left out" in read("/G0 X3\nG0 X1", skip_optional=True).notes
+    assert "lines that begin with / are run" in read("/G0 X3\nG0 X1").notes
+
+
+REFUSED = [
+    ("G0 X1\nG2 X5 I2", 2, "G2", "arcs are not supported"),
+    ("G0 X1 R2", 1, "R2", "not supported"),
+    ("G0 X1\nG03 X5", 2, "G03", "arcs are not supported"),
+    ("G28 Z0", 1, "G28", "only the machine knows"),
+    ("G53 G0 Z0", 1, "G53", "machine coordinates"),
+    ("G92 X0", 1, "G92", "program's zero"),
+    ("G0 Z5 H1", 1, "H1", "not supported"),
+    ("G43", 1, "G43", "length compensation"),
+    ("G41", 1, "G41", "radius compensation"),
+    ("G81 X1", 1, "G81", "canned cycles"),
+    ("G55", 1, "G55", "program's zero"),
+    ("G64", 1, "G64", "use G61"),
+    ("G93", 1, "G93", "use G94"),
+    ("G38.2 X1", 1, "G38.2", "probing"),
+    ("G7 X1", 1, "G7", "not supported"),
+    ("M98 P1", 1, "M98", "subprograms"),
+    ("M250", 1, "M250", "not supported"),
+    ("G0 A90", 1, "A90", "only X, Y and Z move"),
+    ("G0 U1", 1, "U1", "only X, Y and Z move"),
+    ("G0 X1e3", 1, "e3", "no exponent"),
+    ("G0 X1,5", 1, ",5", "not a letter followed by a decimal number"),
+    ("G0 X1..2", 1, ".2", "not a letter followed by a decimal number"),
+    ("G0 X", 1, "X", "no decimal number after the letter"),
+    ("G0 X#1", 1, "X#1", "parameters and expressions"),
+    ("#1=5", 1, "#1=5", "parameters and expressions"),
+    ("G0 X[1+2]", 1, "X[1+2]", "parameters and expressions"),
+    ("G0 X1 X2", 1, "X2", "stands twice"),
+    ("G0 G1 X1 F5", 1, "G1", "exclude each other"),
+    ("G90 G91 G0 X1", 1, "G91", "exclude each other"),
+    ("G20 G21 G0 X1", 1, "G21", "exclude each other"),
+    ("M3 M5", 1, "M5", "exclude each other"),
+    ("X1", 1, "X1", "no G0 or G1"),
+    ("G0 X1\nG80\nX2", 3, "X2", "no G0 or G1"),
+    ("G21\nG1 X1", 2, "G1", "without a feed"),
+    ("G1\nX1", 2, "X1", "without a feed"),
+    ("G1 X1 F0", 1, "F0", "must be positive"),
+    ("G1 X1 F-5", 1, "F-5", "must not be negative"),
+    ("G0 X1\nT2 M6", 2, "M6", "changes the tool"),
+    ("M6\nM6\nG0 X1", 2, "M6", "changes the tool"),
+    ("G4 X1", 1, "X1", "may take it for a time"),
+    ("G0 X1 P2", 1, "P2", "belongs to G4"),
+    ("G0 X1 N5", 1, "N5", "must be the first word"),
+    ("N1.5 G0 X1", 1, "N1.5", "whole number"),
+    ("O100 G0 X1", 1, "O100", "subprograms"),
+    ("O<sub> call", 1, "O<sub>", "no decimal number"),
+    ("G0 (X1", 1, "(X1", "does not end on its line"),
+    ("G0 X1) Y2", 1, ") Y2", "')' without '('"),
+    ("G0 (a (b) X1", 1, "(a (b) X1", "comment within a comment"),
+    ("G0 X1 /Y2", 1, "/Y2", "beginning of a line"),
+    ("G0 X1 %", 1, "%", "alone on its line"),
+    ("G0 X1234567890123456", 1, "X1234567890123456", "more than 15 digits"),
+    ("G0 X0.1234567890123456", 1, "X0.1234567890123456"[:20], "more than 15 digits"),
+    ("G0 X- 1", 1, "X-", "no decimal number"),
+    ("G0 X\u0661", 1, "X\u0661", "no decimal number"),
+]
+
+
+@pytest.mark.parametrize(("text", "line", "word", "why"), REFUSED)
+def test_bad_words_are_named(read, text, line, word, why):
+    with pytest.raises(InputError) as refused:
+        read(text)
+    message = str(refused.value)
+    assert f"moves.nc: line {line}: word '{word}': " in message
+    assert why in message
+    assert "\n" not in message
+    # What to do stands last.
+    assert re.search(r"[:;] [a-z][^:;]*$", message), message
+
+
+@pytest.mark.parametrize("code", sorted(WHY_REFUSED))
+def test_words_with_a_reason_are_refused(read, code):
+    with pytest.raises(InputError, match=re.escape(WHY_REFUSED[code])):
+        read(f"G0 X1 {code}" + ("1" if len(code) == 1 else ""))
+
+
+@pytest.mark.parametrize(
+    "sign", [c for c in string.printable if c not in string.whitespace + string.digits + ";."]
+)
+def test_no_stray_sign_is_skipped(read, sign):
+    with pytest.raises(InputError, match="line 2: word"):
+        read(f"G0 X1\nG0 {sign} X2")
+
+
+def test_files_without_moves(read, tmp_path):
+    for text in ("", "\n\n", "G21 G90\nM30", "(only a comment)", b"\x00"):
+        with pytest.raises(InputError, match=r"no moves|line 1: word"):
+            read(text)
+    with pytest.raises(InputError, match="cannot read"):
+        read_program(tmp_path / "no.nc", ORIGIN)
+
+
+DECIMALS = st.decimals(-9999, 9999, places=4)
+
+
+@given(
+    st.lists(st.tuples(DECIMALS, DECIMALS, DECIMALS), min_size=1, max_size=8), st.booleans(), st.booleans()
+)
+def test_positions_are_exact(tmp_path_factory, steps, relative, inch):
+    path = tmp_path_factory.getbasetemp() / "exact.nc"
+    lines = [f"{'G20' if inch else 'G21'} {'G91' if relative else 'G90'} G0"]
+    lines += [f"X{x:f} Y{y:f} Z{z:f}" for x, y, z in steps]
+    path.write_text("\n".join(lines))
+    scale = Fraction(254, 10) if inch else Fraction(1)
+    position = [Fraction(0)] * 3
+    for move, step in zip(read_program(path, ORIGIN).moves, steps, strict=True):
+        position = [Fraction(c) * scale + (p if relative else 0) for c, p in zip(step, position, strict=True)]
+        assert list(move.end) == position

@@ -1,0 +1,285 @@
+"""Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
+
+import json
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge
+from triaxis.golden.stl import StlMesh
+from triaxis.verif import scenes
+from triaxis.verif.cli import main
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh_engine_scene import MeshEngineScene
+from triaxis.verif.motion import path_check
+from triaxis.verif.motion.clearance import clearances
+from triaxis.verif.motion.path_check import Effort, check_path
+from triaxis.verif.motion.path_scene import Wanted, prepare_path
+from triaxis.verif.motion.program import Move, Program
+from triaxis.verif.motion.sampling import PathGrid
+from triaxis.verif.scene_engines import scene_engine
+from triaxis.verif.signoff.scene_checks import mesh_data
+
+RASTER = Path(__file__).with_name("data") / "raster_with_dive.nc"
+DIVE = 1 + next(k for k, line in enumerate(RASTER.read_text().splitlines()) if "the dive" in line)
+
+
+def vector(place):
+    x, y, z = (Fraction(float(c)) for c in place)
+    return x, y, z
+
+
+def program_of(corners):
+    moves = [
+        Move(line, vector(start), vector(end), None) for line, (start, end) in enumerate(pairwise(corners), 1)
+    ]
+    return Program(Path("moves.nc"), tuple(moves), ())
+
+
+def wanted_of(clearance: Any = Fraction(1, 2), resolution=Fraction(1, 1000), step=None, scale=1, width=None):
+    return Wanted(Fraction(clearance), resolution, step or 4 * resolution, Fraction(scale), width)
+
+
+def scene_of(tool, work, corners, wanted):
+    a, b = (StlMesh(np.array(facets, np.float64), Fraction(0)) for facets in (tool, work))
+    return prepare_path(a, b, ("tool.stl", "work.stl"), program_of(corners), wanted)
+
+
+def checked(scene, engine="bulk"):
+    return check_path(scene, scene_engine(engine, scene.a, scene.b, scene.grid.width))
+
+
+def exact(facets, move=(0, 0, 0)):
+    return [
+        [[Fraction(float(x)) + m for x, m in zip(vertex, move, strict=True)] for vertex in facet]
+        for facet in facets
+    ]
+
+
+def distance(scene, position):
+    return min(
+        judge(a, b, 0).distance
+        for a in exact(scene.tool.facets, scene.in_files(position))
+        for b in exact(scene.work.facets)
+    )
+
+
+def test_no_near_position_is_ever_missed(rng):
+    """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters."""
+    resolution = Fraction(1, 4)
+    found = {"clear": 0, "certain": 0, "band": 0}
+    for trial in range(150):
+        tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
+        # One path in five begins where the two are next to each other, and not in the band around.
+        corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
+        clearance = Fraction(int(rng.integers(0, 60)), 97)
+        scene = scene_of(
+            tool, work, corners, wanted_of(clearance, resolution, Fraction(int(rng.integers(1, 5)), 4))
+        )
+        result = checked(scene)
+        for index, move in enumerate(scene.program.moves):
+            for k in range(25):
+                part = Fraction(k, 24)
+                if result.near and (index, part + scene.wanted.step) >= (result.near.move, result.near.along):
+                    break
+                position = [a + (b - a) * part for a, b in zip(move.start, move.end, strict=True)]
+                assert distance(scene, position) > clearance
+        if result.near:
+            real = distance(scene, result.near.position)
+            assert real < clearance + scene.band
+            assert result.near.certain == (real <= clearance)
+            assert result.near.facets[0].distance == real
+            found["certain" if result.near.certain else "band"] += 1
+        else:
+            found["clear"] += 1
+    assert min(found.values()) > 5, found
+
+
+# A tool at x = 1/2 that rounds to 0, a wall at 3/2 that rounds to 2, and a path that ends where they touch.
+POINTS = (np.full((1, 3, 3), [0.5, 0, 0]), np.full((1, 3, 3), [1.5, 0, 0]))
+
+
+def tight_scene():
+    return scene_of(*POINTS, [(-3, 0, 0), (1, 0, 0)], wanted_of(0, Fraction(1), Fraction(1)))
+
+
+def test_the_bound_is_tight(monkeypatch):
+    near = checked(tight_scene()).near
+    assert near is not None
+    assert near.along > Fraction(3, 4)
+    monkeypatch.setattr(PathGrid, "base", PathGrid.base.func(tight_scene().path) - Fraction(1, 100))
+    assert checked(tight_scene()).near is None, "a smaller bound would do"
+
+
+@pytest.mark.parametrize("broken", ["margin", "boxes"])
+def test_either_proof_needs_its_bound(monkeypatch, broken):
+    if broken == "margin":
+        real = PathGrid.margin
+        monkeypatch.setattr(PathGrid, "margin", lambda grid, segment: real(grid, segment) - 1)
+    else:
+        monkeypatch.setattr(path_check, "_boxes_apart", lambda scene, segment: True)
+    assert checked(tight_scene()).near is None
+
+
+def vise_scene(corners, **options):
+    return scene_of(scenes.tool(), scenes.vise(), corners, wanted_of(**options))
+
+
+def summary(result):
+    near = result.near and (
+        result.near.line,
+        result.near.position,
+        result.near.near_count,
+        result.near.facets,
+    )
+    levels = [(level.by_boxes, level.by_pose, level.halved) for level in result.levels]
+    return near, levels, result.effort.poses
+
+
+# Down beside a jaw with half a millimetre to spare, along it, closer, and into it.
+BESIDE = [(0, 76.5, 60), (0, 76.5, -20), (10, 76.2, -20), (40, 74, -20)]
+
+
+def test_engines_agree():
+    scene = vise_scene(BESIDE, clearance=1, resolution=Fraction(1, 100))
+    answers = {name: checked(scene, name) for name in ("bulk", "golden", "rtl")}
+    assert summary(answers["rtl"]) == summary(answers["bulk"]) == summary(answers["golden"])
+    near = answers["bulk"].near
+    assert near is not None
+    assert near.line == 3
+    effort = answers["rtl"].effort
+    assert effort.poses > 10
+    assert effort.cycles is not None
+    assert effort.most_cycles is not None
+    assert 0 < effort.most_cycles <= effort.cycles
+    assert answers["bulk"].effort.cycles is None
+
+
+def test_meshes_larger_than_the_engine_run_part_by_part(rng):
+    a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (50, 37))
+    small = MeshEngineScene(a, b, MeshConfiguration(8, 8, depth=16, group=4, lanes=4))
+    whole = scene_engine("bulk", a, b, 8)
+    for translation, margin in (((0, 0, 0), 3), ((5, -7, 2), 0), ((3, 3, 3), 20)):
+        parts, wanted = small.run(translation, margin), whole.run(translation, margin)
+        assert (parts.near == wanted.near).all()
+        assert (parts.tested, parts.near_count) == (wanted.tested, wanted.near_count)
+        assert parts.skipped_in_groups + parts.skipped + parts.tested == 50 * 37
+        assert parts.near_count
+        first = small.run(translation, margin, stop_at_first=True)
+        assert first.near_count == 1
+        assert first.near.tolist()[0] in wanted.near.tolist()
+
+
+def test_clear_of_a_program_without_its_dive():
+    scene = vise_scene([(0, 0, 60), (0, 0, 1), (35, 25, 1), (-35, 25, 1)])
+    result = checked(scene)
+    assert result.near is None
+    # Passes at 1 mm above the face: no margin covers half of one, but the boxes do.
+    assert sum(level.by_boxes for level in result.levels) == 2
+    assert result.effort.poses == 3
+
+
+def test_bounds_of_the_clearance_hold_the_clearance():
+    scene = scene_of(*POINTS, [(-8, 0, 0), (0, 0, 3), (1, 0, 0)], wanted_of(1, Fraction(1, 100)))
+    engine, effort = scene_engine("bulk", scene.a, scene.b, scene.grid.width), Effort()
+    places = clearances(scene, engine, 12, effort)
+    assert [place.along for place in places] == sorted(place.along for place in places)
+    assert places[-1].proven == 0
+    for place in places:
+        real = float(distance(scene, [Fraction(c) for c in place.position]))
+        assert place.proven < real + 1e-9 or place.proven == 0
+        assert real <= place.seen + 1e-9
+        assert place.seen - place.proven <= max(0.1, real / 10)
+    assert effort.poses > len(places)
+
+
+def test_what_leaves_the_grid_is_named_by_its_line():
+    with pytest.raises(InputError, match=r"moves\.nc: line 2: at X0 Y0 Z900 the tool leaves the 16-bit grid"):
+        vise_scene([(0, 0, 60), (0, 0, 5), (0, 0, 900)], resolution=Fraction(1, 100), width=16)
+    assert vise_scene([(0, 0, 60), (0, 0, 900)]).grid.width == 24
+    assert vise_scene([(0, 0, 60), (0, 0, 9000)]).grid.width == 24
+    assert vise_scene([(0, 0, 60), (0, 0, 90000)]).grid.width == 32
+
+
+def test_bad_wishes_are_refused():
+    for options, why in (
+        ({"clearance": -1}, "must not be negative"),
+        ({"scale": 0}, "scale 0: must be positive"),
+        ({"step": Fraction(1, 2000)}, "step 0.0005: must be at least the resolution"),
+        ({"clearance": 700, "resolution": Fraction(1, 100), "width": 16}, "width 16 allows 65535"),
+        ({"resolution": Fraction(0), "step": Fraction(1)}, "resolution"),
+    ):
+        with pytest.raises(InputError, match=why):
+            vise_scene([(0, 0, 60), (0, 0, 5)], **options)
+
+
+@pytest.fixture
+def files(tmp_path):
+    scenes.write_stl(tmp_path / "tool.stl", scenes.tool())
+    scenes.write_stl(tmp_path / "vise.stl", scenes.vise())
+    return [str(tmp_path / "tool.stl"), str(tmp_path / "vise.stl")]
+
+
+def test_a_dive_is_found(files, tmp_path, capsys):
+    report, picture = tmp_path / "report.json", tmp_path / "picture.png"
+    command = ["path", *files, str(RASTER), "--start", "0", "0", "60", "--engine", "bulk"]
+    assert main([*command, "--json", str(report), "--picture", str(picture), "--profile", "20"]) == 1
+    out = capsys.readouterr().out
+    assert f"NEAR: line {DIVE}: at X-10.0000 Y5.0000 Z0.50" in out
+    assert "facet 0 of the tool, facet 4" in out
+    found = json.loads(report.read_text())
+    assert found["verdict"] == "near"
+    assert found["near"]["line"] == DIVE
+    assert found["false_alarm_band"] == 0.006
+    assert found["near"]["facets"][0]["distance"] < 0.506
+    proven = sum(level["by_pose"] + level["by_boxes"] for level in found["levels"])
+    assert found["effort"]["poses"] == proven + sum(level["halved"] for level in found["levels"]) + 1
+    assert len(found["profile"]) >= 20
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert main([*command, "--clearance", "0", "--block-delete"]) == 1
+    assert main([*command[:3], str(tmp_path / "no.nc")]) == 2
+
+
+def test_errors_leave_no_files(files, tmp_path, capsys):
+    moves = tmp_path / "moves.nc"
+    moves.write_text("G21 G0 Z50\nG2 X5 I1\n")
+    command = ["path", *files, str(moves), "--engine", "bulk", "--json", str(tmp_path / "report.json")]
+    before = sorted(tmp_path.iterdir())
+    assert main(command) == 2
+    assert f"{moves}: line 2: word 'G2': arcs are not supported" in capsys.readouterr().err
+    for option, why in (
+        (["--picture", "x.gif"], "must end in .png or .svg"),
+        (["--profile", "1"], "at least 2 places"),
+        (["--json", files[0]], "is an input file"),
+        (["--width", "40"], "8..32"),
+    ):
+        assert main([*command, *option]) == 2
+        assert why in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_tool_that_starts_within_the_work_is_noted(files, tmp_path, capsys):
+    outer = tmp_path / "outer.stl"
+    scenes.write_stl(outer, scenes.box((-500, -500, -500), (500, 500, 500)))
+    moves = tmp_path / "moves.nc"
+    moves.write_text("G21 G0 Z50")
+    assert main(["path", files[0], str(outer), str(moves), "--engine", "bulk"]) == 0
+    assert "only surfaces are compared, not insides" in capsys.readouterr().out
+
+
+def test_the_head_of_a_real_machine(tmp_path, capsys):
+    """The head, 10 mm a unit, comes down on the carousel: apart at Z = 0, in contact at Z = -250 mm."""
+    data = mesh_data()
+    if data is None:
+        pytest.skip("no real meshes here: set TRIAXIS_DATA to a folder with vmc/*.stl")
+    moves = tmp_path / "moves.nc"
+    moves.write_text("G21 G90\nG0 X0 Y0 Z40\nG1 Z-210 F4800 (machine Z -250)\n")
+    parts = [str(data / "vmc" / name) for name in ("head.stl", "carousel.stl")]
+    command = ["path", *parts, str(moves), "--start", "0", "0", "40", "--scale", "10", "--engine", "bulk"]
+    assert main(command) == 1
+    assert "NEAR: line 3: at X0.0000 Y0.0000 Z" in capsys.readouterr().out
