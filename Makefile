@@ -18,7 +18,7 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim bench-mesh fpga-report lock clean
+.PHONY: code-coverage bench-sim bench-mesh fpga-report activity bitstream lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -94,6 +94,12 @@ bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
 
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report
+
+activity: $(READY) ## count multiplier toggles with and without operand gating
+	@$(BIN)/triaxis activity
+
+bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off allows it
+	@$(BIN)/triaxis bitstream
 
 LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)

@@ -1,44 +1,86 @@
-"""The resource report: the core's builds against the part's budget and their own limits."""
+"""The resource report: builds of the core and of the whole board against the part and their own limits."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from triaxis.fpga.part import XC7A100T, Resources
+from triaxis.coverage.whole_files import write_whole
+from triaxis.fpga.board_build import TOP
+from triaxis.fpga.part import BOARD_LIMITS, NO_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
+
+CORE = "triaxis_core"
+
+# The memories of the mesh engine that are as deep as the meshes: vertices, and boxes of triangles.
+_DEEP = re.compile(r"\.u_store_[ab]\.(?:.*\.)?(?:u_triangles|u_boxes)\.")
 
 
 @dataclass(frozen=True)
 class Build:
-    """A build to be reported, with the DSP blocks that it may take at most."""
+    """A build to be reported, with the most that it may take."""
 
     name: str
     meaning: str
     parameters: Mapping[str, int]
-    dsp_limit: int | None
+    limits: Limits = NO_LIMITS
+    top: str = CORE
 
 
 BUILDS = (
-    Build("all_axes", "W = 16, all 32 axes, M = 0", {"W": 16, "M": 0}, 124),
-    Build("no_edge_box", "W = 16, without edge x box, M = 0", {"W": 16, "M": 0, "EdgeBox": 0}, 86),
-    Build("margins", "W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, None),
+    Build("all_axes", "core, W = 16, all 32 axes, M = 0", {"W": 16, "M": 0}, Limits(dsps=124)),
+    Build(
+        "no_edge_box",
+        "core, W = 16, without edge x box, M = 0",
+        {"W": 16, "M": 0, "EdgeBox": 0},
+        Limits(dsps=86),
+    ),
+    Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}),
+    Build(
+        "board",
+        "board, W = 16, M = 16, 4,096 triangles, 8 lanes",
+        {"W": 16, "M": 16, "Depth": 4096, "Group": 8, "Lanes": 8},
+        BOARD_LIMITS,
+        TOP,
+    ),
+    # One margin bit covers the rounding to the grid, and takes no DSP block.
+    Build(
+        "board_fine",
+        "board, W = 24, M = 1, 4,096 triangles, 1 lane",
+        {"W": 24, "M": 1, "Depth": 4096, "Group": 8, "Lanes": 1},
+        WHOLE_PART,
+        TOP,
+    ),
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """A build and what it takes."""
+    """A build, what it takes, and what each of its memories is made of: block or look-up tables."""
 
     build: Build
     used: Resources
+    memories: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what is beyond its limit, and memories that should be block RAM and are not."""
+        found = self.build.limits.exceeded(self.used)
+        if self.build.top != TOP:
+            return found
+        deep = {name: kind for name, kind in self.memories.items() if _DEEP.search(name)}
+        misplaced = sorted(name for name, kind in deep.items() if kind != "block")
+        if not deep:
+            misplaced = ["the memories of the meshes: none found"]
+        return found + [f"{name}: not in block RAM" for name in misplaced]
 
     @property
     def within_limit(self) -> bool:
-        """Return whether the DSP limit is kept."""
-        return self.build.dsp_limit is None or self.used.dsps <= self.build.dsp_limit
+        """Return whether nothing stands against the build."""
+        return not self.problems
 
 
-def write_report(path: Path, rows: list[Row], rtl_hash: str, tool: str) -> None:
+def write_report(path: Path, rows: Sequence[Row], rtl_hash: str, tool: str) -> None:
     """Write the rows as JSON, whole or not at all."""
     content = {
         "part": "XC7A100T",
@@ -48,15 +90,15 @@ def write_report(path: Path, rows: list[Row], rtl_hash: str, tool: str) -> None:
         "builds": {
             row.build.name: {
                 "meaning": row.build.meaning,
+                "top": row.build.top,
                 "parameters": dict(row.build.parameters),
                 **asdict(row.used),
-                "dsp_limit": row.build.dsp_limit,
+                "limits": asdict(row.build.limits),
+                "memories": dict(row.memories),
+                "problems": row.problems,
                 "within_limit": row.within_limit,
             }
             for row in rows
         },
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(content, indent=2) + "\n")
-    partial.replace(path)
+    write_whole(path, json.dumps(content, indent=2) + "\n")

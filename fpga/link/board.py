@@ -1,0 +1,202 @@
+"""The board as an object: each method is one command, checked to have been done."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Self, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.fpga.link.codes import PROTOCOL, Code, Command, Mesh, Mode, State
+from triaxis.fpga.link.errors import LinkError, SessionLostError
+from triaxis.fpga.link.exchange import Exchange
+from triaxis.fpga.link.layout import LayoutError, Record
+from triaxis.fpga.link.line import Line
+from triaxis.fpga.link.messages import (
+    Description,
+    Loaded,
+    LoadHead,
+    Pose,
+    Results,
+    ResultsRequest,
+    RunNumber,
+    RunRequest,
+    Status,
+    pack_triangles,
+    triangles_per_load,
+)
+
+# A dead master's board is free once its watchdog has expired.
+_TAKEOVER_SECONDS = 1.0
+_BETWEEN_HELLOS = 0.05
+# A run without news: one clock a facet pair, and a simulated board of 50,000 clocks a second.
+_SILENT_SECONDS, _SECONDS_PER_PAIR = 30.0, 20e-6
+
+# Codes by which the board tells that it has forgotten, or never had, what we have sent.
+_LOST = (Code.BAD_SEQUENCE, Code.OUT_OF_PLACE, Code.COUNTS_DIFFER, Code.EMPTY_MESH, Code.BUSY)
+
+_Answer = TypeVar("_Answer", bound=Record | Results)
+
+
+@dataclass(frozen=True)
+class BoardRun:
+    """What was asked for, and what came back. ``near``: (i in A, j in B) as loaded, shape (K, 2)."""
+
+    request: RunRequest
+    pose: Pose
+    number: int
+    status: Status
+    near: npt.NDArray[np.int64]
+
+
+class Board:
+    """A board on a line; `hello` comes first.
+
+    Every method raises LinkError where the board does not do what it is asked, or says that it did not.
+    """
+
+    def __init__(self, line: Line) -> None:
+        """Use an open line."""
+        self._line = line
+        self._exchange = Exchange(line)
+        self._forget()
+
+    def __enter__(self) -> Self:
+        """Return the board."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the line."""
+        self._line.close()
+
+    def _forget(self) -> None:
+        self._counts = [0, 0]
+        self._pose = Pose(0, 0, 0)
+        self._runs = 0
+
+    def hello(self, seconds: float = _TAKEOVER_SECONDS) -> Description:
+        """Take the board in a new session, empty; wait so long for another master's end."""
+        self._exchange.renew()
+        self._forget()
+        frame = self._exchange.next_frame(Command.HELLO, b"")
+        self._line.drop_input()
+        deadline = self._line.now() + seconds
+        refused = False
+        while self._line.now() < deadline:
+            reply = self._exchange.send(Command.HELLO, frame, 4 * _BETWEEN_HELLOS)
+            if reply and reply.head.code == Code.OK:
+                return self._described(reply.payload)
+            if reply:
+                refused |= reply.head.code == Code.OTHER_SESSION
+                self._line.wait(_BETWEEN_HELLOS)
+        if refused:
+            raise LinkError(
+                f"{self._line.name}: the board belongs to another master: end that program, then repeat"
+            )
+        raise LinkError(
+            f"{self._line.name}: no answer in {seconds:g} s: check that this is the board's port, that it "
+            "has power and that its bitstream is loaded"
+        )
+
+    def _described(self, payload: bytes) -> Description:
+        if payload[:1] != bytes([PROTOCOL]):
+            raise LinkError(
+                f"{self._line.name}: the board speaks protocol {payload[:1].hex() or 'none'}, this program "
+                f"{PROTOCOL:02x}: load the bitstream of this version"
+            )
+        self.description = self._read(Description, payload)
+        return self.description
+
+    def load(
+        self, mesh: Mesh, triangles: npt.NDArray[np.int64], progress: Callable[[int], None] | None = None
+    ) -> None:
+        """Replace a mesh by triangles (N, 3, 3), N at least 1; ``progress`` is told of each step's size."""
+        limit, width = self.description.depth, self.description.width
+        if not 1 <= len(triangles) <= limit:
+            raise LinkError(f"mesh {mesh.name}: {len(triangles)} triangles: the board holds 1..{limit}")
+        step = triangles_per_load(width)
+        for first in range(0, len(triangles), step):
+            some = triangles[first : first + step]
+            head = LoadHead(mesh, first, len(some))
+            loaded = self._ask(Command.LOAD, Loaded, head.pack() + pack_triangles(some, width))
+            self._expect("triangles loaded", loaded.count, first + len(some))
+            if progress:
+                progress(len(some))
+        self._counts[mesh] = len(triangles)
+
+    def move(self, pose: Pose) -> None:
+        """Place mesh A, in steps of the grid from where it was loaded."""
+        self._expect("pose", self._ask(Command.MOVE, Pose, pose), pose)
+        self._pose = pose
+
+    def run(self, mode: Mode, margin: int, progress: Callable[[int], None] | None = None) -> BoardRun:
+        """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back."""
+        request = RunRequest(mode, margin, *self._counts)
+        number = self._ask(Command.RUN, RunNumber, request).number
+        self._runs += 1
+        self._expect("run number", number, self._runs % 256)
+        try:
+            status, near = self._results(progress)
+        except KeyboardInterrupt:
+            self.abort()
+            raise
+        return BoardRun(request, self._pose, number, status, near)
+
+    def _results(self, progress: Callable[[int], None] | None) -> tuple[Status, npt.NDArray[np.int64]]:
+        """Return the status of the end and all near pairs."""
+        parts = [np.empty((0, 2), np.int64)]
+        count = 0
+        silence = _SILENT_SECONDS + _SECONDS_PER_PAIR * self._counts[0] * self._counts[1]
+        deadline = self._line.now() + silence
+        while True:
+            results = self._ask(Command.RESULTS, Results, ResultsRequest(count))
+            self._expect("first near pair", results.start, count)
+            if len(results.near):
+                deadline = self._line.now() + silence
+                parts.append(results.near)
+                count += len(results.near)
+                if progress:
+                    progress(len(results.near))
+            elif results.status.state != State.RUNNING:
+                return results.status, np.concatenate(parts)
+            if self._line.now() > deadline:
+                self.abort()
+                raise LinkError(
+                    f"{self._line.name}: a run without end in {silence:.0f} s: aborted; reset the board; "
+                    "verdict unknown"
+                )
+
+    def status(self) -> Status:
+        """Return the board's status; this also keeps the link alive."""
+        return self._ask(Command.STATUS, Status)
+
+    def abort(self) -> Status:
+        """End a run that goes on; return the board's status."""
+        return self._ask(Command.ABORT, Status)
+
+    def _ask(self, command: Command, answer: type[_Answer], request: Record | bytes = b"") -> _Answer:
+        reply = self._exchange.ask(command, request)
+        code = Code(reply.head.code)
+        if code == Code.OTHER_SESSION:
+            raise LinkError(
+                f"{self._line.name}: the board was reset, or another master has taken it; verdict unknown"
+            )
+        if code in _LOST:
+            raise SessionLostError(
+                f"{self._line.name}: {command.name}: {code.name}: state lost; verdict unknown"
+            )
+        if code != Code.OK:
+            raise LinkError(f"{self._line.name}: {command.name} was refused: {code.name}; verdict unknown")
+        return self._read(answer, reply.payload)
+
+    def _read(self, answer: type[_Answer], payload: bytes) -> _Answer:
+        try:
+            return answer.unpack(payload)
+        except LayoutError as error:
+            raise LinkError(f"{self._line.name}: {error}: not this protocol; verdict unknown") from error
+
+    def _expect(self, what: str, found: object, wanted: object) -> None:
+        if found != wanted:
+            raise SessionLostError(
+                f"{self._line.name}: {what}: {found}, expected {wanted}: state lost; verdict unknown"
+            )

@@ -1,0 +1,50 @@
+"""Dataclasses that are also byte layouts: the order of the fields and their types say all of it.
+
+Numbers are little endian, without gaps.
+"""
+
+import struct
+from dataclasses import astuple, dataclass
+from functools import cache
+from typing import Annotated, Self, get_type_hints
+
+U8 = Annotated[int, "B"]
+U16 = Annotated[int, "H"]
+U32 = Annotated[int, "I"]
+I32 = Annotated[int, "i"]
+
+
+class LayoutError(ValueError):
+    """Bytes of another length than the layout's."""
+
+
+@cache
+def _layout(record: type) -> struct.Struct:
+    hints = get_type_hints(record, include_extras=True)
+    return struct.Struct("<" + "".join(hints[name].__metadata__[0] for name in record.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class Record:
+    """A fixed layout; its fields are `U8`, `U16`, `U32` or `I32`."""
+
+    @classmethod
+    def size(cls) -> int:
+        """Return the length in bytes."""
+        return _layout(cls).size
+
+    def pack(self) -> bytes:
+        """Return the bytes; raises struct.error where a number does not fit its field."""
+        return _layout(type(self)).pack(*astuple(self))
+
+    @classmethod
+    def unpack(cls, data: bytes) -> Self:
+        """Read all of ``data``; raises LayoutError where the length is wrong."""
+        if len(data) != cls.size():
+            raise LayoutError(f"{cls.__name__}: {len(data)} bytes, must be {cls.size()}")
+        return cls(*_layout(cls).unpack(data))
+
+    @classmethod
+    def split(cls, data: bytes) -> tuple[Self, bytes]:
+        """Read the beginning of ``data``; return the record and what follows it."""
+        return cls.unpack(data[: cls.size()]), data[cls.size() :]

@@ -1,0 +1,151 @@
+"""`triaxis bitstream`: the gate first; a bitstream and its manifest only where all is well."""
+
+import json
+from argparse import Namespace
+from functools import partial
+
+import pytest
+
+from triaxis.coverage.gate import PARTS, refusals
+from triaxis.coverage.tests.test_gate import LAST_DAY, signed
+from triaxis.fpga import board_build
+from triaxis.fpga.bitstream import build_id, manifest_path
+from triaxis.fpga.board_build import BoardParameters, board_sources
+from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.cli import bitstream
+from triaxis.verif.paths import DUT
+
+pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
+
+from triaxis.fpga.tests.vivado_stand_in import Behaviour, calls, make_vivado
+
+RTL = rtl_hash()
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """Lay out a board of one file, a good sign-off, and results in a folder of the test's own."""
+    source = tmp_path / "top.sv"
+    source.write_text("module nexys4ddr_top; endmodule\n")
+    monkeypatch.setattr(bitstream, "board_sources", lambda _: [source])
+    monkeypatch.setattr(bitstream, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
+    monkeypatch.setattr(bitstream, "REPORTS", tmp_path / "fpga" / "vivado")
+    monkeypatch.setattr(bitstream, "SAIF", tmp_path / "activity.saif")
+    monkeypatch.setattr(bitstream, "refusals", partial(refusals, today=LAST_DAY))
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+    sign(tmp_path)
+    return tmp_path
+
+
+def sign(folder, **changes):
+    parts = {name: {"passed": True, "rtl_hash": RTL} for name in PARTS}
+    content = {**signed(), "rtl_hash": RTL, "parts": parts, **changes}
+    (folder / "signoff.json").write_text(json.dumps(content))
+
+
+def run(bench):
+    return bitstream.run(Namespace(result=bench / "signoff.json"))
+
+
+def test_bitstream_and_manifest(bench, capsys):
+    make_vivado(bench / "bin", Behaviour())
+    assert run(bench) == 0
+    bits = bench / "fpga" / "nexys4ddr.bit"
+    assert bits.read_bytes() == b"bits"
+    manifest = json.loads(manifest_path(bits).read_text())
+    assert manifest["rtl_hash"] == RTL
+    assert manifest["parameters"]["BuildId"] == f"32'h{RTL[:8]}"
+    assert manifest["figures"]["wns_ns"] == 0.25
+    assert manifest["activity"] is None
+    assert len(manifest["sha256"]) == len(manifest["board_hash"]) == len(manifest["signoff"]["sha256"]) == 64
+    assert "wns_ns: 0.25" in capsys.readouterr().out
+
+
+def test_simulated_activity_is_used_where_there_is_one(bench):
+    (bench / "activity.saif").write_text("(SAIFILE)")
+    make_vivado(bench / "bin", Behaviour())
+    assert run(bench) == 0
+    assert any(call[0] == "read_saif" for call in calls(bench / "bin"))
+    assert json.loads((bench / "fpga" / "nexys4ddr.json").read_text())["activity"] is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"rtl_hash": "b" * 64}, "signed off for RTL bbbbbbbbbbbb"),
+        ({"passed": False}, "did not pass"),
+        ({"parts": {}}, "no evidence"),
+        (None, "no sign-off"),
+    ],
+)
+def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys, changes, reason):
+    if changes is None:
+        (bench / "signoff.json").unlink()
+    else:
+        sign(bench, **changes)
+    assert run(bench) == 1
+    said = capsys.readouterr().err
+    assert reason in said
+    assert all(line.startswith("gate: refused: ") for line in said.splitlines())
+    assert not (bench / "fpga").exists()
+
+
+def test_without_vivado_one_line(bench):
+    with pytest.raises(InputError, match=r"^vivado: not on PATH: [^\n]*$"):
+        run(bench)
+
+
+@pytest.mark.parametrize("behaviour", [Behaviour(setup=-1.5), Behaviour(failing="place_design")])
+def test_a_failed_build_leaves_no_bitstream_not_even_an_older_one(bench, capsys, behaviour):
+    make_vivado(bench / "bin", Behaviour())
+    assert run(bench) == 0
+    make_vivado(bench / "bin", behaviour)
+    if behaviour.failing:
+        with pytest.raises(InputError, match="vivado: ERROR"):
+            run(bench)
+    else:
+        assert run(bench) == 1
+        assert "bitstream: refused: timing: worst slack -1.5 ns" in capsys.readouterr().err
+    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
+    assert not (bench / "fpga" / "nexys4ddr.json").exists()
+
+
+def test_rtl_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
+    make_vivado(bench / "bin", Behaviour())
+    hashes = iter([RTL, "c" * 64])
+    monkeypatch.setattr(bitstream, "rtl_hash", lambda: next(hashes))
+    assert run(bench) == 1
+    assert "this is cccccccccccc" in capsys.readouterr().err
+    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
+
+
+def test_a_board_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
+    make_vivado(bench / "bin", Behaviour())
+    hashes = iter(["a" * 64, "b" * 64])
+    monkeypatch.setattr(bitstream, "board_hash", lambda: next(hashes))
+    assert run(bench) == 1
+    assert "changed during the build" in capsys.readouterr().err
+    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
+
+
+def test_build_id_is_the_start_of_the_hash():
+    assert build_id("deadbeef" + "0" * 56) == 0xDEADBEEF
+    assert BoardParameters().generics(0x0000CAFE)["BuildId"] == "32'h0000cafe"
+
+
+def test_sources_of_the_board():
+    if not (board_build.BOARD_RTL / "board.f").exists():
+        pytest.skip("fpga/rtl/board.f is not there")
+    names = [path.name for path in board_sources(DUT)]
+    assert names[0] == "triaxis_pkg.sv"
+    assert names[-1] == "nexys4ddr_top.sv"
+    assert len(names) == len(set(names))
+    assert "CollisionDetector.sv" not in names
+
+
+@pytest.mark.parametrize(("content", "says"), [("none.sv\n", "none.sv: not there"), ("", "no file")])
+def test_a_list_of_files_that_are_not_there(tmp_path, content, says):
+    (tmp_path / "triaxis.f").write_text(content)
+    with pytest.raises(InputError, match=says):
+        board_sources(tmp_path)

@@ -1,0 +1,284 @@
+"""The client against boards that lie, are silent, or are somebody else's: never a verdict from them."""
+
+import errno
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serial
+
+from triaxis.fpga.link.audit import Verdict
+from triaxis.fpga.link.board import Board
+from triaxis.fpga.link.check import check_on_board
+from triaxis.fpga.link.codes import Code, Command, Flag, Mode
+from triaxis.fpga.link.errors import LinkError
+from triaxis.fpga.link.framing import Deframer, encode
+from triaxis.fpga.link.line import SerialLine
+from triaxis.fpga.link.messages import Pose, ReplyHead
+from triaxis.fpga.tests.scripted_board import BOARD, ScriptedLine
+from triaxis.golden.spatial_order import spatial_order
+
+A = np.arange(6 * 9).reshape(6, 3, 3)
+B = 100 + np.arange(5 * 9).reshape(5, 3, 3)
+
+
+def check(line, mode=Mode.ALL, pose=(0, 0, 0), margin=3, a=A, b=B):
+    with Board(line) as board:
+        board.hello()
+        return check_on_board(board, a, b, margin, Pose(*pose), mode)
+
+
+def refused(line, **options):
+    with pytest.raises(LinkError) as error:
+        check(line, **options)
+    assert "\n" not in str(error.value)
+    assert line.name == "closed"
+    return str(error.value)
+
+
+def test_a_board_that_accounts_for_every_pair_is_believed():
+    found = check(ScriptedLine())
+    assert found.verdict == Verdict.CLEAR
+    assert found.near.shape == (0, 2)
+
+
+LIES = [
+    {"state": 0},
+    {"state": 1, "end": 0},
+    {"run": 2},
+    {"run": 0},
+    {"x": 1},
+    {"z": -1},
+    {"margin": 2},
+    {"count_a": 5},
+    {"count_b": 6},
+    {"end": 0},
+    {"end": 2},
+    {"end": 3},
+    {"end": 4},
+    {"end": 5},
+    {"end": 6},
+    {"end": 7},
+    {"near": 1},
+    # Group pairs that were neither skipped nor opened, or more than there are.
+    {"groups_skipped": 1},
+    {"groups_opened": 3},
+    # Pairs that were left out, or tested twice.
+    {"groups_skipped": 0, "groups_opened": 4, "tested": 19},
+    {"groups_skipped": 0, "groups_opened": 4, "tested": 21},
+    {"groups_skipped": 1, "groups_opened": 3, "tested": 3},
+    {"pairs_skipped": 30, "tested": 1},
+    {"groups_skipped": 4, "groups_opened": 0},
+]
+
+
+@pytest.mark.parametrize("lie", LIES, ids=str)
+@pytest.mark.parametrize("mode", Mode)
+def test_a_status_that_is_not_of_a_complete_run_is_no_verdict(lie, mode):
+    line = ScriptedLine().lie(**lie)
+    if lie == {"near": 1} and mode == Mode.COUNT:
+        assert check(line, mode).verdict == Verdict.NEAR
+    elif lie == {"state": 1, "end": 0}:
+        assert re.search(
+            "a run without end in 30 s: aborted; reset the board; verdict unknown", refused(line)
+        )
+    else:
+        assert refused(line, mode=mode).endswith("verdict unknown")
+
+
+@pytest.mark.parametrize(
+    ("lie", "what"),
+    [
+        ({"end": 3}, "the run was aborted; verdict unknown"),
+        ({"end": 4}, "A leaves the board's coordinates when moved: move less"),
+        ({"end": 5}, "a mesh has more triangles than the board holds"),
+        ({"end": 6}, "the board does not know the mode"),
+        ({"near": 5}, "5 near pairs of 4 tested"),
+    ],
+)
+def test_the_reason_is_said(lie, what):
+    assert what in refused(ScriptedLine().lie(**lie), mode=Mode.COUNT)
+
+
+def test_counters_at_the_edge_of_what_is_possible_are_believed():
+    everything = {"groups_skipped": 0, "groups_opened": 4, "pairs_skipped": 30, "tested": 0}
+    assert check(ScriptedLine().lie(**everything)).verdict == Verdict.CLEAR
+    nothing = {"groups_skipped": 4, "groups_opened": 0, "pairs_skipped": 0, "tested": 0}
+    assert check(ScriptedLine().lie(**nothing)).verdict == Verdict.CLEAR
+
+
+NEAR = [(0, 0), (5, 4), (1, 2), (0, 4)]
+
+
+def test_near_pairs_come_back_as_facet_numbers():
+    # In another order along x than in the file.
+    a = A + np.array([500, 0, 0]) * np.array([3, 1, 5, 0, 4, 2])[:, None, None]
+    order_a, order_b = spatial_order(a, BOARD.group), spatial_order(B, BOARD.group)
+    assert (order_a != np.arange(6)).any()
+    found = check(ScriptedLine(near=NEAR).lie(near=4), a=a)
+    assert found.verdict == Verdict.NEAR
+    assert found.near.tolist() == sorted([int(order_a[i]), int(order_b[j])] for i, j in NEAR)
+
+
+@pytest.mark.parametrize(
+    ("near", "what"),
+    [
+        (NEAR[:3], "near pairs received: 3, must be 4"),
+        ([*NEAR, (1, 1)], "near pairs received: 5, must be 4"),
+        ([*NEAR[:3], NEAR[0]], "a near pair twice"),
+        ([*NEAR[:3], (6, 0)], "a near pair of triangles that were not loaded"),
+        ([*NEAR[:3], (0, 5)], "a near pair of triangles that were not loaded"),
+    ],
+)
+def test_near_pairs_that_cannot_be_are_no_verdict(near, what):
+    assert what in refused(ScriptedLine(near=near).lie(near=4))
+
+
+def test_first_near_pair():
+    line = ScriptedLine(near=NEAR[:1]).lie(near=1, end=2, tested=1, groups_opened=1)
+    assert check(line, Mode.FIRST).verdict == Verdict.NEAR
+    assert "engine status 2 in mode 1" in refused(ScriptedLine(near=NEAR[:1]).lie(near=1, end=2))
+    assert "engine status 2 in mode 0" in refused(ScriptedLine().lie(end=2), mode=Mode.FIRST)
+
+
+def says(code, payload=b""):
+    return lambda: (code, payload)
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "what"),
+    [
+        (Command.LOAD, Code.OTHER_SESSION, "was reset, or another master has taken it; verdict unknown"),
+        (Command.LOAD, Code.BAD_SEQUENCE, "LOAD: BAD_SEQUENCE: state lost; verdict unknown"),
+        (Command.LOAD, Code.OUT_OF_PLACE, "LOAD: OUT_OF_PLACE: state lost; verdict unknown"),
+        (Command.LOAD, Code.OVERFULL, "LOAD was refused: OVERFULL; verdict unknown"),
+        (Command.RUN, Code.COUNTS_DIFFER, "RUN: COUNTS_DIFFER: state lost; verdict unknown"),
+        (Command.RUN, Code.BUSY, "RUN: BUSY: state lost; verdict unknown"),
+        (Command.MOVE, Code.BAD_VALUE, "MOVE was refused: BAD_VALUE; verdict unknown"),
+        (Command.HELLO, Code.OTHER_SESSION, "belongs to another master: end that program, then repeat"),
+    ],
+)
+def test_refusals_are_said(command, code, what):
+    assert what in refused(ScriptedLine(answers={command: says(code)}))
+
+
+@pytest.mark.parametrize(
+    ("command", "payload", "what"),
+    [
+        (Command.LOAD, b"\x05\x00", "triangles loaded: 5, expected 6"),
+        (Command.LOAD, b"\x05", "Loaded: 1 bytes, must be 2: not this protocol"),
+        (Command.MOVE, bytes(11) + b"\x01", "pose: Pose(x=0, y=0, z=16777216), expected Pose(x=0, y=0, z=0)"),
+        (Command.RUN, b"\x02", "run number: 2, expected 1"),
+        (Command.RESULTS, bytes(7), "must be 50: not this protocol"),
+        (Command.HELLO, b"\x02" + bytes(20), "speaks protocol 02, this program 01: load the bitstream"),
+        (Command.HELLO, b"", "speaks protocol none, this program 01"),
+        (Command.HELLO, b"\x01", "Description: 1 bytes, must be 13: not this protocol"),
+    ],
+)
+def test_answers_to_another_question_are_said(command, payload, what):
+    assert what in refused(ScriptedLine(answers={command: says(Code.OK, payload)}))
+
+
+@pytest.mark.parametrize("command", Command)
+def test_silence_is_said(command):
+    line = ScriptedLine(answers={command: lambda: None})
+    if command in (Command.STATUS, Command.ABORT):
+        board = Board(line)
+        board.hello()
+        with pytest.raises(LinkError, match=f"no answer to {command.name}"):
+            (board.status if command == Command.STATUS else board.abort)()
+    else:
+        assert "no answer" in refused(line)
+    # A person waits for this line.
+    assert line.time < 8
+
+
+def test_the_same_frame_is_sent_again_until_it_is_answered():
+    line = ScriptedLine()
+    silences = iter([None, None])
+    move = Pose(0, 0, 0).pack()
+    line.answers[Command.MOVE] = lambda: next(silences, (Code.OK, move))
+    assert check(line).verdict == Verdict.CLEAR
+    moves = [frame for frame in line.frames if frame[1] == Command.MOVE]
+    assert len(moves) == 3
+    assert len(set(moves)) == 1
+    assert len(set(line.frames)) == len(line.frames) - 2
+
+
+def test_sessions_differ_and_are_never_0():
+    sessions = set()
+    for _ in range(20):
+        line = ScriptedLine()
+        Board(line).hello()
+        (body,) = Deframer().feed(line.frames[0])
+        sessions.add(body[2:6])
+    assert len(sessions) == 20
+    assert bytes(4) not in sessions
+
+
+def test_a_lost_session_is_begun_again():
+    line = ScriptedLine()
+    lost = iter([(Code.BAD_SEQUENCE, b"\x07")])
+    line.answers[Command.MOVE] = lambda: next(lost, (Code.OK, Pose(0, 0, 0).pack()))
+    assert check(line).verdict == Verdict.CLEAR
+    assert sum(frame[1] == Command.HELLO for frame in line.frames) == 2
+
+
+@pytest.mark.parametrize("field", ["command", "sequence", "session", "code"])
+def test_replies_to_others_are_not_heard(field):
+    line = ScriptedLine()
+    board = Board(line)
+    board.hello()
+    true = line.answer
+
+    def also_a_wrong_one(command, payload):
+        exchange = board._exchange
+        head = ReplyHead(command | 0x80, exchange._sequence, exchange._session, 0)
+        wrong = replace(head, **{field: getattr(head, field) ^ 0x40})
+        line.heard += encode(wrong.pack() + replace(line.status, flags=Flag.WATCHDOG_EXPIRED).pack())
+        line.heard += encode(b"") + encode(b"\x86")
+        return true(command, payload)
+
+    line.answer = also_a_wrong_one
+    assert board.status().flags == Flag.GO
+
+
+def test_meshes_too_large_for_the_board_are_refused():
+    assert "A: 65 facets: the board holds 64 a mesh" in refused(ScriptedLine(), a=np.repeat(A, 11, 0)[:65])
+    assert "B: 65 facets: the board holds 64 a mesh" in refused(ScriptedLine(), b=np.repeat(B, 13, 0))
+    assert "B: coordinates 40100..40144: the board's have 16 bits, -32768..32767" in refused(
+        ScriptedLine(), b=B + 40000
+    )
+    assert "A when moved: coordinates 0..32772" in refused(ScriptedLine(), pose=(0, 32720, 0))
+    small = ScriptedLine(board=replace(BOARD, margin_bits=4))
+    assert "margin 16: the board's has 4 bits, at most 15" in refused(small, margin=16)
+
+
+@pytest.mark.parametrize(
+    ("number", "what"),
+    [
+        (
+            errno.EACCES,
+            "no permission: join the port's group (Debian: adduser USER dialout) and log in again",
+        ),
+        (errno.EBUSY, "port in use: end the other program"),
+        (errno.EAGAIN, "port in use: end the other program"),
+    ],
+)
+def test_ports_that_others_hold(monkeypatch, number, what):
+    def refuse(*_, **__):
+        raise serial.SerialException(number, "could not open port")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    with pytest.raises(LinkError, match=re.escape(f"/dev/ttyUSB1: {what}")):
+        SerialLine("/dev/ttyUSB1")
+
+
+def test_ports_that_cannot_be_used(tmp_path):
+    with pytest.raises(LinkError, match="no such port: plug the board in"):
+        SerialLine(str(tmp_path / "none"))
+    with pytest.raises(LinkError, match=r"/dev/null: cannot be used as a serial port: .*not a|Inappropriate"):
+        SerialLine("/dev/null")
+    with pytest.raises(LinkError, match="cannot be used as a serial port"):
+        SerialLine(str(tmp_path))

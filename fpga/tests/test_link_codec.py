@@ -1,0 +1,152 @@
+"""Frames and layouts: what goes in comes out, and nothing else does."""
+
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from triaxis.fpga.link.framing import END, ESC, LONGEST, Deframer, decode, encode
+from triaxis.fpga.link.layout import LayoutError
+from triaxis.fpga.link.messages import (
+    MOST_NEAR,
+    Description,
+    LoadHead,
+    ReplyHead,
+    RequestHead,
+    Results,
+    ResultsHead,
+    Status,
+    pack_triangles,
+    triangles_per_load,
+    unpack_triangles,
+)
+
+# Bytes that matter to the framing, more often than by chance.
+special = st.sampled_from([END, ESC, 0xDC, 0xDD, 0x00, 0xFF])
+bodies = st.lists(special | st.integers(0, 255), max_size=LONGEST - 4).map(bytes)
+streams = st.binary(max_size=600)
+
+
+def test_a_frame_on_the_wire_byte_by_byte():
+    # The check value of CRC-32 as its catalogues give it, CBF43926 for these digits.
+    assert encode(b"123456789") == b"\xc0123456789\x26\x39\xf4\xcb\xc0"
+    stuffed = encode(bytes([END, 0x01, ESC]))
+    assert stuffed[:6] == b"\xc0\xdb\xdc\x01\xdb\xdd"
+
+
+@given(st.lists(bodies, max_size=5), st.lists(st.integers(1, 50), min_size=1, max_size=50))
+def test_frames_come_back_however_they_are_cut(sent, cuts):
+    wire = b"".join(map(encode, sent))
+    deframer, received = Deframer(), []
+    while wire:
+        cut = cuts[len(wire) % len(cuts)]
+        received += deframer.feed(wire[:cut])
+        wire = wire[cut:]
+    assert received == sent
+
+
+@given(bodies, bodies)
+def test_no_two_bodies_have_one_frame(one, other):
+    assert (encode(one) == encode(other)) == (one == other)
+
+
+@given(bodies)
+def test_ends_stand_only_at_the_ends(body):
+    frame = encode(body)
+    assert frame[0] == frame[-1] == END
+    assert END not in frame[1:-1]
+
+
+@given(streams, bodies)
+def test_a_frame_after_garbage_is_found(garbage, body):
+    assert Deframer().feed(garbage + encode(body))[-1:] == [body]
+
+
+@given(st.lists(streams, max_size=4))
+def test_garbage_is_never_a_frame(pieces):
+    deframer = Deframer()
+    for piece in pieces:
+        # A CRC that fits by chance comes once in 2^32; the empty body's is 0.
+        assert not any(deframer.feed(piece.replace(b"\0\0\0\0", b"")))
+
+
+@given(bodies, st.integers(0, 10**6), st.integers(1, 255))
+@example(b"\0" * 8, 3, 0xC0)
+def test_a_damaged_frame_is_none(body, place, change):
+    frame = bytearray(encode(body))
+    frame[place % len(frame)] ^= change
+    # Whatever the damage does, no other body comes of it; the outer ENDs may go without harm.
+    assert Deframer().feed(bytes(frame)) in ([], [body])
+    inner = bytes(frame[1:-1])
+    if 0 < place % len(frame) < len(frame) - 1:
+        assert all(decode(part) is None for part in inner.split(bytes([END])))
+
+
+@given(bodies, st.data())
+def test_a_frame_cut_short_is_none(body, data):
+    frame = encode(body)
+    kept = data.draw(st.integers(0, len(frame) - 2))
+    assert Deframer().feed(frame[:kept] + bytes([END])) == []
+
+
+def test_lengths_are_bounded():
+    longest = bytes(LONGEST - 4)
+    assert Deframer().feed(encode(longest)) == [longest]
+    with pytest.raises(ValueError, match="frame of 257 bytes: at most 256"):
+        encode(longest + b"\0")
+    deframer = Deframer()
+    # Noise without END fills no memory, and costs no more than itself.
+    for _ in range(100):
+        assert deframer.feed(b"\x55" * 1000) == []
+    assert len(deframer._partial) < 1000
+    assert deframer.feed(encode(b"x")) == [b"x"]
+
+
+@pytest.mark.parametrize(
+    ("record", "size"),
+    [(RequestHead, 6), (ReplyHead, 7), (Description, 13), (LoadHead, 4), (Status, 50), (ResultsHead, 5)],
+)
+def test_layouts_have_the_sizes_of_the_protocol(record, size):
+    assert record.size() == size
+    numbers = range(1, len(record.__dataclass_fields__) + 1)
+    assert record.unpack(record(*numbers).pack()) == record(*numbers)
+    with pytest.raises(LayoutError):
+        record.unpack(bytes(size + 1))
+
+
+def test_a_status_byte_by_byte():
+    status = Status(1, 2, 3, 4, -5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
+    words = struct.pack("<4B3i7I3H", 1, 2, 3, 4, -5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
+    assert status.pack() == words
+    with pytest.raises(struct.error):
+        Status(*[256] * 17).pack()
+
+
+@given(st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 65535)), max_size=MOST_NEAR))
+def test_results_come_back(near):
+    results = Results(Status(*range(17)), 7, np.array(near, np.int64).reshape(-1, 2))
+    back = Results.unpack(results.pack())
+    assert (back.status, back.start, back.near.tolist()) == (results.status, 7, [list(pair) for pair in near])
+    with pytest.raises(LayoutError):
+        Results.unpack(results.pack() + b"\0")
+
+
+@given(st.integers(8, 32), st.data())
+def test_triangles_come_back_at_every_width(width, data):
+    low, high = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    coordinate = st.integers(low, high) | st.sampled_from([low, high, -1, 0])
+    numbers = data.draw(st.lists(coordinate, min_size=9, max_size=9))
+    triangles = np.array(numbers * 2, np.int64).reshape(-1, 3, 3)
+    packed = pack_triangles(triangles, width)
+    assert len(packed) == 2 * 9 * -(-width // 8)
+    assert (unpack_triangles(packed, width) == triangles).all()
+    assert packed.startswith(numbers[0].to_bytes(-(-width // 8), "little", signed=True))
+
+
+@pytest.mark.parametrize(("width", "count"), [(8, 12), (16, 12), (24, 8), (32, 6)])
+def test_a_full_load_fits_a_frame(width, count):
+    assert triangles_per_load(width) == count
+    body = RequestHead(2, 0, 1).pack() + LoadHead(0, 0, count).pack() + bytes(count * 9 * -(-width // 8))
+    assert decode(encode(body)[1:-1]) == body

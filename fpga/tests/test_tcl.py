@@ -1,0 +1,195 @@
+"""The build script, really run by Tcl with the commands of Vivado recorded: order, options, refusals."""
+
+import re
+import subprocess
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, VIVADO, BoardParameters, Inputs
+from triaxis.fpga.vivado_run import STAGES, TimingError, run_vivado
+from triaxis.golden.errors import InputError
+
+pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
+
+from triaxis.fpga.tests.tcl_stand_in import Recorder
+from triaxis.fpga.tests.vivado_stand_in import Behaviour, calls, make_vivado
+
+REPORTS = (
+    "timing",
+    "utilisation",
+    "utilisation_hierarchy",
+    "power",
+    "drc",
+    "methodology",
+    "route_status",
+    "io",
+)
+
+
+def build(tmp_path, behaviour=None, activity=False, progress=None):
+    source, saif = tmp_path / "a.sv", tmp_path / "activity.saif"
+    source.write_text("module a; endmodule\n")
+    generics = BoardParameters().generics(0xDEADBEEF)
+    inputs = Inputs((source,), (tmp_path,), generics, saif if activity else None)
+    vivado = make_vivado(tmp_path / "bin", behaviour or Behaviour())
+    return run_vivado(vivado, inputs, tmp_path / "out", progress)
+
+
+def commands(tmp_path):
+    return [call[0] for call in calls(tmp_path / "bin")]
+
+
+def call_of(tmp_path, name):
+    (call,) = [call for call in calls(tmp_path / "bin") if call[0] == name]
+    return call
+
+
+def test_a_build_that_is_in_time(tmp_path):
+    steps = []
+    result = build(tmp_path, progress=steps.append)
+    assert result.bitstream == tmp_path / "out" / f"{TOP}.bit"
+    assert result.bitstream.read_bytes() == b"bits"
+    assert result.figures["wns_ns"] == 0.25
+    assert result.figures["whs_ns"] == 0.05
+    assert result.figures["dsps"] == 2
+    assert len(steps) == len(STAGES)
+    assert all((tmp_path / "out" / f"{name}.rpt").exists() for name in REPORTS)
+    flow = [name for name in commands(tmp_path) if name.endswith("_design") and not name.startswith("get")]
+    assert flow == ["synth_design", "opt_design", "place_design", "phys_opt_design", "route_design"]
+    assert commands(tmp_path)[-1] == "write_bitstream"
+
+
+def test_synthesis_is_given_the_parameters_the_part_and_the_constraints(tmp_path):
+    build(tmp_path)
+    synthesis = call_of(tmp_path, "synth_design")
+    generics = {value for option, value in pairwise(synthesis) if option == "-generic"}
+    assert generics == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
+    assert synthesis[synthesis.index("-part") + 1] == PART
+    assert synthesis[synthesis.index("-top") + 1] == TOP
+    assert call_of(tmp_path, "read_xdc")[-1] == str(CONSTRAINTS)
+    assert call_of(tmp_path, "read_verilog")[1:] == ["-sv", str(tmp_path / "a.sv")]
+
+
+def test_simulated_activity_is_read_before_the_power_report(tmp_path):
+    build(tmp_path, activity=True)
+    asked = commands(tmp_path)
+    assert asked.index("read_saif") < asked.index("report_power")
+    saif = call_of(tmp_path, "read_saif")
+    assert saif[-1] == str(tmp_path / "activity.saif")
+    assert saif[saif.index("-strip_path") + 1] == TOP
+
+
+def test_without_activity_none_is_read(tmp_path):
+    build(tmp_path)
+    assert "read_saif" not in commands(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "reason"),
+    [
+        (Behaviour(setup=-0.001), "worst slack -0.001 ns"),
+        (Behaviour(hold=-0.02), "worst hold slack -0.02 ns"),
+        (Behaviour(met=False), "not all constraints are met"),
+        (Behaviour(setup=None), "no constrained path"),
+        (Behaviour(hold=None), "no constrained path"),
+        (Behaviour(unrouted=2), "2 nets are not routed"),
+    ],
+)
+def test_no_bitstream_where_timing_or_routing_is_not_met(tmp_path, behaviour, reason):
+    old = tmp_path / "out" / f"{TOP}.bit"
+    old.parent.mkdir()
+    old.write_bytes(b"older")
+    with pytest.raises(TimingError, match=reason):
+        build(tmp_path, behaviour)
+    assert "write_bitstream" not in commands(tmp_path)
+    assert not old.exists()
+    assert (tmp_path / "out" / "timing.rpt").exists() or "no constrained" in reason
+
+
+@pytest.mark.parametrize("command", ["synth_design", "route_design", "report_drc", "write_bitstream"])
+def test_a_failure_of_the_tool_is_its_first_error(tmp_path, command):
+    with pytest.raises(InputError, match=rf"vivado: ERROR: \[Synth 8-439\] {command}: .*vivado.log"):
+        build(tmp_path, Behaviour(failing=command))
+
+
+def test_a_tool_that_ends_well_without_a_bitstream_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="no bitstream, exit status 0"):
+        build(tmp_path, Behaviour(writes_bitstream=False))
+
+
+def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
+    slow, started = tmp_path / "vivado", tmp_path / "child"
+    slow.write_text(f"#!/bin/sh\nsleep 600 &\necho $! > {started}\necho triaxis: stage: synthesis\nwait\n")
+    slow.chmod(0o755)
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_vivado(slow, Inputs((), ()), tmp_path / "out", interrupt)
+    state = Path(f"/proc/{int(started.read_text())}/stat")
+    # Gone, or dead and not yet collected.
+    assert not state.exists() or state.read_text().split()[2] == "Z"
+
+
+def test_a_tool_that_does_nothing_is_an_error(tmp_path):
+    silent = tmp_path / "vivado"
+    silent.write_text("#!/bin/sh\nexit 0\n")
+    silent.chmod(0o755)
+    with pytest.raises(InputError, match="no bitstream, exit status 0"):
+        run_vivado(silent, Inputs((), ()), tmp_path / "out")
+
+
+def test_paths_may_hold_what_tcl_would_read_otherwise(tmp_path):
+    folder = tmp_path / "a [b] {c $d"
+    folder.mkdir()
+    build(folder)
+    (source,) = [call[-1] for call in calls(folder / "bin") if call[0] == "read_verilog"]
+    assert Recorder().split(source) == (str(folder / "a.sv"),)
+
+
+def by_itself(tmp_path, behaviour, options):
+    """Run the script with an options file; return what Vivado answered."""
+    vivado, file = make_vivado(tmp_path, behaviour), tmp_path / "options.txt"
+    file.write_text("".join(f"{name}={value}\n" for name, value in options.items()))
+    command = [str(vivado), "-source", str(BUILD_SCRIPT), "-tclargs", str(file)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({}, "part is missing"),
+        ({"part": "x"}, "top is missing"),
+        ({"part": "x", "speed": "fast"}, "speed=fast: no such option"),
+    ],
+)
+def test_wrong_options_fail(tmp_path, options, says):
+    answer = by_itself(tmp_path, Behaviour(), options)
+    assert answer.returncode == 1
+    assert re.search(f"ERROR: .*{says}", answer.stdout)
+
+
+def test_without_options_it_says_how_to_call_it(tmp_path):
+    command = [str(make_vivado(tmp_path, Behaviour())), "-source", str(BUILD_SCRIPT), "-tclargs"]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert answer.returncode == 1
+    assert "ERROR: usage: -tclargs FILE" in answer.stdout
+
+
+def test_by_itself_it_removes_an_older_bitstream(tmp_path):
+    old = tmp_path / f"{TOP}.bit"
+    old.write_bytes(b"older")
+    options = {"part": PART, "top": TOP, "source": "a.sv", "xdc": "a.xdc", "out": tmp_path}
+    answer = by_itself(tmp_path, Behaviour(setup=-1), options)
+    assert answer.returncode == 3
+    assert "triaxis: refused: timing" in answer.stdout
+    assert not old.exists()
+
+
+def test_scripts_are_plain_ascii_and_name_every_stage():
+    for path in VIVADO.iterdir():
+        assert path.read_text(encoding="utf-8").isascii()
+    assert all(re.search(rf"^\s*stage {name}$", BUILD_SCRIPT.read_text(), re.MULTILINE) for name in STAGES)

@@ -1,0 +1,108 @@
+"""The constraints, run as Tcl: every port once, on the pin that the board's maker publishes."""
+
+import re
+from collections import Counter
+
+import pytest
+
+from triaxis.fpga.board_build import BOARD_RTL, CONSTRAINTS, PART, TOP
+from triaxis.fpga.pins import read_pins
+
+pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
+
+from triaxis.fpga.tests.tcl_stand_in import Recorder
+
+BOARD = read_pins()
+
+
+def constrained(path=CONSTRAINTS):
+    recorder = Recorder()
+    assert recorder.run(path) == 0
+    return recorder
+
+
+def port_properties(recorder):
+    """Return (port, property, value) of everything that is set on ports."""
+    found = []
+    for command, *arguments in recorder.calls:
+        if command != "set_property" or arguments[-1] == "":
+            continue
+        settings = recorder.split(arguments[1]) if arguments[0] == "-dict" else tuple(arguments[:2])
+        found += [(arguments[-1], *pair) for pair in zip(settings[::2], settings[1::2], strict=True)]
+    return found
+
+
+def pins_of(recorder):
+    return [(port, value) for port, name, value in port_properties(recorder) if name == "PACKAGE_PIN"]
+
+
+def test_every_port_is_on_its_published_pin_once():
+    found = pins_of(constrained())
+    assert Counter(port for port, _ in found) == Counter(BOARD.ports.keys())
+    assert dict(found) == BOARD.ports
+    assert max(Counter(pin for _, pin in found).values()) == 1
+
+
+def test_every_port_has_the_standard_of_its_bank():
+    found = [(port, value) for port, name, value in port_properties(constrained()) if name == "IOSTANDARD"]
+    assert dict(found) == dict.fromkeys(BOARD.ports, BOARD.io_standard)
+    assert len(found) == len(BOARD.ports)
+
+
+def test_go_falls_and_stop_rises_where_nothing_drives_them():
+    pulls = {port: value for port, name, value in port_properties(constrained()) if name == "PULLTYPE"}
+    assert pulls == {"go_o": "PULLDOWN", "stop_o": "PULLUP", "uart_rx_i": "PULLUP"}
+
+
+def test_clock_and_configuration_voltage():
+    calls = constrained().calls
+    assert ("set_property", "CFGBVS", "VCCO", "") in calls
+    assert ("set_property", "CONFIG_VOLTAGE", "3.3", "") in calls
+    (clock,) = [call for call in calls if call[0] == "create_clock"]
+    assert clock[-1] == "clk_100mhz_i"
+    assert float(clock[clock.index("-period") + 1]) == 1000 / BOARD.clock_mhz
+
+
+def test_all_other_pins_are_declared_asynchronous():
+    calls = [call for call in constrained().calls if call[0] == "set_false_path"]
+    named = {re.sub(r"\[\*\]", "", port) for call in calls for port in call[2].split()}
+    assert named == {port.partition("[")[0] for port in BOARD.ports} - {"clk_100mhz_i"}
+    directions = {port: call[1] for call in calls for port in call[2].split()}
+    assert all(way == ("-from" if port.endswith("i") else "-to") for port, way in directions.items())
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("PACKAGE_PIN C17", "PACKAGE_PIN C16"),
+        ("{led_o[3]}", "{led_o[4]}"),
+        ("PACKAGE_PIN C12", "PACKAGE_PIN E3"),
+        ("[get_ports {stop_o}]", "[get_ports {stop}]"),
+    ],
+)
+def test_a_wrong_pin_is_seen(tmp_path, old, new):
+    text = CONSTRAINTS.read_text()
+    assert text.count(old) == 1
+    broken = tmp_path / "broken.xdc"
+    broken.write_text(text.replace(old, new))
+    found = pins_of(constrained(broken))
+    assert len(dict(found)) < len(BOARD.ports) or dict(found) != BOARD.ports
+
+
+def test_the_constraints_name_the_ports_of_the_top():
+    top = BOARD_RTL / f"{TOP}.sv"
+    if not top.exists():
+        pytest.skip(f"{top} is not there")
+    declared = re.findall(
+        r"^\s*(?:input|output)\s+(?:logic\s+)?(?:\[(\d+):0\]\s*)?(\w+)\s*,?\s*(?://.*)?$",
+        top.read_text(),
+        re.MULTILINE,
+    )
+    bits = {
+        name if not high else f"{name}[{i}]" for high, name in declared for i in range(int(high or 0) + 1)
+    }
+    assert bits == BOARD.ports.keys()
+
+
+def test_part():
+    assert BOARD.part == PART

@@ -1,0 +1,175 @@
+"""How much operand gating saves: toggles of all multipliers with it against without, on the same pairs.
+
+Toggles are counted in RTL simulation, bit by bit, on the operands, the registers behind the partial
+products, and the products of every instance of triaxis_mul.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from triaxis.coverage.whole_files import write_whole
+from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.golden.spatial_order import spatial_order
+from triaxis.verif.activity_streams import WIDTH, Stream, scene_meshes, scene_stream
+from triaxis.verif.configuration import Configuration
+from triaxis.verif.evidence import write_evidence
+from triaxis.verif.expectation import expected_words
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.paths import BUILD, DUT
+from triaxis.verif.saif import Activity, read_saif
+from triaxis.verif.scenes import Scene, scenes
+from triaxis.verif.traced_core import TracedCore
+from triaxis.verif.traced_mesh import TracedMeshEngine
+
+RESULT = BUILD / "fpga" / "activity.json"
+SAIF = BUILD / "fpga" / "activity.saif"
+
+# What a scene with one undecided pair in a hundred may toggle of an ungated design.
+BOUND = 0.03
+GATED = Configuration(WIDTH, WIDTH)
+UNGATED = replace(GATED, gating=False)
+
+# What the power report of a bitstream goes by.
+ENGINE = MeshConfiguration(WIDTH, WIDTH)
+SAIF_SCENE = scenes()[0]
+
+_OPERANDS, _PIECES, _PRODUCT = ("a_i", "b_i"), "piece_q", "product_o"
+
+
+@dataclass(frozen=True)
+class MultiplierToggles:
+    """Toggles of all multipliers: of their operands, of the registers in them, and of their products."""
+
+    multipliers: int
+    operands: int
+    registers: int
+    products: int
+
+    @property
+    def total(self) -> int:
+        """Return all of them."""
+        return self.operands + self.registers + self.products
+
+
+@dataclass(frozen=True)
+class Row:
+    """One stream of pairs through both designs."""
+
+    name: str
+    pairs: int
+    undecided: int
+    margin: int
+    gated: MultiplierToggles
+    ungated: MultiplierToggles
+
+    @property
+    def ratio(self) -> float:
+        """Return the gated design's share of the ungated one's toggles."""
+        return self.gated.total / self.ungated.total
+
+    @property
+    def within_bound(self) -> bool:
+        """Return whether gating saves enough."""
+        return self.ratio <= BOUND
+
+
+def multiplier_toggles(activity: Activity) -> MultiplierToggles:
+    """Return the toggles of all instances of triaxis_mul, known by its ports.
+
+    Raises InputError where there is none, or none that toggles.
+    """
+    wanted = {*_OPERANDS, _PRODUCT}
+    found = [path for path, nets in activity.instances.items() if wanted <= nets.keys()]
+    counted = MultiplierToggles(
+        len(found),
+        sum(activity.instances[path][signal] for path in found for signal in _OPERANDS),
+        sum(activity.inside(path, _PIECES) for path in found),
+        sum(activity.instances[path][_PRODUCT] for path in found),
+    )
+    # Nothing counted would pass every bound.
+    if not all((counted.multipliers, counted.operands, counted.registers, counted.products)):
+        raise InputError(
+            f"activity: no toggles of multipliers in the trace ({counted}): nothing was measured"
+        )
+    return counted
+
+
+def trace(stream: Stream, configuration: Configuration, file: Path, dut: Path = DUT) -> MultiplierToggles:
+    """Send a stream through the core, leave its activity in ``file``, and return the multipliers' toggles.
+
+    Raises InputError where an answer is wrong: the activity of a broken core is worth nothing.
+    """
+    margins = np.full(len(stream.pairs), stream.margin, np.int64)
+    words = TracedCore(configuration, dut).run(stream.pairs, margins, file)
+    wrong = words != expected_words(bulk_facts(stream.pairs, margins), configuration)
+    if wrong.any():
+        raise InputError(
+            f"activity: {stream.name}, {configuration.name}: {int(wrong.sum())} of {len(words)} answers wrong"
+        )
+    return multiplier_toggles(read_saif(file))
+
+
+def measure(
+    streams: Sequence[Stream], dut: Path = DUT, progress: Callable[[int], None] | None = None
+) -> list[Row]:
+    """Measure all streams; ``progress`` is told of each that is done with."""
+    rows: list[Row] = []
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "core.saif"
+        for stream in streams:
+            gated, ungated = trace(stream, GATED, file, dut), trace(stream, UNGATED, file, dut)
+            undecided = int(stream.undecided.sum())
+            rows.append(Row(stream.name, len(stream.pairs), undecided, stream.margin, gated, ungated))
+            if progress:
+                progress(1)
+    return rows
+
+
+def trace_scene(scene: Scene, file: Path = SAIF, dut: Path = DUT) -> MultiplierToggles:
+    """Run a scene on the mesh engine, leave its activity in ``file``, and return the multipliers' toggles.
+
+    The margin is that of the scene's stream. Raises InputError where the number of near pairs is wrong.
+    """
+    stream, (a, b) = scene_stream(scene), scene_meshes(scene)
+    order_a, order_b = spatial_order(a, ENGINE.group), spatial_order(b, ENGINE.group)
+    found = TracedMeshEngine(ENGINE, dut).count_near(a[order_a], b[order_b], stream.margin, file)
+    write_whole(file, in_place(file.read_text()))
+    right = int(bulk_facts(stream.pairs, stream.margin).near.sum())
+    if found != right:
+        raise InputError(
+            f"activity: {scene.name}: the mesh engine finds {found} near pairs, there are {right}"
+        )
+    return multiplier_toggles(read_saif(file))
+
+
+def in_place(engine: str) -> str:
+    """Return the activity of an engine by itself (SAIF) as that of the engine in the board's top."""
+    for alone, placed in (("TOP", TOP), ("triaxis_mesh", ENGINE_INSTANCE)):
+        engine = re.sub(rf"\(INSTANCE {alone}\b", f"(INSTANCE {placed}", engine, count=1)
+    return engine
+
+
+def write_result(rows: Sequence[Row], engine: MultiplierToggles, seed: int, seconds: float) -> Path:
+    """Write `RESULT`: all rows, and the mesh engine on the scene of `SAIF`."""
+    beyond = [row for row in rows if not row.within_bound]
+    worst = max(row.ratio for row in rows)
+    content = {
+        "passed": not beyond,
+        "problems": [f"{row.name}: {100 * row.ratio:.2f} % of the ungated toggles" for row in beyond],
+        "summary": f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles",
+        "command": f"triaxis activity --seed {seed}",
+        "seconds": round(seconds, 1),
+        "seed": seed,
+        "bound": BOUND,
+        "worst": worst,
+        "streams": [{**asdict(row), "ratio": row.ratio, "within_bound": row.within_bound} for row in rows],
+        "engine": {"scene": SAIF_SCENE.name, "saif": SAIF.name, **asdict(engine)},
+    }
+    return write_evidence(RESULT, content)

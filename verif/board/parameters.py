@@ -1,0 +1,55 @@
+"""The parameters with which the board is built."""
+
+from dataclasses import dataclass
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import check_width
+
+
+@dataclass(frozen=True)
+class BoardParameters:
+    """Parameters of nexys4ddr_top; see its header. The defaults suit simulation: a small, fast board.
+
+    ``clocks_per_bit`` and ``watchdog_clocks`` are in clocks of 10 ns. Raises InputError where they are out
+    of range.
+    """
+
+    width: int = 16
+    margin_bits: int = 16
+    depth: int = 64
+    group: int = 8
+    lanes: int = 8
+    clocks_per_bit: int = 4
+    watchdog_clocks: int = 10_000_000
+    build_id: int = 0
+    digit_clocks: int = 16
+
+    def __post_init__(self) -> None:
+        """Check the limits that the RTL checks at elaboration."""
+        check_width(self.width)
+        if not 0 <= self.margin_bits <= self.width:
+            raise InputError(
+                f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
+            )
+        if self.clocks_per_bit < 4:
+            raise InputError(f"clocks per bit {self.clocks_per_bit}: must be at least 4")
+
+    @property
+    def name(self) -> str:
+        """Return a short name, for folders."""
+        return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}"
+
+    @property
+    def rtl(self) -> dict[str, int]:
+        """Return the RTL's parameters."""
+        return {
+            "W": self.width,
+            "M": self.margin_bits,
+            "Depth": self.depth,
+            "Group": self.group,
+            "Lanes": self.lanes,
+            "ClocksPerBit": self.clocks_per_bit,
+            "WatchdogClocks": self.watchdog_clocks,
+            "BuildId": self.build_id,
+            "DigitClocks": self.digit_clocks,
+        }

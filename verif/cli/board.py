@@ -1,0 +1,122 @@
+"""``triaxis board``: two STL meshes on the board, the board's status, a simulated board to try it on."""
+
+import argparse
+from fractions import Fraction
+from pathlib import Path
+
+from triaxis.fpga.link.board import Board
+from triaxis.fpga.link.codes import Mode
+from triaxis.fpga.link.line import SerialLine
+from triaxis.verif.board.parameters import BoardParameters
+from triaxis.verif.board.pseudo_terminal import PseudoTerminal, Wire, serve
+from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.verif.cli.board_check import about, check, checkout_id, output_of, warn_of_build
+from triaxis.verif.cli.numbers import number
+
+# Of the simulated board, some 0.2 s: it runs about 250,000 clocks a second.
+_WATCHDOG_CLOCKS = 50_000
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "board",
+        help="decide on the board, over its serial port",
+        description="Load meshes into the board, run it, and print what it finds; ask for its status; or "
+        "serve a simulated board at a port of its own.",
+    )
+    actions = parser.add_subparsers(required=True, metavar="ACTION")
+    _add_check(actions)
+    status = actions.add_parser(
+        "status",
+        help="say what the board is and how it stands",
+        description="Say what the board is and how it stands. This takes the board: its output says stop, "
+        "and its meshes are emptied. A board in use by another program is not taken.",
+    )
+    _add_port(status)
+    status.set_defaults(run=_status)
+    _add_simulate(actions)
+
+
+def _add_port(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--port", required=True, metavar="DEV", help="the serial port, as /dev/ttyUSB1")
+
+
+def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = actions.add_parser(
+        "check",
+        help="decide whether two STL meshes come within a clearance, on the board",
+        description="Decide on the board what `triaxis check` decides. The verdict is unknown, with exit "
+        "code 2, where anything about the board's answer is not as it must be.",
+        epilog="Exit codes: 0 clear, 1 near, 2 error: the verdict is unknown.",
+    )
+    parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
+    parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
+    _add_port(parser)
+    parser.add_argument(
+        "--resolution", type=number, default=Fraction(1, 100), metavar="R",
+        help="one step of the grid, in the files' unit (0.01)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--clearance", type=number, default=Fraction(1, 2), metavar="C",
+        help="wanted clearance, in the files' unit (0.5); 0 is touching",
+    )  # fmt: skip
+    parser.add_argument(
+        "--move", type=number, nargs=3, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
+        help="move A first, in the files' unit",
+    )  # fmt: skip
+    modes = parser.add_mutually_exclusive_group()
+    for mode, what in (
+        (Mode.ALL, "find all near pairs (the default)"),
+        (Mode.COUNT, "count the near pairs only"),
+        (Mode.FIRST, "stop at the first near pair"),
+    ):
+        modes.add_argument(f"--{mode.name.lower()}", dest="mode", action="store_const", const=mode, help=what)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
+    parser.add_argument(
+        "--hold", action="store_true", help="when clear, keep the board's output at go until interrupted"
+    )
+    parser.set_defaults(run=check, mode=Mode.ALL)
+
+
+def _add_simulate(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = actions.add_parser(
+        "simulate",
+        help="serve a simulated board at a pseudo-terminal",
+        description="Simulate the board's whole design, print the path of its serial port, and serve it "
+        "until interrupted.",
+    )
+    parser.add_argument("--width", type=int, default=16, metavar="W", help="coordinate bits (16)")
+    parser.add_argument(
+        "--depth", type=int, default=4096, metavar="N", help="triangles a mesh, a power of two (4096)"
+    )
+    parser.add_argument("--once", action="store_true", help="end when the first program closes the port")
+    parser.set_defaults(run=_simulate)
+
+
+def simulated_parameters(width: int, depth: int) -> BoardParameters:
+    """Return the parameters of a simulated board that is served in real time."""
+    return BoardParameters(width, width, depth, watchdog_clocks=_WATCHDOG_CLOCKS, build_id=checkout_id())
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    """Serve a simulated board."""
+    top = SimulatedTop(simulated_parameters(options.width, options.depth))
+    terminal = PseudoTerminal()
+    try:
+        print(terminal.path, flush=True)
+        serve(top, terminal, Wire(), lambda: False, options.once)
+    finally:
+        terminal.close()
+    return 0
+
+
+def _status(options: argparse.Namespace) -> int:
+    """Print what the board is and how it stands."""
+    with Board(SerialLine(options.port)) as board:
+        description = board.hello()
+        status = board.status()
+    print(f"board: {about(description)}")
+    print(f"output: {output_of(status)}; {status.errors} errors on the line since its power-up")
+    warn_of_build(description)
+    return 0

@@ -1,0 +1,175 @@
+"""A check on the board: what goes there, and what is printed of what comes back."""
+
+import argparse
+import time
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.fpga.bitstream import build_id
+from triaxis.fpga.link.audit import Verdict
+from triaxis.fpga.link.board import Board
+from triaxis.fpga.link.check import BoardCheck, check_on_board
+from triaxis.fpga.link.codes import Flag, Mode, RunEnd
+from triaxis.fpga.link.errors import LinkError
+from triaxis.fpga.link.line import SerialLine
+from triaxis.fpga.link.messages import Description, Pose, Status
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.pose import Pose as RealPose
+from triaxis.golden.stl import read_stl
+from triaxis.verif.build import rtl_hash
+from triaxis.verif.cli.progress import progress_bar
+from triaxis.verif.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.verif.scene_engines import SceneRun
+from triaxis.verif.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+
+CLEAR, NEAR = 0, 1
+_LISTED = 10
+# Between two signs of life: the board's watchdog waits 100 ms.
+_HOLD_SECONDS = 0.03
+
+
+def checkout_id() -> int:
+    """Return what a board built of this checkout's RTL says."""
+    return build_id(rtl_hash())
+
+
+def about(board: Description) -> str:
+    """Return what the board is, in a line."""
+    return (
+        f"{board.width} bits, margin {board.margin_bits} bits, {board.depth} facets a mesh, groups of "
+        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, RTL {board.build:08x}"
+    )
+
+
+def output_of(status: Status) -> str:
+    """Return what the board's collision output says."""
+    return "go" if status.flags & Flag.GO else "stop"
+
+
+def warn_of_build(board: Description) -> None:
+    """Print a warning where the board was not built of this checkout's RTL."""
+    ours = checkout_id()
+    if board.build != ours:
+        print(f"warning: the board's RTL is {board.build:08x}, this checkout's is {ours:08x}")
+
+
+def steps_of(meshes: MeshPair) -> npt.NDArray[np.int64]:
+    """Return the move in whole steps (3,), less where A would be loaded out of range.
+
+    A is loaded where it stands less these steps, and the board moves it by them: together exact.
+    """
+    low, high = coordinate_range(meshes.grid.width)
+    wanted = [round(x / meshes.grid.resolution) for x in meshes.move]
+    least, most = meshes.a.max((0, 1)) - high, meshes.a.min((0, 1)) - low
+    return np.array([min(max(w, int(lo)), int(hi)) for w, lo, hi in zip(wanted, least, most, strict=True)])
+
+
+def check(options: argparse.Namespace) -> int:
+    """Check the meshes on the board and print what was found."""
+    if options.clearance < 0:
+        raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
+    check_written(options.json, (options.a, options.b))
+    if options.json:
+        # Whatever happens now, no older verdict is left there.
+        write_report(options.json, {"verdict": "unknown"})
+    mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
+    with Board(SerialLine(options.port)) as board:
+        description = board.hello()
+        warn_of_build(description)
+        meshes = prepare(
+            mesh_a,
+            mesh_b,
+            (str(options.a), str(options.b)),
+            options.resolution,
+            options.clearance,
+            description.width,
+            RealPose(move=tuple(options.move)),
+        )
+        steps = steps_of(meshes)
+        loaded = meshes.a - steps
+        with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
+            pose = Pose(*map(int, steps))
+            found = check_on_board(board, loaded, meshes.b, meshes.margin, pose, options.mode, progress)
+        output = output_of(board.status())
+        _print(options, meshes, found, description)
+        print(f"output: {output}")
+        if options.json:
+            write_report(options.json, _report(options, meshes, found, description))
+        if options.hold and found.verdict == Verdict.CLEAR:
+            _hold(board)
+    return NEAR if found.verdict == Verdict.NEAR else CLEAR
+
+
+def _hold(board: Board) -> None:
+    """Keep the link alive until interrupted; raises LinkError when the output says stop."""
+    while board.status().flags & Flag.GO:
+        time.sleep(_HOLD_SECONDS)
+    raise LinkError("the board's output says stop: the link was disturbed; check again")
+
+
+def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, board: Description) -> None:
+    grid, status = meshes.grid, found.status
+    offset = ", ".join(f"{float(x):g}" for x in grid.offset)
+    print(f"A: {options.a}, {len(meshes.a)} facets; B: {options.b}, {len(meshes.b)} facets")
+    print(
+        f"grid: {grid.width} bits, resolution {float(grid.resolution):g}, offset ({offset}), rounding at "
+        f"most {float(grid.rounding_bound):g}; margin {meshes.margin} steps"
+    )
+    print(f"board: {about(board)}")
+    print(
+        f"facet pairs: {len(meshes.a) * len(meshes.b)}; skipped by their own boxes: {status.pairs_skipped}; "
+        f"tested: {status.tested}"
+    )
+    print(
+        f"group pairs skipped: {status.groups_skipped}; opened: {status.groups_opened}; {status.cycles} "
+        f"cycles, {milliseconds(status.cycles):.3g} ms at 100 MHz"
+    )
+    clearance = f"{float(options.clearance):g}"
+    if found.verdict == Verdict.CLEAR:
+        print(f"CLEAR: no facets come within {clearance}")
+        if one_box_holds_the_other(meshes.a, meshes.b):
+            print("note: one mesh's box holds the other's; only surfaces are compared, not insides")
+        return
+    count = "at least 1" if options.mode == Mode.FIRST else status.near
+    print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
+    for i, j in found.near[:_LISTED]:
+        distance = float(exact_distance(meshes, int(i), int(j)))
+        print(f"  facet {i} of A, facet {j} of B: exact distance {distance:g}")
+    if len(found.near) > _LISTED:
+        print(f"  .. and {len(found.near) - _LISTED} more")
+
+
+def _report(
+    options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, board: Description
+) -> dict[str, Any]:
+    """Return what `triaxis check` reports, and the board itself."""
+    status, pairs = found.status, len(meshes.a) * len(meshes.b)
+    complete = status.end == RunEnd.COMPLETE
+    run = SceneRun(
+        # What a run that stopped early has left out was not skipped.
+        pairs - status.pairs_skipped - status.tested if complete else 0,
+        status.pairs_skipped,
+        status.tested,
+        status.near,
+        found.near,
+        status.groups_skipped,
+        status.groups_opened,
+        status.cycles,
+    )
+    return {
+        "verdict": found.verdict.value,
+        "a": {"file": options.a, "facets": len(meshes.a)},
+        "b": {"file": options.b, "facets": len(meshes.b)},
+        "pose": {"rotate": [], "move": meshes.move},
+        "clearance": options.clearance,
+        "grid": grid_entry(meshes.grid),
+        "margin": meshes.margin,
+        "engine": "board",
+        "mode": options.mode.name.lower(),
+        "board": board,
+        "status": status,
+        **run_entry(run, pairs),
+    }

@@ -1,0 +1,370 @@
+"""Host program, serial port, UART, engine and core together; and what a bad line can do to them."""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.fpga.link.audit import Verdict
+from triaxis.fpga.link.board import Board
+from triaxis.fpga.link.check import check_on_board
+from triaxis.fpga.link.codes import Mesh, Mode, RunEnd
+from triaxis.fpga.link.errors import LinkError
+from triaxis.fpga.link.line import SerialLine
+from triaxis.fpga.link.messages import Pose
+from triaxis.golden.judge import judge_pairs
+from triaxis.golden.pose import Pose as RealPose
+from triaxis.golden.stl import StlMesh
+from triaxis.verif import scenes
+from triaxis.verif.board.pseudo_terminal import PseudoTerminal, ServedBoard, Wire, serve
+from triaxis.verif.board.simulated_line import SimulatedLine, SimulatedWire
+from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.verif.cli import board_check as board_check_module
+from triaxis.verif.cli import main
+from triaxis.verif.cli.board import simulated_parameters
+from triaxis.verif.meshcheck import check_meshes, prepare
+from triaxis.verif.tests.line_faults import LineFaults, StaleReplies
+
+TRIAXIS = Path(sys.executable).with_name("triaxis")
+GONE = "the port is gone: plug the board in again and repeat; verdict unknown"
+# One build for all tests.
+PARAMETERS = simulated_parameters(16, 512)
+# Simulated seconds are such that the client waits 15,000 clocks for a reply before it asks again.
+CLOCKS_PER_SECOND = 300_000
+
+
+@pytest.fixture
+def top():
+    with SimulatedTop(PARAMETERS) as board:
+        yield board
+        assert board.bad_clocks == 0
+
+
+def one_near_pair(rng, near=True):
+    """Return two meshes of small triangles (N, 3, 3), and the only pair within a margin of 2, if any."""
+    places = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 3), -1).reshape(-1, 3) * 100
+    # Two LOADs each.
+    triangles = rng.permutation(places)[: 14 + 13, None, :] + rng.integers(0, 20, (27, 3, 3))
+    a, b = triangles[:14], triangles[14:].copy()
+    i, j = int(rng.integers(14)), int(rng.integers(13))
+    if near:
+        b[j] = a[i] + np.array([0, 0, 2])
+    return a, b, (i, j)
+
+
+def check(board, a, b, margin=2):
+    board.hello()
+    return check_on_board(board, a, b, margin, Pose(0, 0, 0), Mode.ALL)
+
+
+def prepared(scene, move=(0, 0, 0)):
+    meshes = StlMesh(scene.a, Fraction(0)), StlMesh(scene.b, Fraction(0))
+    x, y, z = map(Fraction, move)
+    pose = RealPose(move=(x, y, z))
+    return prepare(*meshes, ("a", "b"), Fraction(1, 100), Fraction(1, 2), 16, pose)
+
+
+def board_check(capsys, *arguments):
+    """Return exit code, output and errors of `triaxis board check`."""
+    status = main(["board", "check", *map(str, arguments)])
+    out, error = capsys.readouterr()
+    return status, out, error
+
+
+@pytest.mark.parametrize("number", [1, 3, 4])
+def test_the_scenes_through_the_serial_port(number, top, tmp_path, capsys):
+    scene, a, b = scenes.write_scenes(tmp_path)[number]
+    golden = check_meshes(prepared(scene), judge_pairs, 10**6)
+    report = tmp_path / "report.json"
+    with ServedBoard(top) as served:
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--json", report)
+    assert (status, error) == (int(scene.near), "")
+    said = json.loads(report.read_text())
+    assert list(map(tuple, said["near"])) == list(golden.near)
+    assert said["status"]["near"] == golden.near_count
+    assert said["verdict"] == ("near" if scene.near else "clear")
+    assert "warning" not in out
+    assert ("output: stop" if scene.near else "output: go") in out
+    assert (f"NEAR: {golden.near_count} facet" if scene.near else "CLEAR: no facets come within 0.5") in out
+
+
+@pytest.fixture
+def boxes(tmp_path):
+    """Return the files of two boxes, 2 mm apart along z, and what they hold."""
+    a, b = scenes.box((0, 0, 2), (10, 10, 12)), scenes.box((2, 2, -8), (8, 8, 0))
+    paths = tmp_path / "a.stl", tmp_path / "b.stl"
+    scenes.write_stl(paths[0], a)
+    scenes.write_stl(paths[1], b)
+    return *paths, scenes.Scene("boxes", a, b, False)
+
+
+def test_modes_and_moves(top, boxes, capsys):
+    a, b, scene = boxes
+    move = ("0.1234", "-0.5", "-1.6")
+    golden = check_meshes(prepared(scene, move), judge_pairs, 10**6)
+    assert golden.near_count == 18
+    with ServedBoard(top) as served:
+        options = (a, b, "--port", served.path, "--move", *move)
+        moved = board_check(capsys, *options)
+        counted = board_check(capsys, *options, "--count")
+        first = board_check(capsys, *options, "--first")
+    assert [status for status, _, _ in (moved, counted, first)] == [1, 1, 1]
+    first_ten = [f"  facet {i} of A, facet {j} of B: exact distance 0.4" for i, j in golden.near[:10]]
+    assert listed(moved[1]) == first_ten
+    assert "  .. and 8 more\n" in moved[1]
+    assert f"NEAR: {golden.near_count} facet pairs" in moved[1]
+    assert f"NEAR: {golden.near_count} facet pairs" in counted[1]
+    assert listed(counted[1]) == []
+    assert "NEAR: at least 1 facet pairs" in first[1]
+    assert len(listed(first[1])) == 1
+    assert listed(first[1])[0].endswith("exact distance 0.4")
+
+
+def listed(out):
+    return [line for line in out.splitlines() if line.startswith("  facet")]
+
+
+def test_a_move_that_no_grid_of_the_board_could_hold_loaded(top, boxes, capsys):
+    a, b, _ = boxes
+    # The unmoved A would be 2 metres away: it is loaded as far off as the board's 16 bits allow.
+    far = a.with_name("far.stl")
+    scenes.write_stl(far, scenes.box((2000, 0, 2), (2010, 10, 12)))
+    with ServedBoard(top) as served:
+        clear = board_check(capsys, far, b, "--port", served.path, "--move", "-2000", "0", "0")
+        near = board_check(capsys, far, b, "--port", served.path, "--move", "-2000", "0", "-1.9")
+    assert (clear[0], near[0]) == (0, 1)
+
+
+def test_more_near_pairs_than_the_ring_holds(top, rng):
+    a, b = rng.integers(-9, 9, (40, 3, 3)), rng.integers(-9, 9, (30, 3, 3))
+    board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
+    found = check(board, a, b, margin=20)
+    assert found.near.tolist() == [[i, j] for i in range(40) for j in range(30)]
+
+
+def test_a_run_that_is_interrupted_is_aborted(top, rng):
+    a, b = rng.integers(-9, 9, (40, 3, 3)), rng.integers(-9, 9, (40, 3, 3))
+    board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
+    board.hello()
+    board.load(Mesh.A, a)
+    board.load(Mesh.B, b)
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        board.run(Mode.ALL, 20, interrupt)
+    assert board.status().end == RunEnd.ABORTED
+
+
+def attempt(board, a, b):
+    """Return the verdict and the near pairs of a check, or None where the verdict is unknown."""
+    try:
+        found = check(board, a, b)
+    except LinkError as error:
+        assert "\n" not in str(error)
+        return None
+    return found.verdict, found.near.tolist()
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_a_bad_line_costs_the_verdict_and_never_makes_one(number, top, rng):
+    faults = [LineFaults(rng, 0), LineFaults(rng, 0)]
+    wire = SimulatedWire(top, CLOCKS_PER_SECOND, Wire(*faults))
+    # Three in four scenes have one near pair: a false clear needs but one lost triangle.
+    near = number % 4 != 0
+    a, b, pair = one_near_pair(rng, near)
+    right = (Verdict.NEAR, [list(pair)]) if near else (Verdict.CLEAR, [])
+    # The line remembers the frames of a check that was clear.
+    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == (Verdict.CLEAR, [])
+    assert top.go
+    board = Board(SimulatedLine(wire))
+    board.hello()
+    went = top.go_clocks
+    for line_faults in faults:
+        line_faults.rate = rng.choice([0.1, 0.2, 0.4])
+    assert attempt(board, a, b) in (None, right)
+    for line_faults in faults:
+        line_faults.rate = 0
+    assert attempt(Board(SimulatedLine(wire)), a, b) == right
+    assert top.go == (not near)
+    assert near == (top.go_clocks == went)
+    print(*(line_faults.counts for line_faults in faults))
+
+
+def test_a_stale_clear_is_not_believed(top, rng):
+    stale = StaleReplies()
+    wire = SimulatedWire(top, CLOCKS_PER_SECOND, Wire(to_host=stale))
+    a, b, pair = one_near_pair(rng)
+    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == (Verdict.CLEAR, [])
+    stale.replaying = True
+    assert attempt(Board(SimulatedLine(wire)), a, b) == (Verdict.NEAR, [list(pair)])
+
+
+def test_a_bad_line_through_the_serial_port(top, rng):
+    faults = [LineFaults(rng, 0.1), LineFaults(rng, 0.1)]
+    a, b, pair = one_near_pair(rng)
+    with ServedBoard(top, Wire(*faults)) as served:
+        verdicts = []
+        for rate in (0.1, 0.1, 0):
+            for line_faults in faults:
+                line_faults.rate = rate
+            with Board(SerialLine(served.path)) as board:
+                verdicts.append(attempt(board, a, b))
+    right = (Verdict.NEAR, [list(pair)])
+    assert verdicts[-1] == right
+    assert all(verdict in (None, right) for verdict in verdicts)
+    assert top.go_clocks == 0
+
+
+def test_unplugged_while_loading(top, boxes, tmp_path, capsys):
+    a, b, _ = boxes
+    passed, report = [], tmp_path / "report.json"
+    report.write_text('{"verdict": "clear"}')
+    loading = threading.Event()
+
+    def count(data):
+        passed.append(data)
+        if sum(map(len, passed)) > 200:
+            loading.set()
+        return data
+
+    with ServedBoard(top, Wire(to_board=count)) as served:
+        threading.Thread(target=lambda: loading.wait(60) and served.unplug(), daemon=True).start()
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--json", report)
+    assert (status, out) == (2, "")
+    assert error == f"triaxis: error: {served.path}: {GONE}\n"
+    # The older verdict is gone too.
+    assert json.loads(report.read_text()) == {"verdict": "unknown"}
+    assert top.stop
+
+
+def test_unplugged_while_the_output_says_go(top, boxes, capsys):
+    a, b, _ = boxes
+    held = threading.Event()
+
+    def watch(data):
+        if top.go_clocks > PARAMETERS.watchdog_clocks:
+            held.set()
+        return data
+
+    with ServedBoard(top, Wire(to_host=watch)) as served:
+        threading.Thread(target=lambda: held.wait(60) and served.unplug(), daemon=True).start()
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
+    assert "output: go" in out
+    assert status == 2
+    assert error == f"triaxis: error: {served.path}: {GONE}\n"
+    assert top.go
+    top.step(PARAMETERS.watchdog_clocks + 100)
+    assert top.stop
+
+
+def test_a_port_is_for_one_program(top, capsys):
+    with ServedBoard(top) as served, Board(SerialLine(served.path)) as board:
+        board.hello()
+        assert main(["board", "status", "--port", served.path]) == 2
+        assert capsys.readouterr().err == (
+            f"triaxis: error: {served.path}: port in use: end the other program\n"
+        )
+        assert board.status().errors == 0
+
+
+def test_a_second_master_is_refused_while_the_first_lives(top, rng):
+    wire = SimulatedWire(top, CLOCKS_PER_SECOND)
+    first, second = Board(SimulatedLine(wire)), Board(SimulatedLine(wire))
+    a, b, pair = one_near_pair(rng)
+    order = []
+
+    def keeps_asking(step):
+        # Between two frames of the first, and then with its replies among our own.
+        order.append(step)
+        with pytest.raises(LinkError, match="belongs to another master: end that program"):
+            second.hello(seconds=0.1)
+
+    first.hello()
+    found = check_on_board(first, a, b, 2, Pose(0, 0, 0), Mode.ALL, keeps_asking)
+    assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
+    assert len(order) > 3
+    # The first falls silent: the second waits for its watchdog.
+    a, b, _ = one_near_pair(rng, near=False)
+    assert check(second, a, b).verdict == Verdict.CLEAR
+    assert top.go
+    # Whatever the first then asks for only stops the machine.
+    with pytest.raises(LinkError, match="was reset, or another master has taken it; verdict unknown"):
+        first.run(Mode.ALL, 2)
+    assert top.stop
+    assert second.status().errors > 0
+
+
+def test_a_board_that_was_reset_says_so(top, rng):
+    board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
+    a, b, _ = one_near_pair(rng, near=False)
+    assert check(board, a, b).verdict == Verdict.CLEAR
+    top.reset()
+    assert top.stop
+    with pytest.raises(LinkError, match="was reset, or another master has taken it"):
+        board.run(Mode.ALL, 2)
+    assert check(board, a, b).verdict == Verdict.CLEAR
+
+
+def test_status_and_a_board_of_other_rtl(top, capsys, monkeypatch):
+    with ServedBoard(top) as served:
+        assert main(["board", "status", "--port", served.path]) == 0
+        right = capsys.readouterr().out
+        monkeypatch.setattr(board_check_module, "checkout_id", lambda: 0xFACADE)
+        assert main(["board", "status", "--port", served.path]) == 0
+        wrong = capsys.readouterr().out
+    assert "16 bits, margin 16 bits, 512 facets a mesh, groups of 8, 8 lanes" in right
+    assert "output: stop; 0 errors on the line" in right
+    assert "warning" not in right
+    assert f"warning: the board's RTL is {PARAMETERS.build_id:08x}, this checkout's is 00facade" in wrong
+
+
+def test_meshes_too_large(top, boxes, tmp_path, capsys):
+    a, b, _ = boxes
+    many = tmp_path / "many.stl"
+    scenes.write_stl(many, np.concatenate([scenes.tool()] * 2))
+    with ServedBoard(top) as served:
+        for options, what in (
+            ((many, b), "A: 672 facets: the board holds 512 a mesh; split or simplify it"),
+            ((a, b, "--resolution", "0.0001"), "does not fit 16 bits at resolution 0.0001"),
+            ((a, b, "--clearance", "700"), "but width 16 allows 65535"),
+            ((a, b, "--clearance", "-1"), "clearance -1: must not be negative"),
+            ((a, tmp_path / "none.stl"), "none.stl: cannot read"),
+        ):
+            status, out, error = board_check(capsys, *options, "--port", served.path)
+            assert (status, out, error.count("\n")) == (2, "", 1)
+            assert what in error
+
+
+def test_a_simulated_board_for_one_program(top):
+    terminal = PseudoTerminal()
+    serving = threading.Thread(target=serve, args=(top, terminal, Wire(), lambda: False, True), daemon=True)
+    serving.start()
+    with Board(SerialLine(terminal.path)) as board:
+        board.hello()
+        assert serving.is_alive()
+    serving.join(60)
+    assert not serving.is_alive()
+    terminal.close()
+
+
+def test_the_simulated_board_as_a_program_of_its_own(capsys):
+    command = [TRIAXIS, "board", "simulate", "--depth", "512"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as simulation:
+        assert simulation.stdout
+        assert simulation.stderr
+        path = simulation.stdout.readline().strip()
+        assert main(["board", "status", "--port", path]) == 0
+        assert "512 facets a mesh" in capsys.readouterr().out
+        simulation.send_signal(signal.SIGINT)
+        assert simulation.wait(120) == 130
+        # Before it, that a board was built, where it was.
+        assert simulation.stderr.read().endswith("triaxis: interrupted\n")
+    assert not Path(path).exists()
