@@ -217,9 +217,14 @@ def board_library(parameters: BoardParameters, rtl: Path = BOARD_RTL) -> Path:
     harness = Path(__file__).with_name("board") / "harness.cpp"
     above = [*mesh_sources(), *board_sources(rtl)]
     defines = [f"-DCLOCKS_PER_BIT={parameters.clocks_per_bit}"]
-    return _library(
-        parameters.name, "nexys4ddr_top", "Vboard", parameters.rtl, harness, defines, above=above
-    )
+    return _library(parameters.name, "nexys4ddr_top", "Vboard", parameters.rtl, harness, defines, above=above)
+
+
+def safety_library(rtl: Path = BOARD_RTL) -> Path:
+    """Return the shared library of the board's safety module; see board/safety.py. ``rtl``: as above."""
+    harness = Path(__file__).with_name("board") / "safety.cpp"
+    above = [*mesh_sources(), rtl / "triaxis_safety.sv"]
+    return _library("safety", "triaxis_safety", "Vsafety", {}, harness, [], above=above)
 
 
 def detector_library(width: int, dut: Path = DUT) -> Path:
@@ -233,12 +238,21 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
 
     ``dut`` may be another folder of RTL with the same files: mutants and faults.
     """
+    sva = VERIF / "sva"
+    sources = [
+        sva / "public.vlt",
+        *(dut / source.name for source in rtl_sources()),
+        *sorted(sva.glob("*.sv")),
+    ]
+    return cocotb_build(configuration.name, "triaxis_core", sources, configuration.parameters, dut)
+
+
+def cocotb_build(
+    name: str, top: str, sources: Sequence[Path], parameters: Mapping[str, int], dut: Path = DUT
+) -> Path:
+    """Return the folder of the simulator executable of a top level for cocotb, built where needed."""
     from cocotb_tools.runner import get_runner
 
-    sva = Path(__file__).with_name("sva")
-    bound = sorted(sva.glob("*.sv"))
-    control = sva / "public.vlt"
-    sources = [control, *(dut / source.name for source in rtl_sources()), *bound]
     # The simulator is not the bottleneck under Python: compile quickly.
     arguments = [
         "--no-public-flat-rw", "--assert", "--x-assign", "fast", "--x-initial", "fast",
@@ -246,7 +260,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
     ]  # fmt: skip
     runtime = _runtime("-O1")
     key = content_hash([*sources, *core_files(dut)], str(verilator()), target(cxx()), *arguments)
-    folder = BUILD / "simulation" / f"{configuration.name}-{key[:12]}"
+    folder = BUILD / "simulation" / f"{name}-{key[:12]}"
 
     def make(partial: Path) -> None:
         runner = get_runner("verilator")
@@ -255,10 +269,10 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
         os.environ.update(verilator().environment(with_runtime=False))
         try:
             runner.build(
-                sources=sources,
+                sources=list(sources),
                 includes=[dut],
-                hdl_toplevel="triaxis_core",
-                parameters=configuration.parameters,
+                hdl_toplevel=top,
+                parameters=dict(parameters),
                 build_dir=partial,
                 build_args=[*arguments, "-LDFLAGS", str(runtime)],
                 timescale=("1ns", "1ps"),
@@ -266,7 +280,7 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
                 log_file=partial / "build.log",
             )
         except (SystemExit, RuntimeError, subprocess.CalledProcessError) as error:
-            raise _build_error(configuration.name, partial / "build.log") from error
+            raise _build_error(name, partial / "build.log") from error
 
     return built(folder, make)
 

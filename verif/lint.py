@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.verif.board.parameters import BoardParameters
+from triaxis.verif.board.sources import board_sources
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.mesh_configuration import MeshConfiguration
 from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, mesh_sources, rtl_sources
@@ -29,6 +31,12 @@ _MESH_BUILDS = (
     MeshConfiguration(32, 32, depth=64, group=8, lanes=2),
     MeshConfiguration(24, 2, lanes=1),
     MeshConfiguration(16, 16, depth=2, group=1, lanes=1),
+)
+_BOARD_BUILDS = (
+    BoardParameters(depth=4096, clocks_per_bit=50),
+    BoardParameters(32, 32),
+    BoardParameters(13, 1, depth=128, group=16, lanes=4),
+    BoardParameters(8, 0),
 )
 
 
@@ -110,6 +118,9 @@ def lint(fix: bool) -> bool:
     for engine in _MESH_BUILDS:
         command = _verilator("triaxis_mesh", engine.parameters, mesh_sources())
         good &= _run(f"verilator -Wall triaxis_mesh {engine.name}", command)
+    for board in _BOARD_BUILDS:
+        command = _verilator("nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()])
+        good &= _run(f"verilator -Wall nexys4ddr_top {board.name}", command)
     good &= _run("verilator -Wall CollisionDetector", _verilator("CollisionDetector", {"W": 16}))
     good &= _run("verible lint", [_bin("verible-verilog-lint"), *systemverilog])
     good &= _run(

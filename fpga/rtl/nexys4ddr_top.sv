@@ -1,0 +1,377 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The board Nexys 4 DDR (XC7A100T-1CSG324C): the mesh engine behind a serial line, and the outputs
+// go and stop. See triaxis_board_pkg for the line and triaxis_safety for the outputs.
+// LEDs, from the right: 0 go, 1 stop, 2 a run is going on, 3 a host is there, 4 near pairs are
+// waiting, 5 the ring of near pairs is full, 6 the watchdog has run out, 7 something went wrong
+// since the last HELLO or RUN, 8..15 errors on the link, low bits.
+// Latency: one clock, 100 MHz.
+
+module nexys4ddr_top
+  import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,  // coordinate bits, 8..32
+    parameter int unsigned M = 16,  // margin bits, 0..W
+    parameter int unsigned Depth = 4096,  // as in triaxis_mesh, at most 32,768
+    parameter int unsigned Group = 8,
+    parameter int unsigned Lanes = 8,
+    parameter int unsigned ClocksPerBit = 50,  // 2,000,000 baud
+    parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
+    parameter int unsigned DigitClocks = 12_500,  // the displays are scanned in 1 ms
+    parameter logic [31:0] BuildId = '0  // first bits of the hash of the RTL
+) (
+    input logic clk_100mhz_i,
+    input logic cpu_reset_ni,
+    input logic uart_rx_i,
+    output logic uart_tx_o,
+    output logic [15:0] led_o,
+    output logic [7:0] seg_no,
+    output logic [7:0] an_no,
+    output logic go_o,
+    output logic stop_o
+);
+
+  localparam int unsigned IndexWidth = $clog2(Depth);
+  localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1;
+  localparam int unsigned PairCountWidth = 2 * IndexWidth + 1;
+  localparam int unsigned ClocksPerMs = 100_000;
+  localparam hello_block_t Hello = '{
+      version: ProtocolVersion,
+      w: 8'(W),
+      m: 8'(M),
+      depth: 16'(Depth),
+      group: 8'(Group),
+      lanes: 8'(Lanes),
+      build_id: BuildId,
+      watchdog_ms: 16'(WatchdogClocks / ClocksPerMs)
+  };
+
+  if (Depth > 32768) begin : g_bad_depth
+    $fatal(1, "Depth must be at most 32,768: counts of triangles have 16 bits on the link");
+  end
+  if (Group > 255) begin : g_bad_group
+    $fatal(1, "Group must be at most 128: it has 8 bits on the link");
+  end
+  if (WatchdogClocks == 0 || WatchdogClocks / ClocksPerMs > 65535) begin : g_bad_watchdog
+    $fatal(1, "WatchdogClocks must be 1 .. 65,535 ms");
+  end
+
+  logic clk, rst_n;
+  assign clk = clk_100mhz_i;
+
+  triaxis_reset_sync u_reset (
+      .clk_i(clk),
+      .button_ni(cpu_reset_ni),
+      .rst_no(rst_n)
+  );
+
+  // --- Commands -------------------------------------------------------------------------------------
+
+  logic frame_full, frame_release, link_error;
+  logic [$clog2(MaxFrameBytes+1)-1:0] frame_length;
+  logic [$clog2(MaxFrameBytes)-1:0] frame_address;
+  byte_t frame_data;
+
+  triaxis_receiver #(
+      .ClocksPerBit(ClocksPerBit)
+  ) u_receiver (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .line_i(uart_rx_i),
+      .full_o(frame_full),
+      .length_o(frame_length),
+      .address_i(frame_address),
+      .data_o(frame_data),
+      .release_i(frame_release),
+      .error_o(link_error)
+  );
+
+  logic hello, load, move, run, free, abort, refused, foreign, kick, forget;
+  logic alive, expired, busy, reply_valid, reply_ready;
+  logic [IndexWidth:0] count_a, count_b;
+  logic [31:0] ring_freed, ring_written;
+  request_t request;
+  code_e code;
+  byte_t expected;
+  logic load_tvalid, load_tready;
+  logic [9*W-1:0] load_tdata;
+  logic [1:0] load_tuser;
+
+  triaxis_command #(
+      .W(W),
+      .M(M),
+      .Depth(Depth)
+  ) u_command (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .full_i(frame_full),
+      .length_i(frame_length),
+      .address_o(frame_address),
+      .data_i(frame_data),
+      .release_o(frame_release),
+      .alive_i(alive),
+      .busy_i(busy),
+      .count_a_i(16'(count_a)),
+      .count_b_i(16'(count_b)),
+      .freed_i(ring_freed),
+      .written_i(ring_written),
+      .hello_o(hello),
+      .load_o(load),
+      .move_o(move),
+      .run_o(run),
+      .free_o(free),
+      .abort_o(abort),
+      .refused_o(refused),
+      .foreign_o(foreign),
+      .kick_o(kick),
+      .forget_o(forget),
+      .request_o(request),
+      .reply_ready_i(reply_ready),
+      .reply_o(reply_valid),
+      .code_o(code),
+      .expected_o(expected),
+      .load_tvalid_o(load_tvalid),
+      .load_tready_i(load_tready),
+      .load_tdata_o(load_tdata),
+      .load_tuser_o(load_tuser)
+  );
+
+  triaxis_watchdog #(
+      .Clocks(WatchdogClocks)
+  ) u_watchdog (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .kick_i(kick),
+      .forget_i(hello || run),
+      .alive_o(alive),
+      .expired_o(expired)
+  );
+
+  // --- Runs -----------------------------------------------------------------------------------------
+
+  logic aborting, run_tvalid, run_tready, near_tvalid, near_tready, done;
+  logic [3*move_width(W)-1:0] run_tdata;
+  logic [M+1:0] run_tuser;
+  logic [2*IndexWidth-1:0] near_tdata;
+  status_e done_status;
+  logic [31:0] cycles;
+  logic [GroupPairWidth-1:0] groups_skipped, groups_opened;
+  logic [PairCountWidth-1:0] pairs_skipped, tested, near_count;
+
+  pose_t pose;
+  summary_t summary, done_summary;
+  status_e engine_status;
+  run_state_e run_state;
+  status_block_t status;
+
+  triaxis_runner #(
+      .W(W),
+      .M(M)
+  ) u_runner (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .forget_i(forget),
+      .move_i(move),
+      .run_i(run),
+      .abort_i(abort || hello),
+      .fields_i(request.fields),
+      .busy_o(busy),
+      .aborting_o(aborting),
+      .pose_o(pose),
+      .run_number_o(status.run_number),
+      .run_state_o(run_state),
+      .run_pose_o(status.pose),
+      .run_margin_o(status.margin),
+      .engine_status_o(engine_status),
+      .summary_o(summary),
+      .run_tvalid_o(run_tvalid),
+      .run_tready_i(run_tready),
+      .run_tdata_o(run_tdata),
+      .run_tuser_o(run_tuser),
+      .done_tvalid_i(done),
+      .done_status_i(done_status),
+      .done_summary_i(done_summary)
+  );
+
+  assign done_summary = '{
+          cycles: cycles,
+          groups_skipped: 32'(groups_skipped),
+          groups_opened: 32'(groups_opened),
+          pairs_skipped: 32'(pairs_skipped),
+          tested: 32'(tested),
+          near_count: 32'(near_count)
+      };
+
+  // The runner knows of a run before the engine does. A mesh that was given too much is found by
+  // the engine: the run ends so.
+  logic unused_busy;
+  logic [1:0] unused_overfull;
+
+  triaxis_mesh #(
+      .W(W),
+      .M(M),
+      .Depth(Depth),
+      .Group(Group),
+      .Lanes(Lanes)
+  ) u_mesh (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .s_axis_load_tvalid_i(load_tvalid),
+      .s_axis_load_tready_o(load_tready),
+      .s_axis_load_tdata_i(load_tdata),
+      .s_axis_load_tuser_i(load_tuser),
+      .count_a_o(count_a),
+      .count_b_o(count_b),
+      .overfull_o(unused_overfull),
+      .s_axis_run_tvalid_i(run_tvalid),
+      .s_axis_run_tready_o(run_tready),
+      .s_axis_run_tdata_i(run_tdata),
+      .s_axis_run_tuser_i(run_tuser),
+      .abort_i(aborting),
+      .busy_o(unused_busy),
+      .m_axis_near_tvalid_o(near_tvalid),
+      .m_axis_near_tready_i(near_tready),
+      .m_axis_near_tdata_o(near_tdata),
+      .m_axis_done_tvalid_o(done),
+      .m_axis_done_tready_i(1'b1),
+      .status_o(done_status),
+      .cycles_o(cycles),
+      .group_pairs_skipped_o(groups_skipped),
+      .group_pairs_opened_o(groups_opened),
+      .pairs_skipped_o(pairs_skipped),
+      .tested_o(tested),
+      .near_o(near_count)
+  );
+
+  logic ring_full, ring_read;
+  logic [31:0] ring_number;
+  logic [2*IndexWidth-1:0] ring_data;
+
+  triaxis_near_ring #(
+      .Width(2 * IndexWidth)
+  ) u_ring (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .clear_i(run || forget),
+      .drop_i(aborting),
+      .free_i(free),
+      .free_to_i(request.fields[31:0]),
+      .freed_o(ring_freed),
+      .written_o(ring_written),
+      .full_o(ring_full),
+      .tvalid_i(near_tvalid),
+      .tready_o(near_tready),
+      .tdata_i(near_tdata),
+      .read_i(ring_read),
+      .number_i(ring_number),
+      .data_o(ring_data)
+  );
+
+  // --- Replies --------------------------------------------------------------------------------------
+
+  triaxis_saturating_counter u_errors (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .events_i({link_error, foreign}),
+      .count_o(status.errors)
+  );
+
+  assign status.count_b = 16'(count_b);
+  assign status.count_a = 16'(count_a);
+  assign status.summary = summary;
+  assign status.flags = '{
+          none: '0,
+          expired: expired,
+          waiting: ring_written != ring_freed,
+          go: go_o
+      };
+  assign status.engine_status = 8'(engine_status);
+  assign status.state = 8'(run_state);
+
+  reply_t reply;
+  body_bytes_t body_bytes;
+  near_pairs_t reply_pairs;
+  logic [31:0] first_pair;
+
+  triaxis_answer #(
+      .Hello(Hello)
+  ) u_answer (
+      .request_i(request),
+      .code_i(code),
+      .expected_i(expected),
+      .status_i(status),
+      .pose_i(pose),
+      .written_i(ring_written),
+      .reply_o(reply),
+      .body_bytes_o(body_bytes),
+      .pairs_o(reply_pairs),
+      .first_pair_o(first_pair)
+  );
+
+  triaxis_transmitter #(
+      .IndexWidth  (IndexWidth),
+      .ClocksPerBit(ClocksPerBit)
+  ) u_transmitter (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .valid_i(reply_valid),
+      .ready_o(reply_ready),
+      .reply_i(reply),
+      .body_bytes_i(body_bytes),
+      .pairs_i(reply_pairs),
+      .first_pair_i(first_pair),
+      .ring_read_o(ring_read),
+      .ring_number_o(ring_number),
+      .ring_data_i(ring_data),
+      .line_o(uart_tx_o)
+  );
+
+  // --- Outputs --------------------------------------------------------------------------------------
+
+  triaxis_safety #(
+      .NearWidth(PairCountWidth)
+  ) u_safety (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .hello_i(hello),
+      .load_i(load),
+      .move_i(move),
+      .run_i(run),
+      .abort_i(abort),
+      .link_error_i(link_error),
+      .refused_i(refused),
+      .alive_i(alive),
+      .done_i(done),
+      .engine_status_i(done_status),
+      .near_i(near_count),
+      .go_o,
+      .stop_o
+  );
+
+  logic wrong_q;
+  always_ff @(posedge clk or negedge rst_n) begin
+    if (!rst_n) wrong_q <= 1'b0;
+    else if (link_error || refused) wrong_q <= 1'b1;
+    else if (hello || run) wrong_q <= 1'b0;
+  end
+
+  triaxis_display #(
+      .DigitClocks(DigitClocks)
+  ) u_display (
+      .clk_i(clk),
+      .rst_ni(rst_n),
+      .go_i(go_o),
+      .running_i(busy),
+      .error_i(wrong_q || expired),
+      .near_i(summary.near_count),
+      .seg_no,
+      .an_no
+  );
+
+  assign led_o = {
+    status.errors[7:0], wrong_q, expired, ring_full, status.flags.waiting, alive, busy, stop_o, go_o
+  };
+
+endmodule

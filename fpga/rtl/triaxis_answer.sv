@@ -1,0 +1,87 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: what a request is answered with, from the present state.
+// Latency: combinational.
+
+module triaxis_answer
+  import triaxis_board_pkg::*;
+#(
+    parameter hello_block_t Hello = '0
+) (
+    input request_t request_i,
+    input code_e code_i,
+    input byte_t expected_i,
+    input status_block_t status_i,
+    input pose_t pose_i,
+    input logic [31:0] written_i,
+    output reply_t reply_o,
+    output body_bytes_t body_bytes_o,
+    output near_pairs_t pairs_o,
+    output logic [31:0] first_pair_o
+);
+
+  typedef logic [8*BodyBytes-1:0] body_t;
+
+  logic [31:0] from, held;
+  near_pairs_t pairs;
+  logic [15:0] held_triangles;
+  assign from = request_i.fields[31:0];
+  assign held = written_i - from;
+  assign pairs = held < 32'(NearMax) ? near_pairs_t'(held) : near_pairs_t'(NearMax);
+  assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
+
+  body_t body;
+  body_bytes_t body_bytes;
+  always_comb begin
+    body = body_t'(status_i);
+    body_bytes = body_bytes_t'(StatusBytes);
+    case (request_i.command)
+      CmdHello: begin
+        body = body_t'(Hello);
+        body_bytes = body_bytes_t'(HelloBytes);
+      end
+      CmdLoad: begin
+        body = body_t'(held_triangles);
+        body_bytes = body_bytes_t'(2);
+      end
+      CmdMove: begin
+        body = body_t'(pose_i);
+        body_bytes = body_bytes_t'(MoveBytes);
+      end
+      CmdRun: begin
+        body = body_t'(status_i.run_number);
+        body_bytes = body_bytes_t'(1);
+      end
+      CmdResults: begin
+        body = {8'(pairs), from, status_i};
+        body_bytes = body_bytes_t'(BodyBytes);
+      end
+      default: ;
+    endcase
+    if (code_i == CodePlace) begin
+      body = body_t'(held_triangles);
+      body_bytes = body_bytes_t'(2);
+    end else if (code_i == CodeSequence) begin
+      body = body_t'(expected_i);
+      body_bytes = body_bytes_t'(1);
+    end else if (code_i != CodeOk) begin
+      body_bytes = '0;
+    end
+  end
+
+  assign reply_o = '{
+          body: body,
+          code: code_i,
+          session: request_i.session,
+          sequence_number: request_i.sequence_number,
+          command: request_i.command | 8'h80
+      };
+  assign body_bytes_o = body_bytes;
+  assign pairs_o = (request_i.command == CmdResults && code_i == CodeOk) ? pairs : '0;
+  assign first_pair_o = from;
+
+  logic unused_fields;
+  assign unused_fields = ^request_i.fields[8*FieldBytes-1:32];
+
+endmodule

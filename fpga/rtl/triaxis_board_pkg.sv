@@ -1,0 +1,156 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the board and its host have in common: framing, commands, codes, fields of replies.
+//
+// A frame on the line is SLIP (RFC 1055), with an END before and after. Unstuffed, numbers little
+// endian, at most 256 bytes:
+//   command u8 | sequence number u8 | session u32 | payload | CRC-32 over all before it
+// A reply: command + 0x80, sequence number and session as in the frame, code u8, payload, CRC-32.
+//
+// Frames are judged in this order: session (3), command (1), sequence number (4), length (2), a run
+// that is going on (5), values (6), place (7, 8, 9, 10). The sequence number counts commands that
+// were executed: one that is refused does not use it up. A refusal has no payload, but for code 4
+// (u8: the number expected) and code 7 (u16: triangles held).
+//
+// The error counter counts frames with a bad CRC, bad stuffing, fewer than 10 or more than 256
+// bytes; framing errors of the line; frames that arrive before the last one was taken; and frames
+// of another session. It stays at 65,535. HELLO does not clear it.
+
+package triaxis_board_pkg;
+
+  localparam logic [7:0] ProtocolVersion = 8'd1;
+
+  // --- Framing --------------------------------------------------------------------------------------
+
+  localparam logic [7:0] SlipEnd = 8'hC0;
+  localparam logic [7:0] SlipEsc = 8'hDB;
+  localparam logic [7:0] SlipEscEnd = 8'hDC;
+  localparam logic [7:0] SlipEscEsc = 8'hDD;
+
+  localparam int unsigned MaxFrameBytes = 256;
+  localparam int unsigned HeaderBytes = 6;
+  localparam int unsigned CrcBytes = 4;
+
+  // CRC-32 of IEEE 802.3, reflected: what the register holds after a frame and its own CRC.
+  localparam logic [31:0] CrcPolynomial = 32'hEDB8_8320;
+  localparam logic [31:0] CrcResidue = 32'hDEBB_20E3;
+
+  // --- Commands -------------------------------------------------------------------------------------
+
+  typedef enum logic [7:0] {
+    CmdHello = 8'h01,
+    CmdLoad = 8'h02,
+    CmdMove = 8'h03,
+    CmdRun = 8'h04,
+    CmdResults = 8'h05,
+    CmdStatus = 8'h06,
+    CmdAbort = 8'h07
+  } command_e;
+
+  typedef enum logic [7:0] {
+    CodeOk = 8'd0,
+    CodeUnknown = 8'd1,
+    CodeLength = 8'd2,
+    CodeSession = 8'd3,
+    CodeSequence = 8'd4,
+    CodeBusy = 8'd5,
+    CodeValue = 8'd6,
+    CodePlace = 8'd7,
+    CodeCounts = 8'd8,
+    CodeEmpty = 8'd9,
+    CodeOverfull = 8'd10
+  } code_e;
+
+  // Fields of a payload, the longest being MOVE's; LOAD's triangles come after its fields.
+  localparam int unsigned FieldBytes = 12;
+  localparam int unsigned LoadFieldBytes = 4;
+  localparam int unsigned MoveBytes = 12;
+  localparam int unsigned RunBytes = 9;
+  localparam int unsigned ResultsBytes = 4;
+
+  localparam int unsigned LoadMax = 12;  // triangles a frame
+  localparam int unsigned NearMax = 40;  // near pairs a reply
+
+  typedef logic [7:0] byte_t;
+
+  typedef struct packed {
+    logic [8*FieldBytes-1:0] fields;  // payload, zeros after its end
+    logic [31:0] session;
+    byte_t sequence_number;
+    byte_t command;
+  } request_t;
+
+  // --- Runs -----------------------------------------------------------------------------------------
+
+  typedef enum logic [1:0] {
+    RunNever = 2'd0,
+    RunGoing = 2'd1,
+    RunDone  = 2'd2
+  } run_state_e;
+
+  // What the engine says of a run; zeros of one that is going on.
+  typedef struct packed {
+    logic [31:0] near_count;
+    logic [31:0] tested;
+    logic [31:0] pairs_skipped;
+    logic [31:0] groups_opened;
+    logic [31:0] groups_skipped;
+    logic [31:0] cycles;
+  } summary_t;
+
+  typedef logic [2:0][31:0] pose_t;  // z, y, x
+
+  // --- Replies --------------------------------------------------------------------------------------
+
+  typedef struct packed {
+    logic [4:0] none;
+    logic expired;  // the watchdog has run out since the last HELLO or RUN
+    logic waiting;  // near pairs are in the ring
+    logic go;
+  } flags_t;
+
+  // Last field first: the first byte of a reply is the lowest.
+  typedef struct packed {
+    logic [15:0] count_b;
+    logic [15:0] count_a;
+    logic [15:0] errors;
+    summary_t summary;
+    logic [31:0] margin;
+    pose_t pose;
+    flags_t flags;
+    byte_t engine_status;
+    byte_t state;
+    byte_t run_number;
+  } status_block_t;
+
+  typedef struct packed {
+    logic [15:0] watchdog_ms;
+    logic [31:0] build_id;
+    byte_t lanes;
+    byte_t group;
+    logic [15:0] depth;
+    byte_t m;
+    byte_t w;
+    byte_t version;
+  } hello_block_t;
+
+  localparam int unsigned StatusBytes = $bits(status_block_t) / 8;
+  localparam int unsigned HelloBytes = $bits(hello_block_t) / 8;
+  // Command, sequence number, session, code.
+  localparam int unsigned ReplyHeadBytes = HeaderBytes + 1;
+  localparam int unsigned BodyBytes = StatusBytes + 5;  // RESULTS: status, from, k; then the pairs
+  localparam int unsigned NearPairBytes = 4;
+
+  // A reply: so many bytes of the body, then so many near pairs from the ring.
+  typedef struct packed {
+    logic [8*BodyBytes-1:0] body;
+    code_e code;
+    logic [31:0] session;
+    byte_t sequence_number;
+    byte_t command;
+  } reply_t;
+  typedef logic [$clog2(BodyBytes+1)-1:0] body_bytes_t;
+  typedef logic [$clog2(NearMax+1)-1:0] near_pairs_t;
+
+endpackage

@@ -1,0 +1,215 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: what the frames ask for, one after the other: judges a frame, has it executed, asks for
+// the reply. Answers are functions of the state after the command, so a repeat, which is not
+// executed again, gets the same answer as the lost one.
+// Widths: see triaxis_board_pkg.
+// Latency: HeaderBytes + FieldBytes + 4 clocks, and what LOAD, HELLO and ABORT take.
+
+module triaxis_command
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 16,
+    parameter int unsigned Depth = 4096
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    // The frame.
+    input logic full_i,
+    input logic [$clog2(MaxFrameBytes+1)-1:0] length_i,
+    output logic [$clog2(MaxFrameBytes)-1:0] address_o,
+    input byte_t data_i,
+    output logic release_o,
+    // State that frames are judged by.
+    input logic alive_i,
+    input logic busy_i,
+    input logic [15:0] count_a_i,
+    input logic [15:0] count_b_i,
+    input logic [31:0] freed_i,
+    input logic [31:0] written_i,
+    // A clock each: accepted commands, before anything is changed; what was answered.
+    output logic hello_o,
+    output logic load_o,
+    output logic move_o,
+    output logic run_o,
+    output logic free_o,
+    output logic abort_o,
+    output logic refused_o,
+    output logic foreign_o,  // refused, as of another session
+    output logic kick_o,  // a frame of the board's session
+    output logic forget_o,  // HELLO: the engine is idle, its meshes are empty
+    output request_t request_o,
+    // The reply.
+    input logic reply_ready_i,
+    output logic reply_o,
+    output code_e code_o,
+    output byte_t expected_o,
+    // The engine's load stream.
+    output logic load_tvalid_o,
+    input logic load_tready_i,
+    output logic [9*W-1:0] load_tdata_o,
+    output logic [1:0] load_tuser_o
+);
+
+  localparam int unsigned RequestBytes = HeaderBytes + FieldBytes;
+  typedef logic [$clog2(MaxFrameBytes)-1:0] address_t;
+
+  typedef enum logic [3:0] {
+    Idle,
+    Gather,
+    Judge,
+    Act,
+    Load,
+    HelloEnd,
+    HelloEmpty,
+    AbortEnd,
+    Reply
+  } state_e;
+
+  state_e state_q, state_d;
+  code_e code_q, code_d;
+  address_t address_q;
+  request_t request_q;
+
+  code_e judged;
+  logic nobody, mine, next, repeated, ok, execute;
+  logic load_start, load_done, load_bad, load_accepted, empty_both;
+  address_t load_address;
+
+  // --- The frame ------------------------------------------------------------------------------------
+
+  logic [$clog2(MaxFrameBytes+1)-1:0] content_bytes;
+  assign content_bytes = length_i - 9'(CrcBytes);
+  assign address_o = state_q == Load ? load_address : address_q;
+  assign request_o = request_q;
+
+  always_ff @(posedge clk_i) begin
+    if (state_q == Idle) begin
+      address_q <= '0;
+    end else if (state_q == Gather) begin
+      address_q <= address_q + address_t'(1);
+      request_q <= {9'(address_q) < content_bytes ? data_i : 8'd0, request_q[8*RequestBytes-1:8]};
+    end
+  end
+
+  // --- Verdict --------------------------------------------------------------------------------------
+
+  triaxis_session u_session (
+      .clk_i,
+      .rst_ni,
+      .session_i(request_q.session),
+      .sequence_number_i(request_q.sequence_number),
+      .command_i(request_q.command),
+      .take_i(hello_o),
+      .executed_i(state_q == Reply && code_q == CodeOk),
+      .nobody_o(nobody),
+      .mine_o(mine),
+      .next_o(next),
+      .repeat_o(repeated),
+      .expected_o
+  );
+
+  triaxis_judge #(
+      .W(W),
+      .M(M),
+      .Depth(Depth)
+  ) u_judge (
+      .command_i(request_q.command),
+      .fields_i(request_q.fields),
+      .payload_bytes_i(content_bytes - 9'(HeaderBytes)),
+      .nobody_i(nobody),
+      .mine_i(mine),
+      .alive_i,
+      .next_i(next),
+      .repeat_i(repeated),
+      .busy_i,
+      .count_a_i,
+      .count_b_i,
+      .freed_i,
+      .written_i,
+      .code_o(judged)
+  );
+
+  assign ok = state_q == Act && code_q == CodeOk;
+  assign hello_o = ok && request_q.command == CmdHello;
+  assign execute = ok && !repeated;
+  assign load_start = execute && request_q.command == CmdLoad;
+  assign load_o = load_accepted;
+  assign move_o = execute && request_q.command == CmdMove;
+  assign run_o = execute && request_q.command == CmdRun;
+  assign free_o = execute && request_q.command == CmdResults;
+  assign abort_o = execute && request_q.command == CmdAbort;
+  assign kick_o = hello_o || (state_q == Act && mine);
+  assign reply_o = state_q == Reply;
+  assign release_o = reply_o;
+  assign refused_o = reply_o && code_q != CodeOk;
+  assign foreign_o = reply_o && code_q == CodeSession;
+  assign code_o = code_q;
+
+  // --- Execution ------------------------------------------------------------------------------------
+
+  assign empty_both = state_q == HelloEnd && !busy_i;
+  assign forget_o = state_q == HelloEmpty && load_done;
+
+  triaxis_loader #(
+      .W(W)
+  ) u_loader (
+      .clk_i,
+      .rst_ni,
+      .empty_both_i(empty_both),
+      .load_i(load_start),
+      .mesh_i(request_q.fields[0]),
+      .empty_first_i(request_q.fields[23:8] == '0),
+      .triangles_i(request_q.fields[24+:$clog2(LoadMax+1)]),
+      .accepted_o(load_accepted),
+      .done_o(load_done),
+      .bad_o(load_bad),
+      .address_o(load_address),
+      .data_i,
+      .tvalid_o(load_tvalid_o),
+      .tready_i(load_tready_i),
+      .tdata_o(load_tdata_o),
+      .tuser_o(load_tuser_o)
+  );
+
+  always_comb begin
+    state_d = state_q;
+    code_d  = code_q;
+    case (state_q)
+      Idle: if (full_i && reply_ready_i) state_d = Gather;
+      Gather: if (address_q == address_t'(RequestBytes - 1)) state_d = Judge;
+      Judge: begin
+        code_d  = judged;
+        state_d = Act;
+      end
+      Act: begin
+        if (hello_o) state_d = HelloEnd;
+        else if (load_start) state_d = Load;
+        else if (abort_o) state_d = AbortEnd;
+        else state_d = Reply;
+      end
+      Load:
+      if (load_done) begin
+        if (load_bad) code_d = CodeValue;
+        state_d = Reply;
+      end
+      HelloEnd: if (!busy_i) state_d = HelloEmpty;
+      HelloEmpty: if (load_done) state_d = Reply;
+      AbortEnd: if (!busy_i) state_d = Reply;
+      default: state_d = Idle;
+    endcase
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      state_q <= Idle;
+      code_q  <= CodeOk;
+    end else begin
+      state_q <= state_d;
+      code_q  <= code_d;
+    end
+  end
+
+endmodule

@@ -1,0 +1,87 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: whole frames with a good CRC, held in a memory until they are released. Each frame that
+// is not handed out is told by one pulse of error_o: bad CRC, fewer bytes than the shortest frame
+// has, more than MaxFrameBytes, bad stuffing, a framing error, or a beginning before the last frame
+// was released. Empty frames are passed over.
+// Widths: 0 .. MaxFrameBytes bytes are counted.
+// Latency: 2 clocks from a frame's end to full_o; data_o shows address_i in the same clock.
+
+module triaxis_frame_rx
+  import triaxis_board_pkg::*;
+(
+    input logic clk_i,
+    input logic rst_ni,
+    input logic valid_i,
+    input byte_t data_i,
+    input logic end_i,
+    input logic error_i,
+    output logic full_o,
+    output logic [$clog2(MaxFrameBytes+1)-1:0] length_o,  // with the CRC
+    input logic [$clog2(MaxFrameBytes)-1:0] address_i,
+    output byte_t data_o,
+    input logic release_i,
+    output logic error_o
+);
+
+  typedef logic [$clog2(MaxFrameBytes+1)-1:0] length_t;
+  localparam length_t Shortest = length_t'(HeaderBytes + CrcBytes);
+  localparam length_t Longest = length_t'(MaxFrameBytes);
+
+  byte_t memory_q[MaxFrameBytes];
+  length_t count_q, length_q;
+  logic full_q, skip_q;
+  logic [31:0] crc;
+
+  logic refused, store, ended, good;
+  // While a frame is held, the next one may not begin: its whole is passed over.
+  assign refused = full_q || count_q == Longest;
+  assign store = valid_i && !skip_q && !refused;
+  assign ended = end_i && !skip_q && count_q != '0;
+  assign good = ended && count_q >= Shortest && crc == CrcResidue;
+
+  triaxis_crc32 u_crc (
+      .clk_i,
+      .rst_ni,
+      .start_i(end_i || error_i),
+      .valid_i(store),
+      .data_i,
+      .crc_o  (crc)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (store) memory_q[count_q[$clog2(MaxFrameBytes)-1:0]] <= data_i;
+  end
+  assign data_o = memory_q[address_i];
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      count_q  <= '0;
+      length_q <= '0;
+      full_q   <= 1'b0;
+      skip_q   <= 1'b0;
+      error_o  <= 1'b0;
+    end else begin
+      error_o <= error_i || (ended && !good) || (valid_i && !skip_q && refused);
+      if (release_i) full_q <= 1'b0;
+      if (end_i || error_i) begin
+        count_q <= '0;
+        skip_q  <= 1'b0;
+      end else if (store) begin
+        count_q <= count_q + length_t'(1);
+      end else if (valid_i) begin
+        count_q <= '0;
+        skip_q  <= 1'b1;
+      end
+      if (good) begin
+        full_q   <= 1'b1;
+        length_q <= count_q;
+      end
+    end
+  end
+
+  assign full_o   = full_q;
+  assign length_o = length_q;
+
+endmodule

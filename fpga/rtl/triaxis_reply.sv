@@ -1,0 +1,111 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: the bytes of a reply: what it is given at once, then near pairs out of the ring, then
+// the CRC over both.
+// Widths: at most 7 + 55 + 40 * 4 + 4 = 226 bytes of the 256 that a frame may have.
+// Latency: 1 clock to the first byte; a byte a clock but for two clocks before a near pair and one
+// before the CRC.
+
+module triaxis_reply
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned IndexWidth = 12
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic valid_i,
+    output logic ready_o,
+    input reply_t reply_i,
+    input body_bytes_t body_bytes_i,
+    input near_pairs_t pairs_i,
+    input logic [31:0] first_pair_i,
+    // The ring.
+    output logic ring_read_o,
+    output logic [31:0] ring_number_o,
+    input logic [2*IndexWidth-1:0] ring_data_i,  // {index in B, index in A}
+    // The frame.
+    output logic valid_o,
+    input logic ready_i,
+    output byte_t data_o,
+    output logic last_o
+);
+
+  typedef logic [$clog2(ReplyHeadBytes+BodyBytes+1)-1:0] left_t;
+
+  typedef enum logic [2:0] {
+    Idle,
+    Bytes,
+    Next,
+    Pair,
+    Crc
+  } state_e;
+
+  state_e state_q;
+  logic [8*(ReplyHeadBytes+BodyBytes)-1:0] bytes_q;
+  left_t left_q;
+  near_pairs_t pairs_q;
+  logic [31:0] number_q, crc;
+  logic taken, last_byte;
+
+  assign ready_o = state_q == Idle;
+  assign valid_o = state_q == Bytes || state_q == Crc;
+  assign data_o = bytes_q[7:0];
+  assign last_byte = left_q == left_t'(1);
+  assign last_o = state_q == Crc && last_byte;
+  assign taken = valid_o && ready_i;
+  assign ring_read_o = state_q == Next;
+  assign ring_number_o = number_q;
+
+  triaxis_crc32 u_crc (
+      .clk_i,
+      .rst_ni,
+      .start_i(state_q == Idle),
+      .valid_i(taken && state_q == Bytes),
+      .data_i (data_o),
+      .crc_o  (crc)
+  );
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      state_q <= Idle;
+    end else begin
+      case (state_q)
+        Idle: if (valid_i) state_q <= Bytes;
+        Bytes: if (taken && last_byte) state_q <= Next;
+        Next: state_q <= pairs_q == '0 ? Crc : Pair;
+        Pair: state_q <= Bytes;
+        default: if (taken && last_byte) state_q <= Idle;
+      endcase
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    case (state_q)
+      Idle: begin
+        bytes_q  <= reply_i;
+        left_q   <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
+        pairs_q  <= pairs_i;
+        number_q <= first_pair_i;
+      end
+      Next: begin
+        bytes_q[31:0] <= ~crc;
+        left_q <= left_t'(CrcBytes);
+      end
+      Pair: begin
+        bytes_q[31:0] <= {
+          16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])
+        };
+        left_q <= left_t'(NearPairBytes);
+        pairs_q <= pairs_q - near_pairs_t'(1);
+        number_q <= number_q + 32'd1;
+      end
+      default:
+      if (taken) begin
+        bytes_q <= bytes_q >> 8;
+        left_q  <= left_q - left_t'(1);
+      end
+    endcase
+  end
+
+endmodule

@@ -1,0 +1,120 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: the engine's runs: the pose they are made at, their number, and the summary of the last.
+// While a run is going on its summary reads zero.
+// Widths: a pose has W+1 bits a coordinate, at most 32 of which a MOVE can give; the engine's numbers
+// are at most 32 bits (Depth <= 32,768).
+// Latency: 1 clock.
+
+module triaxis_runner
+  import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 16,
+    localparam int unsigned RunBits = move_width(W)
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    // Commands, a clock each. None but abort_i comes while busy_o.
+    input logic forget_i,
+    input logic move_i,
+    input logic run_i,
+    input logic abort_i,
+    input logic [8*FieldBytes-1:0] fields_i,
+
+    output logic busy_o,
+    output logic aborting_o,
+    output pose_t pose_o,  // the present one
+    output byte_t run_number_o,
+    output run_state_e run_state_o,
+    output pose_t run_pose_o,
+    output logic [31:0] run_margin_o,
+    output status_e engine_status_o,
+    output summary_t summary_o,
+
+    output logic run_tvalid_o,
+    input logic run_tready_i,
+    output logic [3*RunBits-1:0] run_tdata_o,
+    output logic [M+1:0] run_tuser_o,
+    // The summary is taken at once.
+    input logic done_tvalid_i,
+    input status_e done_status_i,
+    input summary_t done_summary_i
+);
+
+  logic [1:0] mode_q;
+  logic [31:0] margin_q;
+  logic waiting_q;  // the engine has not taken the run yet
+  logic aborting_q;
+  pose_t pose_q, run_pose_q;
+  byte_t run_number_q;
+  run_state_e run_state_q;
+  status_e engine_status_q;
+  summary_t summary_q;
+
+  assign busy_o = run_state_q == RunGoing;
+  assign aborting_o = aborting_q;
+  assign pose_o = pose_q;
+  assign run_number_o = run_number_q;
+  assign run_state_o = run_state_q;
+  assign run_pose_o = run_pose_q;
+  assign run_margin_o = margin_q;
+  assign engine_status_o = engine_status_q;
+  assign summary_o = summary_q;
+
+  assign run_tvalid_o = waiting_q;
+  for (genvar k = 0; k < 3; k++) begin : g_pose
+    assign run_tdata_o[k*RunBits+:RunBits] = RunBits'($signed(run_pose_q[k]));
+  end
+  assign run_tuser_o[M+:2] = mode_q;
+  if (M > 0) begin : g_margin
+    assign run_tuser_o[M-1:0] = margin_q[M-1:0];
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      mode_q <= '0;
+      margin_q <= '0;
+      waiting_q <= 1'b0;
+      aborting_q <= 1'b0;
+      pose_q <= '0;
+      run_pose_q <= '0;
+      run_number_q <= '0;
+      run_state_q <= RunNever;
+      engine_status_q <= StatusNone;
+      summary_q <= '0;
+    end else begin
+      if (run_tready_i) waiting_q <= 1'b0;
+      if (abort_i) aborting_q <= busy_o;
+      if (move_i) pose_q <= fields_i[95:0];
+      if (run_i) begin
+        mode_q <= fields_i[1:0];
+        margin_q <= fields_i[39:8];
+        waiting_q <= 1'b1;
+        run_pose_q <= pose_q;
+        run_number_q <= run_number_q + 8'd1;
+        run_state_q <= RunGoing;
+        engine_status_q <= StatusNone;
+        summary_q <= '0;
+      end
+      if (done_tvalid_i) begin
+        aborting_q <= 1'b0;
+        run_state_q <= RunDone;
+        engine_status_q <= done_status_i;
+        summary_q <= done_summary_i;
+      end
+      if (forget_i) begin
+        margin_q <= '0;
+        pose_q <= '0;
+        run_pose_q <= '0;
+        run_number_q <= '0;
+        run_state_q <= RunNever;
+        engine_status_q <= StatusNone;
+        summary_q <= '0;
+      end
+    end
+  end
+
+endmodule

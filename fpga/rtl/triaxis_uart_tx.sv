@@ -1,0 +1,49 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: a serial line (8 data bits, no parity, one stop bit) from bytes.
+// Widths: the clock counter holds 0 .. ClocksPerBit - 1; 10 bits a byte.
+// Latency: 1 clock from acceptance to the start bit; 10 * ClocksPerBit clocks a byte.
+
+module triaxis_uart_tx #(
+    parameter int unsigned ClocksPerBit = 50
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic valid_i,
+    output logic ready_o,
+    input logic [7:0] data_i,
+    output logic line_o
+);
+
+  typedef logic [$clog2(ClocksPerBit)-1:0] count_t;
+  localparam count_t Whole = count_t'(ClocksPerBit - 1);
+
+  // Start bit, data, stop bit, lowest first. Ones come in behind: the idle line.
+  logic [9:0] bits_q;
+  logic [3:0] left_q;
+  count_t count_q;
+
+  assign ready_o = left_q == '0;
+  assign line_o  = bits_q[0];
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      bits_q  <= '1;
+      left_q  <= '0;
+      count_q <= Whole;
+    end else if (ready_o) begin
+      if (valid_i) begin
+        bits_q <= {1'b1, data_i, 1'b0};
+        left_q <= 4'd10;
+      end
+    end else if (count_q == '0) begin
+      bits_q  <= {1'b1, bits_q[9:1]};
+      left_q  <= left_q - 4'd1;
+      count_q <= Whole;
+    end else begin
+      count_q <= count_q - count_t'(1);
+    end
+  end
+
+endmodule

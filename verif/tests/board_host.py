@@ -1,0 +1,274 @@
+"""A host of the simulated board that keeps to no rule but the test's: any frame, any number, any bytes.
+
+Written from the protocol alone, so that a mistake that board and host program share is seen.
+"""
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from triaxis.verif.board.parameters import BoardParameters
+from triaxis.verif.board.simulated_top import SimulatedTop
+
+HELLO, LOAD, MOVE, RUN, RESULTS, STATUS, ABORT = range(1, 8)
+OK, UNKNOWN, LENGTH, SESSION, SEQUENCE, BUSY, VALUE, PLACE, COUNTS, EMPTY, OVERFULL = range(11)
+FIRST, ALL, COUNT = range(3)
+NEVER, RUNNING, DONE = range(3)
+COMPLETE, STOPPED, ABORTED, OVERFLOW = range(1, 5)
+
+BUSY_LED, RING_FULL_LED = 1 << 2, 1 << 5
+
+PARAMETERS = BoardParameters(watchdog_clocks=100_000, build_id=0xC0DBDCDD)
+
+# Above what any reply takes.
+PATIENCE = 30_000
+
+
+def stuffed(data: bytes) -> bytes:
+    return data.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc")
+
+
+def on_line(body: bytes) -> bytes:
+    """Return a body with its CRC and its ENDs as it goes over the line."""
+    return b"\xc0" + stuffed(body + struct.pack("<I", zlib.crc32(body))) + b"\xc0"
+
+
+def unstuffed(data: bytes) -> bytes:
+    """Return a frame's body; every fault of it fails the test."""
+    whole = data.replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")
+    assert stuffed(whole) == data
+    assert len(whole) <= 256
+    assert zlib.crc32(whole[:-4]) == struct.unpack("<I", whole[-4:])[0]
+    return whole[:-4]
+
+
+@dataclass(frozen=True)
+class Reply:
+    command: int
+    sequence: int
+    session: int
+    code: int
+    payload: bytes
+
+
+@dataclass(frozen=True)
+class StatusBlock:
+    run: int
+    state: int
+    end: int
+    flags: int
+    x: int
+    y: int
+    z: int
+    margin: int
+    cycles: int
+    groups_skipped: int
+    groups_opened: int
+    pairs_skipped: int
+    tested: int
+    near: int
+    errors: int
+    count_a: int
+    count_b: int
+
+    @property
+    def go(self) -> bool:
+        return bool(self.flags & 1)
+
+    @property
+    def waiting(self) -> bool:
+        return bool(self.flags & 2)
+
+    @property
+    def expired(self) -> bool:
+        return bool(self.flags & 4)
+
+
+STATUS_LAYOUT = struct.Struct("<4B3i7I3H")
+
+
+def status_of(payload: bytes) -> StatusBlock:
+    return StatusBlock(*STATUS_LAYOUT.unpack(payload[: STATUS_LAYOUT.size]))
+
+
+class BoardHost:
+    def __init__(self, top: SimulatedTop, session: int = 0x11DBC022) -> None:
+        self.top = top
+        self.session = session
+        self.sequence = 0
+        self._heard = b""
+
+    def frame(
+        self, command: int, payload: bytes = b"", sequence: int | None = None, session: int | None = None
+    ) -> bytes:
+        """Return a frame; without a number, that of the next command."""
+        number = self.sequence + 1 if sequence is None else sequence
+        whose = self.session if session is None else session
+        return struct.pack("<BBI", command, number % 256, whose) + payload
+
+    def replies(self, clocks: int, count: int | None = None) -> list[Reply]:
+        """Run so many clocks, less when ``count`` replies have come; return those that have."""
+        found: list[Reply] = []
+        while clocks > 0 and (count is None or len(found) < count):
+            clocks -= self.top.step(clocks, until_event=True)
+            *frames, self._heard = (self._heard + self.top.receive()).split(b"\xc0")
+            bodies = [unstuffed(frame) for frame in frames if frame]
+            found += [Reply(*struct.unpack("<BBIB", body[:7]), body[7:]) for body in bodies]
+        return found
+
+    def exchange(self, line: bytes) -> Reply:
+        """Send bytes as they are; return the one reply."""
+        self.top.send(line)
+        (reply,) = self.replies(PATIENCE, 1)
+        return reply
+
+    def silent(self, line: bytes) -> None:
+        """Send bytes as they are; fail where the board answers."""
+        self.top.send(line)
+        assert self.replies(40 * len(line) + 4000) == []
+
+    def ask(
+        self, command: int, payload: bytes = b"", sequence: int | None = None, session: int | None = None
+    ) -> Reply:
+        """Send a command and return its reply; an executed one counts."""
+        body = self.frame(command, payload, sequence, session)
+        reply = self.exchange(on_line(body))
+        assert (reply.command, reply.sequence) == (command | 0x80, body[1])
+        assert reply.session == (self.session if session is None else session)
+        if reply.code == OK:
+            self.sequence = body[1]
+        return reply
+
+    def hello(self) -> bytes:
+        return self.good(HELLO)
+
+    def good(self, command: int, payload: bytes = b"") -> bytes:
+        reply = self.ask(command, payload)
+        assert reply.code == OK
+        return reply.payload
+
+    def status(self) -> StatusBlock:
+        payload = self.good(STATUS)
+        assert len(payload) == STATUS_LAYOUT.size
+        return status_of(payload)
+
+    def load(self, mesh: int, triangles: np.ndarray) -> None:
+        """Replace a mesh by triangles (N, 3, 3)."""
+        step = min(12, 242 // len(packed(triangles[:1], self.top.parameters.width)))
+        for first in range(0, len(triangles), step):
+            count = self.good(LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
+            assert count == struct.pack("<H", min(first + step, len(triangles)))
+
+    def load_payload(self, mesh: int, first: int, triangles: np.ndarray) -> bytes:
+        head = struct.pack("<BHB", mesh, first, len(triangles))
+        return head + packed(triangles, self.top.parameters.width)
+
+    def move(self, x: int, y: int, z: int) -> None:
+        assert self.good(MOVE, struct.pack("<3i", x, y, z)) == struct.pack("<3i", x, y, z)
+
+    def run_payload(self, mode: int, margin: int = 0) -> bytes:
+        status = self.status()
+        return struct.pack("<BIHH", mode, margin, status.count_a, status.count_b)
+
+    def start(self, mode: int, margin: int = 0) -> int:
+        """Start a run and return its number."""
+        return self.good(RUN, self.run_payload(mode, margin))[0]
+
+    def finish(self) -> None:
+        """Let the board run until its run has ended."""
+        for _ in range(1000):
+            if not self.top.leds & BUSY_LED:
+                return
+            self.top.step(100)
+        raise AssertionError("the run does not end")
+
+    def run(self, mode: int, margin: int = 0) -> StatusBlock:
+        number = self.start(mode, margin)
+        self.finish()
+        status = self.status()
+        assert (status.run, status.state) == (number, DONE)
+        return status
+
+    def results(self, start: int) -> tuple[StatusBlock, np.ndarray]:
+        """Return the status and the near pairs (K, 2) from number ``start`` on."""
+        payload = self.good(RESULTS, struct.pack("<I", start))
+        return read_results(payload, start)
+
+    def all_results(self) -> tuple[StatusBlock, np.ndarray]:
+        """Return the status of the run's end and all of its near pairs (K, 2)."""
+        parts: list[np.ndarray] = []
+        count = 0
+        while True:
+            status, near = self.results(count)
+            parts.append(near)
+            count += len(near)
+            if not len(near) and status.state == DONE:
+                return status, np.concatenate(parts)
+
+
+def read_results(payload: bytes, start: int) -> tuple[StatusBlock, np.ndarray]:
+    number, count = struct.unpack_from("<IB", payload, STATUS_LAYOUT.size)
+    assert number == start
+    assert count <= 40
+    near = np.frombuffer(payload, "<u2", offset=STATUS_LAYOUT.size + 5).reshape(-1, 2)
+    assert len(near) == count
+    return status_of(payload), near.astype(np.int64)
+
+
+def packed(triangles: np.ndarray, width: int) -> bytes:
+    """Return triangles (N, 3, 3) in coordinates of whole bytes."""
+    size = (width + 7) // 8
+    return b"".join(int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+
+
+def flat(z: int, count: int = 1) -> np.ndarray:
+    """Return ``count`` times the same triangle, of 10 by 10 at height ``z``."""
+    return np.tile(np.array([[0, 0, z], [10, 0, z], [0, 10, z]], np.int64), (count, 1, 1))
+
+
+def corners(count: int) -> np.ndarray:
+    """Return ``count`` triangles that the boxes of `flat`'s overlap, and that are not near them at 0."""
+    return np.tile(np.array([[10, 10, 0], [10, 6, 0], [6, 10, 0]], np.int64), (count, 1, 1))
+
+
+def long_clear_scene(host: "BoardHost") -> None:
+    """Load a scene that is clear, of which every pair must be tested: the longest that there is."""
+    host.load(0, flat(0, host.top.parameters.depth))
+    host.load(1, corners(host.top.parameters.depth))
+
+
+def start_at_once(host: "BoardHost", mode: int) -> None:
+    """Send a run, and return in the clock in which the board begins it, before its reply."""
+    host.top.send(on_line(host.frame(RUN, host.run_payload(mode))))
+    host.sequence += 1
+    while not host.top.leds & BUSY_LED:
+        host.top.step(1)
+
+
+def powered(session: int = 0x11DBC022) -> BoardHost:
+    """Return a host of a board after power-up and HELLO."""
+    host = BoardHost(SimulatedTop(PARAMETERS), session)
+    host.hello()
+    return host
+
+
+def clear_scene(host: BoardHost) -> None:
+    """Load two triangles 5 apart."""
+    host.load(0, flat(0))
+    host.load(1, flat(5))
+
+
+def clear_run(host: BoardHost) -> None:
+    """Run the scene to go."""
+    status = host.run(ALL)
+    assert (status.end, status.near) == (COMPLETE, 0)
+    assert says_go(host.top)
+
+
+def says_go(top: SimulatedTop) -> bool:
+    """Return what the two outputs say; they must never agree."""
+    assert top.bad_clocks == 0
+    assert top.go != top.stop
+    return top.go

@@ -1,0 +1,255 @@
+"""The board's two outputs: go comes from a complete clear run alone, and every change or fault ends it."""
+
+import struct
+from collections.abc import Callable
+
+import pytest
+
+from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.verif.tests.board_host import (
+    ABORT,
+    ALL,
+    BUSY_LED,
+    COUNT,
+    FIRST,
+    HELLO,
+    LOAD,
+    MOVE,
+    PARAMETERS,
+    RESULTS,
+    RUN,
+    STATUS,
+    BoardHost,
+    clear_run,
+    clear_scene,
+    flat,
+    long_clear_scene,
+    on_line,
+    powered,
+    says_go,
+    start_at_once,
+)
+
+
+@pytest.fixture
+def host():
+    board = powered()
+    assert not says_go(board.top)
+    clear_scene(board)
+    assert not says_go(board.top)
+    return board
+
+
+def bad_crc(host: BoardHost) -> None:
+    line = bytearray(on_line(host.frame(STATUS)))
+    line[1] ^= 1
+    host.silent(bytes(line))
+
+
+def break_line(host: BoardHost) -> None:
+    host.top.break_line(100)
+    host.top.step(500)
+
+
+def one_bit(host: BoardHost) -> None:
+    # A byte on the idle line, and the next frame's beginning after it.
+    host.top.glitch(PARAMETERS.clocks_per_bit)
+    host.top.step(100)
+    host.status()
+
+
+def reload(host: BoardHost) -> None:
+    host.load(0, flat(0))
+
+
+def hello(host: BoardHost) -> None:
+    host.hello()
+    assert not says_go(host.top)
+    clear_scene(host)
+
+
+def reset(host: BoardHost) -> None:
+    host.top.reset()
+    hello(host)
+
+
+def overrun(host: BoardHost) -> None:
+    for number in range(3):
+        host.top.send(on_line(host.frame(STATUS, sequence=host.sequence + 1 + number)))
+    assert len(host.replies(20_000)) == 2
+    host.sequence += 2
+
+
+# Each with what the board answers; the scene is the same and clear afterwards.
+ENDS: dict[str, Callable[[BoardHost], object]] = {
+    "LOAD": reload,
+    "MOVE": lambda host: host.move(0, 0, 0),
+    "ABORT": lambda host: host.good(ABORT),
+    "HELLO": hello,
+    "reset": reset,
+    "bad CRC": bad_crc,
+    "bad stuffing": lambda host: host.silent(b"\xc0\x06\xdb\x06\xc0"),
+    "too short": lambda host: host.silent(b"\xc0\x06\xc0"),
+    "too long": lambda host: host.silent(b"\xc0" + bytes(257) + b"\xc0"),
+    "framing error": break_line,
+    "noise": one_bit,
+    "frame too early": overrun,
+    "unknown command": lambda host: host.ask(0x20),
+    "bad length": lambda host: host.ask(STATUS, b"\0"),
+    "other session": lambda host: host.ask(STATUS, session=1),
+    "other session's HELLO": lambda host: host.ask(HELLO, session=1),
+    "session 0": lambda host: host.ask(HELLO, session=0),
+    "bad sequence": lambda host: host.ask(STATUS, sequence=host.sequence + 2),
+    "bad value": lambda host: host.ask(RUN, struct.pack("<BIHH", 3, 0, 1, 1)),
+    "busy or bad value": lambda host: host.ask(MOVE, struct.pack("<3i", 1 << 17, 0, 0)),
+    "out of place": lambda host: host.ask(LOAD, host.load_payload(0, 9, flat(0))),
+    "counts differ": lambda host: host.ask(RUN, struct.pack("<BIHH", ALL, 0, 2, 1)),
+    "watchdog": lambda host: host.top.step(PARAMETERS.watchdog_clocks),
+}
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_go_ends_and_only_a_run_brings_it_back(host, end):
+    clear_run(host)
+    ENDS[end](host)
+    assert not says_go(host.top)
+    # Talk alone does not help.
+    go_clocks = host.top.go_clocks
+    for _ in range(3):
+        host.status()
+    host.results(0)
+    assert host.top.go_clocks == go_clocks
+    clear_run(host)
+
+
+# A frame that is too long takes longer than the run; so does the watchdog.
+IN_RUN = [end for end in ENDS if end not in ("LOAD", "MOVE", "too long", "watchdog")]
+
+
+def test_the_long_run_is_clear(host):
+    long_clear_scene(host)
+    clear_run(host)
+
+
+@pytest.mark.parametrize("end", IN_RUN)
+def test_what_comes_during_a_run_spoils_it(host, end):
+    long_clear_scene(host)
+    start_at_once(host, ALL)
+    host.replies(2000, 1)
+    assert host.top.leds & BUSY_LED
+    go_clocks = host.top.go_clocks
+    ENDS[end](host)
+    host.finish()
+    host.status()
+    assert not says_go(host.top)
+    assert host.top.go_clocks == go_clocks
+
+
+def test_no_go_while_a_clear_run_goes_on(host):
+    long_clear_scene(host)
+    clear_run(host)
+    start_at_once(host, ALL)
+    assert not says_go(host.top)
+    go_clocks = host.top.go_clocks
+    host.replies(2000, 1)
+    while host.top.leds & BUSY_LED:
+        assert host.top.go_clocks == go_clocks
+        host.top.step(1)
+    host.top.step(1)
+    assert says_go(host.top)
+
+
+@pytest.mark.parametrize("mode", [FIRST, ALL, COUNT])
+def test_go_in_every_mode_and_only_without_near_pairs(host, mode):
+    for height, is_go in ((0, True), (5, False), (6, True), (-1, True), (4, True)):
+        host.move(0, 0, height)
+        status = host.run(mode)
+        assert status.go == says_go(host.top) == is_go
+    # Exactly at the margin is near.
+    assert host.run(mode, 1).go is False
+    host.move(0, 0, 3)
+    assert host.run(mode, 1).go
+
+
+def test_no_go_after_an_overflow(host):
+    host.move(1 << 15, 0, 0)
+    assert not host.run(ALL).go
+    assert not says_go(host.top)
+
+
+def test_what_does_not_end_go(host):
+    payload = host.run_payload(ALL)
+    host.good(RUN, payload)
+    host.finish()
+    go_clocks, clocks = host.top.go_clocks, host.top.clocks
+    host.exchange(on_line(host.frame(RUN, payload, host.sequence)))
+    host.status()
+    host.results(0)
+    host.silent(b"\xc0\xc0")
+    host.top.glitch(1)
+    for _ in range(3):
+        host.status()
+        host.top.step(PARAMETERS.watchdog_clocks - 5000)
+        assert says_go(host.top)
+    assert host.top.go_clocks - go_clocks == host.top.clocks - clocks
+
+
+def test_the_watchdog_is_exact(host):
+    clear_run(host)
+    host.status()
+    # Known to a frame's length: the watchdog began with the frame, the reply has come since.
+    reply = 10 * PARAMETERS.clocks_per_bit * 70
+    host.top.step(PARAMETERS.watchdog_clocks - reply)
+    assert says_go(host.top)
+    host.top.step(reply)
+    assert not says_go(host.top)
+
+
+def test_another_master_keeps_no_watchdog_alive(host):
+    clear_run(host)
+    other = BoardHost(host.top, 99)
+    for _ in range(PARAMETERS.watchdog_clocks // 5000 + 1):
+        other.ask(STATUS)
+        host.top.step(4000)
+    assert host.status().expired
+
+
+def test_stop_from_power_up():
+    host = BoardHost(SimulatedTop(PARAMETERS))
+    host.top.step(5000)
+    assert host.top.go_clocks == 0
+    assert not says_go(host.top)
+
+
+# What a step of the soak leaves go as it is: nothing that changes or fails.
+KEEPS: list[Callable[[BoardHost], object]] = [
+    lambda host: host.status(),
+    lambda host: host.good(RESULTS, struct.pack("<I", 0)),
+    lambda host: host.top.step(5000),
+    lambda host: host.silent(b"\xc0\xc0\xc0"),
+]
+
+
+def test_soak(host, rng):
+    """Anything in any order: go exactly as the steps so far say, and never for a clock more."""
+    go = False
+    ends = [ENDS[name] for name in ENDS if name != "watchdog"]
+    for _ in range(120):
+        before = host.top.go_clocks
+        kind = rng.integers(4)
+        if kind == 0:
+            ends[rng.integers(len(ends))](host)
+            go = False
+        elif kind == 1:
+            host.move(0, 0, int(rng.integers(4, 7)))
+            go = False
+        elif kind == 2:
+            status = host.run(int(rng.integers(3)))
+            # The scene is near at one height alone.
+            go = status.z != 5
+        else:
+            KEEPS[rng.integers(len(KEEPS))](host)
+        assert says_go(host.top) == go
+        if not go and kind == 3:
+            assert host.top.go_clocks == before
+    assert host.top.go_clocks
