@@ -20,6 +20,8 @@ _TOP = "TOP"
 _SIGNAL_KINDS = ("PORT", "VAR", "WIRE")
 _PARAMETER_KINDS = ("GPARAM", "LPARAM")
 _LOGICAL = ("LOGAND", "LOGOR", "LOGNOT", "AND", "OR", "XOR", "NOT", "REDAND", "REDOR", "REDXOR")
+# What Verilator makes of `unique case`: a check of its own.
+_ADDED = ("notParallelp",)
 # Types whose width their keyword says.
 _KEYWORD_WIDTHS = {"int": 32, "integer": 32, "byte": 8, "shortint": 16, "longint": 64}
 
@@ -58,24 +60,16 @@ def _range(text: str) -> range:
     return range(min(left, right), max(left, right) + 1)
 
 
+def _referred(node: _Node) -> str:
+    """Return the address of the type that a named type or an enumeration stands for."""
+    inner = node.get("refDTypep", "UNLINKED")
+    return node["dtypep"] if inner == "UNLINKED" else inner
+
+
 def _constant(node: _Node) -> int | None:
     """Return the value of a constant such as ``32'sh1f``, None for text and the like."""
     match = re.fullmatch(r"(?:\d+)?'s?h([0-9a-f]+)", node.get("name", ""))
     return int(match[1], 16) if match else None
-
-
-def _lines(node: Any) -> Iterator[int]:
-    """Yield the lines with logical operators."""
-    if isinstance(node, list):
-        for element in node:
-            yield from _lines(element)
-    elif isinstance(node, dict):
-        if node.get("type") in _LOGICAL:
-            # A place reads file, first line:column, last line:column.
-            yield int(node["loc"].split(",")[1].partition(":")[0])
-        for value in node.values():
-            if isinstance(value, (list, dict)):
-                yield from _lines(value)
 
 
 @dataclass
@@ -122,9 +116,8 @@ class _Reader:
             case "STRUCTDTYPE":
                 for member in node["membersp"]:
                     yield from self.elements(f"{name}.{member['name']}", member["refDTypep"])
-            case "REFDTYPE" | "PARAMTYPEDTYPE":
-                inner = node.get("refDTypep", "UNLINKED")
-                yield from self.elements(name, node["dtypep"] if inner == "UNLINKED" else inner)
+            case "REFDTYPE" | "PARAMTYPEDTYPE" | "ENUMDTYPE":
+                yield from self.elements(name, _referred(node))
             case other:
                 raise InputError(f"{name}: type {other}: unknown to the reader of the elaborated design")
 
@@ -138,10 +131,29 @@ class _Reader:
             contents.parameters,
             tuple(contents.signals),
             frozenset(contents.blocks),
-            frozenset(_lines(module["stmtsp"])),
+            frozenset(self._lines(module["stmtsp"])),
         )
         for name, address in contents.cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
+
+    def _lines(self, node: Any) -> Iterator[int]:
+        """Yield the lines with logical operators on single bits: of vectors, each bit's toggles tell."""
+        if isinstance(node, list):
+            for element in node:
+                yield from self._lines(element)
+        elif isinstance(node, dict):
+            if node.get("type") in _LOGICAL and not self._is_vector(node.get("dtypep")):
+                # A place reads file, first line:column, last line:column.
+                yield int(node["loc"].split(",")[1].partition(":")[0])
+            for key, value in node.items():
+                if isinstance(value, (list, dict)) and key not in _ADDED:
+                    yield from self._lines(value)
+
+    def _is_vector(self, address: str | None) -> bool:
+        node = self._types.get(address or "", {})
+        if node.get("type") == "REFDTYPE":
+            return self._is_vector(_referred(node))
+        return node.get("type") == "BASICDTYPE" and "range" in node and len(_range(node["range"])) > 1
 
     def _collect(self, nodes: list[_Node], prefix: str, path: str, contents: _Contents) -> None:
         for node in nodes:

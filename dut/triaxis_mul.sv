@@ -4,7 +4,8 @@
 // Computes: the signed product a_i * b_i, split into pieces that each fill one DSP48E1.
 // Widths: |a b| <= 2^(AWidth-1) * 2^(BWidth-1) = 2^(AWidth+BWidth-2), which fits
 // AWidth + BWidth bits signed.
-// Latency: mul_latency(AWidth, BWidth): one clock for the products, then the sum of the pieces.
+// Latency: mul_latency(AWidth, BWidth): one clock for the operands, one for the products, both in
+// registers that the DSP block has, then the sum of the pieces.
 
 `include "triaxis_stage.svh"
 
@@ -33,14 +34,19 @@ module triaxis_mul
 
   typedef logic signed [AWidth+BWidth-1:0] product_t;
 
+  logic signed [AWidth-1:0] a_q;
+  logic signed [BWidth-1:0] b_q;
+  `TRIAXIS_STAGE(a_q, a_i)
+  `TRIAXIS_STAGE(b_q, b_i)
+
   logic signed [XWidth-1:0] x;
   logic signed [YWidth-1:0] y;
   if (FirstOnA) begin : g_straight
-    assign x = a_i;
-    assign y = b_i;
+    assign x = a_q;
+    assign y = b_q;
   end else begin : g_swapped
-    assign x = b_i;
-    assign y = a_i;
+    assign x = b_q;
+    assign y = a_q;
   end
 
   logic signed [DspPortA-1:0] x_piece[XPieces];

@@ -75,9 +75,14 @@ package triaxis_pkg;
     return (m == 0) ? 1 : diff_width(w) + m;
   endfunction
 
-  // A DSP48E1 multiplies 25 by 18 bits, signed. Lower pieces of a split operand are unsigned, so
-  // they hold one bit less than the port; the top piece is signed and fills it.
+  // A DSP48E1 multiplies 25 by 18 bits, signed; for parts with other blocks the wider port can be
+  // given from outside. Lower pieces of a split operand are unsigned, so they hold one bit less than
+  // the port; the top piece is signed and fills it.
+`ifdef TRIAXIS_DSP_PORT_A
+  parameter int unsigned DspPortA = `TRIAXIS_DSP_PORT_A;
+`else
   parameter int unsigned DspPortA = 25;
+`endif
   parameter int unsigned DspPortB = 18;
 
   function automatic int unsigned mul_pieces(int unsigned width, int unsigned port);
@@ -110,8 +115,9 @@ package triaxis_pkg;
     return $clog2(terms);
   endfunction
 
+  // Operands, products, then the sum of the pieces.
   function automatic int unsigned mul_latency(int unsigned aw, int unsigned bw);
-    return 1 + sum_latency(mul_products(aw, bw));
+    return 2 + sum_latency(mul_products(aw, bw));
   endfunction
 
   function automatic int unsigned cross_latency(int unsigned w);

@@ -7,7 +7,7 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
@@ -43,7 +43,12 @@ from triaxis.verif.instrumented_core import (
     detector_model,
     elaborated,
 )
-from triaxis.verif.paths import BUILD, rtl_sources
+from triaxis.verif.instrumented_engine import InstrumentedEngine, engine_model
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mutation.engine_play import RUN
+from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_extremes
+from triaxis.verif.mutation.targets import EngineTarget
+from triaxis.verif.paths import BUILD, mesh_sources, rtl_sources
 from triaxis.verif.regression.file_lock import locked
 
 RESULT = BUILD / "coverage" / "code.json"
@@ -59,6 +64,11 @@ CORES = (
     Configuration(16, 0),
 )
 DETECTOR_WIDTH = 16
+_ENGINE_MODULES = frozenset(source.stem for source in mesh_sources())
+
+# The mesh engine, where several words of lanes make a group, and several a mesh; with margins, and without.
+_MESH = MeshConfiguration(8, 8, depth=32, group=4, lanes=2, cycle_bits=8)
+ENGINES = (EngineTarget(_MESH), EngineTarget(replace(_MESH, margin_bits=0)))
 
 # Every bin of every model was hit within half of this.
 PAIRS = 6_000
@@ -67,7 +77,10 @@ _JOBS = 2
 
 @dataclass(frozen=True)
 class Run:
-    """One model: how many pairs it was played, how many were checked and how many were wrong."""
+    """One model: how many pairs it was played, how many were checked and how many were wrong.
+
+    Of the mesh engine, how many runs.
+    """
 
     model: str
     pairs: int
@@ -107,9 +120,9 @@ class CodeCoverage:
 
 @dataclass(frozen=True)
 class _Job:
-    """One model to play: a configuration of the core, or the wrapper."""
+    """One model to play: a configuration of the core, the wrapper (None), or the mesh engine."""
 
-    configuration: Configuration | None
+    configuration: Configuration | EngineTarget | None
     seed: int
     count: int
     steps: npt.NDArray[np.uint8]
@@ -118,11 +131,15 @@ class _Job:
     @property
     def model(self) -> Model:
         """Return the model."""
+        if isinstance(self.configuration, EngineTarget):
+            return engine_model(self.configuration)
         return core_model(self.configuration) if self.configuration else detector_model(DETECTOR_WIDTH)
 
     def build(self) -> None:
         """Build and elaborate the model, where needed."""
-        if self.configuration:
+        if isinstance(self.configuration, EngineTarget):
+            InstrumentedEngine(self.configuration)
+        elif self.configuration:
             InstrumentedCore(self.configuration)
         else:
             InstrumentedDetector(DETECTOR_WIDTH)
@@ -132,22 +149,34 @@ class _Job:
         """Play the model, check its results, and assess its coverage."""
         start = time.perf_counter()
         file = COUNTERS / f"{self.model.name}.dat"
-        checked, wrong, clocks = self._play_core(file) if self.configuration else self._play_detector(file)
         instances = read_elaboration(elaborated(self.model), self.model.top)
+        if isinstance(self.configuration, EngineTarget):
+            played, checked, wrong, clocks = self._play_engine(self.configuration, file)
+            instances = {path: one for path, one in instances.items() if one.module in _ENGINE_MODULES}
+        elif self.configuration:
+            played, (checked, wrong, clocks) = self.count, self._play_core(self.configuration, file)
+        else:
+            played, (checked, wrong, clocks) = self.count, self._play_detector(file)
         coverage = ModelCoverage(self.model.name, read_counters(file), instances)
         assessment = assess_model(coverage, self.waivers)
         seconds = time.perf_counter() - start
-        return Run(self.model.name, self.count, checked, wrong, clocks, seconds), assessment
+        return Run(self.model.name, played, checked, wrong, clocks, seconds), assessment
 
-    def _play_core(self, file: Path) -> tuple[int, int, int]:
+    def _play_engine(self, target: EngineTarget, file: Path) -> tuple[int, int, int, int]:
+        """Return how many runs there were, how many were right, how many scripts went wrong, the clocks."""
+        plays = [*engine_directed(target, self.seed), *engine_extremes(target, self.seed)]
+        checked, wrong = InstrumentedEngine(target).play(plays, file)
+        runs = sum(int((play.steps["kind"] == RUN).sum()) for play in plays)
+        return runs, checked, len(wrong), sum(int(play.clocks.clip(0).sum()) for play in plays)
+
+    def _play_core(self, configuration: Configuration, file: Path) -> tuple[int, int, int]:
         """Return how many results were checked, how many were wrong, and the clocks."""
-        assert self.configuration
-        rng = np.random.default_rng([self.seed, self.configuration.width, self.configuration.margin_bits])
-        played_with = stimulus(rng, self.count, self.configuration, self.steps)
-        played = InstrumentedCore(self.configuration).play(played_with, file)
+        rng = np.random.default_rng([self.seed, configuration.width, configuration.margin_bits])
+        played_with = stimulus(rng, self.count, configuration, self.steps)
+        played = InstrumentedCore(configuration).play(played_with, file)
         delivered = played.states == DELIVERED
         facts = bulk_facts(played_with.pairs, played_with.margins)
-        wrong = delivered & (played.words != expected_words(facts, self.configuration))
+        wrong = delivered & (played.words != expected_words(facts, configuration))
         return int(delivered.sum()), int(wrong.sum()), played.clocks
 
     def _play_detector(self, file: Path) -> tuple[int, int, int]:
@@ -187,17 +216,18 @@ def measure(
     seed: int,
     count: int = PAIRS,
     cores: Sequence[Configuration] = CORES,
+    engines: Sequence[EngineTarget] = ENGINES,
     waivers: Path = WAIVERS,
     progress: Callable[[int], None] | None = None,
 ) -> CodeCoverage:
-    """Measure code coverage with ``count`` pairs on each core and on the wrapper.
+    """Measure code coverage with ``count`` pairs on each core and on the wrapper, and scenes on each engine.
 
     ``progress`` is told of each model twice: when it is built, and when it is done.
     """
     start = time.perf_counter()
     read = read_waivers(waivers)
     steps = disturbed(np.random.default_rng(seed))
-    jobs = [_Job(core, seed, count, steps, read) for core in (*cores, None)]
+    jobs = [_Job(one, seed, count, steps, read) for one in (*cores, None, *engines)]
     # Two runs at once would write each other's counters.
     with locked(COUNTERS / ".lock"):
         before = rtl_hash()
@@ -205,7 +235,7 @@ def measure(
         together = Assessment()
         for _, assessment in done:
             together.add(assessment)
-        whole = conclude(together, generate_blocks(rtl_sources()), read, date.today())
+        whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources()]), read, date.today())
         changed = rtl_hash() != before
     return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start, before, changed)
 

@@ -16,11 +16,11 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.build import built, content_hash, core_files, run_tool
+from triaxis.verif.build import built, content_hash, core_files, rtl_files, run_tool
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.engine import CoreError
 from triaxis.verif.packing import COORDINATES
-from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
+from triaxis.verif.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
 from triaxis.verif.toolchain import verilator
 
 FOLDER = VERIF / "instrumented"
@@ -43,11 +43,15 @@ _OLDEST = (5, 48)
 
 @dataclass(frozen=True)
 class Model:
-    """A module with its parameters, elaborated: what coverage is measured on."""
+    """A module with its parameters, elaborated: what coverage is measured on.
+
+    ``above_core``: it is above the core, on whose files it has no counters.
+    """
 
     name: str
     top: str
     parameters: Mapping[str, int]
+    above_core: bool = False
 
 
 def core_model(configuration: Configuration) -> Model:
@@ -68,11 +72,19 @@ def _verilate(model: Model, dut: Path) -> list[str]:
     ]  # fmt: skip
 
 
-def _sources(dut: Path) -> list[Path]:
-    return [dut / source.name for source in rtl_sources()]
+def _sources(model: Model, dut: Path) -> list[Path]:
+    core = [dut / source.name for source in rtl_sources()]
+    return [*core, *mesh_sources(dut), FOLDER / "engine.vlt"] if model.above_core else core
 
 
-def _library(model: Model, harness: Path, prefix: str, defines: Sequence[str], dut: Path) -> Path:
+def _depends_on(model: Model, dut: Path) -> list[Path]:
+    return [*_sources(model, dut), *(rtl_files(dut) if model.above_core else core_files(dut))]
+
+
+def instrumented_library(
+    model: Model, harness: Path, prefix: str, defines: Sequence[str], dut: Path = DUT
+) -> Path:
+    """Return the shared library of a model with counters and its harness, built where needed."""
     if verilator().version < _OLDEST:
         raise InputError(
             f"code coverage: Verilator {verilator()}: 5.048 or newer is needed; unset VERILATOR to use the "
@@ -86,8 +98,9 @@ def _library(model: Model, harness: Path, prefix: str, defines: Sequence[str], d
         "-CFLAGS", " ".join(["-fPIC -std=c++20", *defines]), "-LDFLAGS", "-shared",
         "-MAKEFLAGS", make_variables,
     ]  # fmt: skip
-    sources = [*_sources(dut), harness]
-    hashed = [*sources, *core_files(dut), *sorted(FOLDER.glob("*.h"))]
+    sources = [*_sources(model, dut), harness]
+    headers = [*sorted(FOLDER.glob("*.h")), *sorted((VERIF / "mutation").glob("*.h"))]
+    hashed = [*_depends_on(model, dut), harness, *headers]
     parameters = [f"{name}={value}" for name, value in model.parameters.items()]
     key = content_hash(hashed, str(verilator()), str(dut), *command, *parameters)
     folder = BUILD / "instrumented" / f"{model.name}-{key[:12]}"
@@ -107,13 +120,13 @@ def _library(model: Model, harness: Path, prefix: str, defines: Sequence[str], d
 
 def elaborated(model: Model, dut: Path = DUT) -> Path:
     """Return the file in which Verilator describes the elaborated design (JSON)."""
-    key = content_hash([*_sources(dut), *core_files(dut)], str(verilator()), str(dut))
+    key = content_hash(_depends_on(model, dut), str(verilator()), str(dut))
     folder = BUILD / "elaborated" / f"{model.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
         command = ["--json-only", "--prefix", "V", "--Mdir", str(partial)]
         run_tool(
-            [*_verilate(model, dut), *command, *map(str, _sources(dut))],
+            [*_verilate(model, dut), *command, *map(str, _sources(model, dut))],
             partial,
             f"{model.name}, elaboration",
         )
@@ -164,7 +177,7 @@ class InstrumentedCore:
         self.configuration = configuration
         defines = [f"-DMARGIN_BITS={configuration.margin_bits}"]
         model = core_model(configuration)
-        library = ctypes.CDLL(str(_library(model, FOLDER / "core.cpp", "Vcore", defines, dut)))
+        library = ctypes.CDLL(str(instrumented_library(model, FOLDER / "core.cpp", "Vcore", defines, dut)))
         library.triaxis_data_bytes.restype = ctypes.c_int64
         self._data_bytes = int(library.triaxis_data_bytes())
         self._cover: Any = library.triaxis_cover
@@ -197,7 +210,7 @@ class InstrumentedDetector:
         """Build the wrapper where needed, and load it."""
         self._width = width
         model = detector_model(width)
-        library = ctypes.CDLL(str(_library(model, FOLDER / "detector.cpp", "Vdetector", [], dut)))
+        library = ctypes.CDLL(str(instrumented_library(model, FOLDER / "detector.cpp", "Vdetector", [], dut)))
         self._cover: Any = library.triaxis_cover_detector
         self._cover.restype = None
         self._cover.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_char_p]

@@ -20,7 +20,7 @@ _PARTS = (
 
 
 def machine_scenes(data: Path) -> list[Scene]:
-    """Return close scenes from the folder of real meshes; see `signoff.scene_checks.mesh_data`."""
+    """Return close scenes from the folder of real meshes; see `triaxis.verif.mesh_data`."""
     machine = {path.stem: read_stl(path).facets for path in sorted((data / "vmc").glob("*.stl"))}
 
     def head(z_mm: float) -> Facets:

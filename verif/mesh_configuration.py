@@ -1,5 +1,6 @@
 """The parameters with which the mesh engine is built."""
 
+import re
 from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
@@ -69,6 +70,11 @@ class MeshConfiguration:
         return (1 << self.margin_bits) - 1
 
     @property
+    def max_cycles(self) -> int:
+        """Return the number at which the count of clocks stays."""
+        return (1 << self.cycle_bits) - 1
+
+    @property
     def parameters(self) -> dict[str, int]:
         """Return the RTL's parameters."""
         return {
@@ -80,3 +86,23 @@ class MeshConfiguration:
             "CycleBits": self.cycle_bits,
             "Gating": int(self.gating),
         }
+
+
+_NAME = re.compile(r"mesh_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(?:_c(\d+))?(_ungated)?")
+
+
+def is_mesh_configuration(name: str) -> bool:
+    """Return whether the name is one of the engine's configurations, and not of the core's."""
+    return name.startswith("mesh_")
+
+
+def parse_mesh_configuration(name: str) -> MeshConfiguration:
+    """Return the configuration named mesh_ and its `MeshConfiguration.name`."""
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise InputError(
+            f"configuration {name}: must read mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>"
+            "[_c<cycle bits>][_ungated], as in mesh_w16_m16_d64_g8_l8"
+        )
+    numbers = [int(match[n]) for n in range(1, 6)]
+    return MeshConfiguration(*numbers, cycle_bits=int(match[6] or 32), gating=not match[7])

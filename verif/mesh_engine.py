@@ -92,7 +92,7 @@ class MeshEngine:
     def __init__(self, configuration: MeshConfiguration, dut: Path = DUT) -> None:
         """Build the engine where needed, load and reset it. ``dut``: another folder of the same files."""
         self.configuration = configuration
-        self.counts = (0, 0)
+        self.counts: tuple[int, int] = (0, 0)
         library = ctypes.CDLL(str(mesh_library(configuration, dut)))
         self._delete = library.triaxis_mesh_delete
         self._delete.argtypes = [ctypes.c_void_p]

@@ -3,18 +3,20 @@
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
-from triaxis.coverage.core_coverage import Item, core_model
-from triaxis.coverage.cover_model import Kind
+from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
 from triaxis.verif.assertions import SVA, assertion_names
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.faults.run import signed_off_names
 from triaxis.verif.formal.run import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
+from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
-from triaxis.verif.testnames import REPLAY, TESTS
+from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS
 
 # Runs that check and are no UVM tests: the wrapper, whole meshes, the small grid in full, code coverage.
 DETECTOR, SCENES, EXHAUSTIVE, CODE_COVERAGE = "detector", "scenes", "exhaustive", "code_coverage"
@@ -26,28 +28,27 @@ def inventory() -> Inventory:
     """Return everything that a testpoint must own."""
     goals: dict[str, frozenset[str]] = {}
     illegal: dict[str, frozenset[str]] = {}
-    for covered in dict.fromkeys(run.configuration.covered for run in plan(seed=1)):
-        model = core_model(*covered)
+    for model in dict.fromkeys(model_of(run.config) for run in (*plan(seed=1), *mesh_plan(seed=1))):
         goals[model.name] = frozenset(name for item in model.items for name in _goals(item))
         illegal[model.name] = frozenset(name for item in model.items for name in _illegal(item))
     return Inventory(
         # A replay repeats pairs that failed elsewhere: it verifies nothing of its own.
-        tests=frozenset(TESTS) - {REPLAY},
+        tests=frozenset((*TESTS, *MESH_TESTS)) - {REPLAY},
         proofs=frozenset(proof_names()),
         faults=frozenset(signed_off_names()),
         checks=frozenset(CHECKS),
-        assertions=frozenset(name for path in sorted(SVA.glob("*.sv")) for name in assertion_names(path)),
+        assertions=frozenset(name for path in sorted(SVA.rglob("*.sv")) for name in assertion_names(path)),
         mutants=frozenset(mutant_names()),
         bins=goals,
         illegal=illegal,
     )
 
 
-def _goals(item: Item) -> Iterator[str]:
+def _goals(item: CoverItem[Any]) -> Iterator[str]:
     return (f"{item.name}.{b.name}" for b in item.bins if b.exclusion is None)
 
 
-def _illegal(item: Item) -> Iterator[str]:
+def _illegal(item: CoverItem[Any]) -> Iterator[str]:
     return (f"{item.name}.{b.name}" for b in item.bins if b.exclusion and b.exclusion.kind is Kind.ILLEGAL)
 
 

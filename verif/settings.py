@@ -7,8 +7,15 @@ from pathlib import Path
 
 from triaxis.verif.configuration import Configuration, parse_configuration
 from triaxis.verif.golden_sample import Share
+from triaxis.verif.mesh_configuration import (
+    MeshConfiguration,
+    is_mesh_configuration,
+    parse_mesh_configuration,
+)
+from triaxis.verif.paths import DUT
 
 _VARIABLE = "TRIAXIS_RUN"
+_DUT_VARIABLE = "TRIAXIS_DUT"
 PIN, BURST = "pin", "burst"
 
 
@@ -51,6 +58,21 @@ class RunSettings:
         return parse_configuration(self.config)
 
     @property
+    def of_mesh_engine(self) -> bool:
+        """Return whether the mesh engine is under test, not the core; ``pairs`` are then those of scenes."""
+        return is_mesh_configuration(self.config)
+
+    @property
+    def width(self) -> int:
+        """Return the coordinate bits of what is under test."""
+        return self.mesh_configuration.width if self.of_mesh_engine else self.configuration.width
+
+    @property
+    def mesh_configuration(self) -> MeshConfiguration:
+        """Return the parameters of the mesh engine under test."""
+        return parse_mesh_configuration(self.config)
+
+    @property
     def replay_command(self) -> str:
         """Return the command that repeats exactly this run."""
         if self.replay:
@@ -63,14 +85,19 @@ class RunSettings:
             f"--pairs {self.pairs}{options}"
         )
 
-    def to_environment(self) -> dict[str, str]:
-        """Return the environment variable that carries these settings."""
-        return {_VARIABLE: json.dumps(asdict(self))}
+    def to_environment(self, dut: Path = DUT) -> dict[str, str]:
+        """Return the environment variables that carry these settings, and the folder of the RTL."""
+        return {_VARIABLE: json.dumps(asdict(self)), _DUT_VARIABLE: str(dut)}
 
 
 def from_environment() -> RunSettings:
     """Return the settings that the runner put into the environment."""
     return RunSettings(**json.loads(os.environ[_VARIABLE]))
+
+
+def dut_from_environment() -> Path:
+    """Return the folder of the RTL under test."""
+    return Path(os.environ[_DUT_VARIABLE])
 
 
 def result_file(folder: Path) -> Path:

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from triaxis.verif.build import burst_simulation, simulation
+from triaxis.verif.build import burst_simulation, mesh_library, simulation
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.counterexample.explaining import explain_failures
 from triaxis.verif.counterexample.regressions import REGRESSIONS
+from triaxis.verif.mesh.build import BARE_TOP, TOP, bare_simulation, mesh_simulation
 from triaxis.verif.paths import BUILD, DUT
 from triaxis.verif.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
 
@@ -59,7 +60,7 @@ class RunResult:
 
 def run_settings(
     test: str,
-    configuration: Configuration,
+    configuration: Configuration | str,
     seed: int,
     pairs: int,
     replay: str = "",
@@ -68,11 +69,13 @@ def run_settings(
     judged_one_in: int = 1,
     soak: bool = False,
 ) -> RunSettings:
-    """Return the settings of a run, in its usual folder unless another is named."""
-    usual = BUILD / "runs" / f"{test}-{configuration.name}-{agent}-{seed}"
-    return RunSettings(
-        test, seed, configuration.name, pairs, str(folder or usual), replay, agent, judged_one_in, soak
-    )
+    """Return the settings of a run, in its usual folder unless another is named.
+
+    ``configuration``: also by its name, as those of the mesh engine are given.
+    """
+    config = configuration if isinstance(configuration, str) else configuration.name
+    usual = BUILD / "runs" / f"{test}-{config}-{agent}-{seed}"
+    return RunSettings(test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak)
 
 
 def _errors(log: Path) -> tuple[str, ...]:
@@ -90,9 +93,25 @@ def _errors(log: Path) -> tuple[str, ...]:
 
 def build_for(settings: RunSettings, dut: Path = DUT) -> Path:
     """Return the folder of the simulator executable that a run needs, built where needed."""
+    if settings.of_mesh_engine:
+        return _build_for_mesh(settings, dut)
     if settings.agent == BURST:
         return burst_simulation(settings.configuration, dut, assertions=not settings.soak)
     return simulation(settings.configuration, dut)
+
+
+def _build_for_mesh(settings: RunSettings, dut: Path) -> Path:
+    if settings.agent == PIN:
+        return mesh_simulation(settings.mesh_configuration, dut)
+    # What the run loads; here so that it counts as a build.
+    mesh_library(settings.mesh_configuration, dut)
+    return bare_simulation()
+
+
+def _top_level(settings: RunSettings) -> str:
+    if settings.of_mesh_engine:
+        return TOP if settings.agent == PIN else BARE_TOP
+    return "triaxis_burst_tb" if settings.agent == BURST else "triaxis_core"
 
 
 def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResult:
@@ -103,7 +122,6 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     """
     from cocotb_tools.runner import get_runner
 
-    in_bursts = settings.agent == BURST
     build = build_for(settings, dut)
     folder = Path(settings.folder)
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
@@ -121,7 +139,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
         runner.test(
-            hdl_toplevel="triaxis_burst_tb" if in_bursts else "triaxis_core",
+            hdl_toplevel=_top_level(settings),
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testlist.entry",
             test_filter=f"{settings.test}$",
@@ -131,7 +149,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
             results_xml=str(results),
             log_file=log,
             extra_env={
-                **settings.to_environment(),
+                **settings.to_environment(dut),
                 "COCOTB_ANSI_OUTPUT": "0",
                 "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
                 # A crash must end the process: the solver's loader would fork a debugger, which hangs.
@@ -146,7 +164,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     counts = _counts(result_file(folder))
     passed = ended_well and _passed(results) and counts is not None and counts["failed"] == 0
     found: tuple[str, ...] = ()
-    if not passed and shrink:
+    if not passed and shrink and not settings.of_mesh_engine:
         store = REGRESSIONS if dut == DUT else None
         found = explain_failures(folder, settings.configuration, dut, store)
     return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, found)

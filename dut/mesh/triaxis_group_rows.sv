@@ -111,7 +111,9 @@ module triaxis_group_rows
   // --- Rows that wait -------------------------------------------------------------------------------------
 
   row_t entering, waiting;
-  logic waiting_valid;
+  logic entering_valid, waiting_valid, taken;
+  assign entering_valid = grown_valid_q && overlap;
+  assign taken = ready_i || drain_i;
   assign entering.row = grown_group_q;
   for (genvar c = 0; c < 2; c++) begin : g_corner
     for (genvar k = 0; k < 3; k++) begin : g_axis
@@ -126,11 +128,11 @@ module triaxis_group_rows
   ) u_waiting (
       .clk_i,
       .rst_ni,
-      .valid_i(grown_valid_q && overlap),
+      .valid_i(entering_valid),
       .ready_o(enable),
       .data_i (entering),
       .valid_o(waiting_valid),
-      .ready_i(ready_i || drain_i),
+      .ready_i(taken),
       .data_o (waiting)
   );
 

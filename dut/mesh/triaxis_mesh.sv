@@ -16,7 +16,8 @@
 //   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {mode, margin}, only the mode
 //                 where M = 0
 //   m_axis_near   {index in B, index in A}, in the order of the scan
-//   m_axis_done   one summary a run, after its last near pair was taken
+//   m_axis_done   one summary a run, after its last near pair was taken; its values stay until the
+//                 next run is accepted. A reset clears them, and empties both meshes.
 // A complete run accounts for all pairs: skipped and opened pairs of groups are all there are, and
 // the pairs within those opened are skipped by their boxes, or tested.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
@@ -123,7 +124,7 @@ module triaxis_mesh
 
   // --- The meshes ---------------------------------------------------------------------------------------
 
-  logic load, loadable, settled_a, settled_b;
+  logic load, settled_a, settled_b, settled, empty_a, empty;
   logic [1:0] clear, push;
   coord_t object_a[2][3], object_b[2][3];
   logic row_read, word_read, box_a_read, box_b_read, triangle_read;
@@ -134,8 +135,9 @@ module triaxis_mesh
   coord_t row_box[1][2][3], word_boxes[Lanes][2][3], box_a[1][2][3], boxes_b[Lanes][2][3];
   logic [9*W-1:0] triangle_a, triangle_b;
 
-  assign s_axis_load_tready_o = loadable;
-  assign load = s_axis_load_tvalid_i && s_axis_load_tready_o;
+  // The meshes can be loaded where a run could start.
+  assign s_axis_load_tready_o = s_axis_run_tready_o;
+  assign load = s_axis_load_tvalid_i && s_axis_run_tready_o;
   for (genvar mesh = 0; mesh < 2; mesh++) begin : g_load
     assign clear[mesh] = load && s_axis_load_tuser_i == {1'b1, 1'(mesh)};
     assign push[mesh]  = load && s_axis_load_tuser_i == {1'b0, 1'(mesh)};
@@ -199,8 +201,8 @@ module triaxis_mesh
   logic signed [grown_width(W)-1:0] shift[2][3];
   logic [margin_width(M)-1:0] asked_margin, margin;
   mode_e mode;
-  logic restart, start, drain, stop, first, idle;
-  logic rows_idle, words_idle, boxes_idle, fetch_idle, near_idle;
+  logic restart, start, drain, first, idle, groups_idle;
+  logic rows_idle, words_idle, boxes_idle, near_idle;
   logic pick_group_valid, group_pair_valid, masked_valid, pair_valid;
 
   for (genvar k = 0; k < 3; k++) begin : g_move
@@ -211,6 +213,10 @@ module triaxis_mesh
   end else begin : g_margin
     assign asked_margin = s_axis_run_tuser_i[M-1:0];
   end
+
+  assign settled = settled_a && settled_b;
+  assign empty_a = count_a_o == '0;
+  assign empty   = empty_a || count_b_o == '0;
 
   triaxis_run_control #(
       .W(W),
@@ -226,11 +232,10 @@ module triaxis_mesh
       .mode_i(s_axis_run_tuser_i[M+:2]),
       .abort_i,
       .busy_o,
-      .loadable_o(loadable),
-      .settled_i(settled_a && settled_b),
+      .settled_i(settled),
       .overfull_i(overfull_o != '0),
-      .empty_a_i(count_a_o == '0),
-      .empty_i(count_a_o == '0 || count_b_o == '0),
+      .empty_a_i(empty_a),
+      .empty_i(empty),
       .object_a_i(object_a),
       .move_o(move),
       .shift_o(shift),
@@ -247,9 +252,9 @@ module triaxis_mesh
       .cycles_o
   );
 
-  assign stop = drain;
-  assign idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid && boxes_idle &&
-      !masked_valid && !pair_valid && fetch_idle && near_idle;
+  // Pairs that are fetched are on their way to a verdict already.
+  assign groups_idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid;
+  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && near_idle;
 
   // --- Groups -------------------------------------------------------------------------------------------
 
@@ -264,7 +269,7 @@ module triaxis_mesh
   logic pick_group_ready;
   logic [LaneWidth-1:0] picked_lane;
   group_pair_t group_pair_found, group_pair;
-  logic group_pair_ready;
+  logic group_pair_ready, group_pair_taken;
 
   assign groups_a = group_count_t'((count_a_o + count_t'(Group - 1)) >> $clog2(Group));
   assign groups_b = group_count_t'((count_b_o + count_t'(Group - 1)) >> $clog2(Group));
@@ -276,7 +281,7 @@ module triaxis_mesh
       .clk_i,
       .rst_ni,
       .start_i(start),
-      .drain_i(stop),
+      .drain_i(drain),
       .idle_o(rows_idle),
       .groups_a_i(groups_a),
       .shift_i(shift),
@@ -298,7 +303,7 @@ module triaxis_mesh
   ) u_words (
       .clk_i,
       .rst_ni,
-      .drain_i(stop),
+      .drain_i(drain),
       .idle_o(words_idle),
       .groups_b_i(groups_b),
       .valid_i(row_valid),
@@ -323,7 +328,7 @@ module triaxis_mesh
   ) u_pick_group (
       .clk_i,
       .rst_ni,
-      .drain_i(stop),
+      .drain_i(drain),
       .valid_i(word_valid),
       .ready_o(word_ready),
       .payload_i(word),
@@ -337,17 +342,18 @@ module triaxis_mesh
   assign group_pair_found.a = picked.row;
   assign group_pair_found.b = group_t'(picked.word) * group_t'(Lanes) + group_t'(picked_lane);
 
+  assign group_pair_taken   = group_pair_ready || drain;
   triaxis_stream_fifo #(
       .T(group_pair_t),
       .Depth(QueueDepth)
   ) u_group_pairs (
       .clk_i,
       .rst_ni,
-      .valid_i(pick_group_valid && !stop),
+      .valid_i(pick_group_valid),
       .ready_o(pick_group_ready),
       .data_i (group_pair_found),
       .valid_o(group_pair_valid),
-      .ready_i(group_pair_ready || stop),
+      .ready_i(group_pair_taken),
       .data_o (group_pair)
   );
 
@@ -368,12 +374,12 @@ module triaxis_mesh
   ) u_boxes (
       .clk_i,
       .rst_ni,
-      .drain_i(stop),
+      .drain_i(drain),
       .idle_o(boxes_idle),
       .count_a_i(count_a_o),
       .count_b_i(count_b_o),
       .shift_i(shift),
-      .valid_i(group_pair_valid && !stop),
+      .valid_i(group_pair_valid),
       .ready_o(group_pair_ready),
       .group_a_i(group_pair.a),
       .group_b_i(group_pair.b),
@@ -397,7 +403,7 @@ module triaxis_mesh
   ) u_masked_pairs (
       .clk_i,
       .rst_ni,
-      .valid_i(boxed_valid && !stop),
+      .valid_i(boxed_valid),
       .ready_o(boxed_ready),
       .data_i (boxed),
       .valid_o(masked_valid),
@@ -411,7 +417,7 @@ module triaxis_mesh
   ) u_pick_pair (
       .clk_i,
       .rst_ni,
-      .drain_i(stop),
+      .drain_i(drain),
       .valid_i(masked_valid),
       .ready_o(masked_ready),
       .payload_i(masked.pairs),
@@ -424,7 +430,7 @@ module triaxis_mesh
 
   // --- Vertices, verdicts ---------------------------------------------------------------------------------
 
-  logic core_valid, core_ready, verdict_valid, verdict_ready;
+  logic issue, core_valid, core_ready, verdict_valid, verdict_ready;
   logic [18*W-1:0] core_pair;
   index_t core_a, core_b;
   logic [15:0] verdict;
@@ -439,8 +445,7 @@ module triaxis_mesh
   ) u_fetch (
       .clk_i,
       .rst_ni,
-      .drain_i(stop),
-      .idle_o(fetch_idle),
+      .drain_i(drain),
       .move_i(move),
       .valid_i(pair_valid),
       .ready_o(pair_ready),
@@ -485,8 +490,11 @@ module triaxis_mesh
   );
 
   // Of the verdict, only whether it is near: the engine's users ask for pairs, not for axes.
-  logic unused_verdict;
-  assign unused_verdict = ^verdict[15:1];
+  logic [14:0] unused_verdict;
+  assign unused_verdict = verdict[15:1];
+
+  // A pair that is fetched while draining is dropped.
+  assign issue = triangle_read && !drain;
 
   triaxis_near_pairs #(
       .IndexWidth(IndexWidth),
@@ -495,11 +503,11 @@ module triaxis_mesh
       .clk_i,
       .rst_ni,
       .start_i(restart),
-      .drain_i(stop),
+      .drain_i(drain),
       .idle_o(near_idle),
       .mode_i(mode),
       .first_o(first),
-      .issue_i(triangle_read && !stop),
+      .issue_i(issue),
       .verdict_valid_i(verdict_valid),
       .verdict_ready_o(verdict_ready),
       .verdict_near_i(verdict[0]),

@@ -55,6 +55,8 @@ module triaxis_mesh_store
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
 
+  localparam index_t LastLane = index_t'(Lanes - 1);
+
   // --- Count ----------------------------------------------------------------------------------------
 
   logic full, keep;
@@ -129,14 +131,10 @@ module triaxis_mesh_store
   // --- The boxes of its group and of the mesh -----------------------------------------------------------
 
   logic write, first_in_group, first_in_mesh;
-  coord_t group_d[2][3], group_q[2][3], object_d[2][3];
+  coord_t object_d[2][3], group_d[2][3], group_q[2][3];
   assign write = valid_q[ExtentLatency];
   assign first_in_mesh = index == '0;
-  if (Group == 1) begin : g_single
-    assign first_in_group = 1'b1;
-  end else begin : g_several
-    assign first_in_group = index[GroupBits-1:0] == '0;
-  end
+  assign first_in_group = (index & index_t'(Group - 1)) == '0;
 
   for (genvar k = 0; k < 3; k++) begin : g_union
     always_comb begin
@@ -189,13 +187,8 @@ module triaxis_mesh_store
     logic write_box, write_group;
     logic [BoxWidth-1:0] box_read, group_read;
 
-    if (Lanes == 1) begin : g_only
-      assign write_box   = write;
-      assign write_group = write;
-    end else begin : g_one_of
-      assign write_box   = write && index[0+:LaneBits] == LaneBits'(l);
-      assign write_group = write && index[GroupBits+:LaneBits] == LaneBits'(l);
-    end
+    assign write_box   = write && (index & LastLane) == index_t'(l);
+    assign write_group = write && ((index >> GroupBits) & LastLane) == index_t'(l);
 
     triaxis_ram #(
         .Width(BoxWidth),

@@ -45,8 +45,7 @@ module triaxis_near_pairs
 
   assign drop = drain_i || first_o;
   // A verdict waits only where its pair has to be offered and another one is still on offer.
-  assign verdict_ready_o = drop || mode_i == ModeCount || !verdict_near_i ||
-      !m_axis_near_tvalid_o || m_axis_near_tready_i;
+  assign verdict_ready_o = drop || !verdict_near_i || !m_axis_near_tvalid_o || m_axis_near_tready_i;
   assign take = verdict_valid_i && verdict_ready_o;
   assign counted = take && !drop;
   assign near_taken = counted && verdict_near_i;
@@ -62,7 +61,7 @@ module triaxis_near_pairs
       tested_o <= '0;
       near_o   <= '0;
     end else begin
-      if (near_taken && mode_i == ModeFirst) first_o <= 1'b1;
+      if (offer && mode_i == ModeFirst) first_o <= 1'b1;
       tested_o <= tested_o + pair_count_t'(counted);
       near_o   <= near_o + pair_count_t'(near_taken);
     end

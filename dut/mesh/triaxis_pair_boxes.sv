@@ -58,12 +58,14 @@ module triaxis_pair_boxes
   typedef logic [WordWidth-1:0] word_t;
   typedef logic [Lanes-1:0] mask_t;
   typedef logic [LaneCountWidth-1:0] lane_count_t;
-  typedef logic [$clog2(Group):0] step_t;
+  typedef logic [address_width(Group)-1:0] step_t;
+  typedef logic [address_width(WordsOfGroup)-1:0] part_t;
 
   // --- The triangles of A and the words of B of a pair of groups -----------------------------------------
 
   logic enable, last_triangle, last_word;
-  step_t triangle_q, word_q;
+  step_t  triangle_q;
+  part_t  word_q;
   index_t index_a;
   word_t word_b, word_of_last;
 
@@ -71,7 +73,7 @@ module triaxis_pair_boxes
   assign index_a = index_t'(group_a_i) * index_t'(Group) + index_t'(triangle_q);
   assign word_b = word_t'(group_b_i) * word_t'(WordsOfGroup) + word_t'(word_q);
   assign word_of_last = word_t'((count_b_i - count_t'(1)) >> $clog2(Lanes));
-  assign last_word = word_q == step_t'(WordsOfGroup - 1) || word_b == word_of_last;
+  assign last_word = word_q == part_t'(WordsOfGroup - 1) || word_b == word_of_last;
   assign last_triangle = triangle_q == step_t'(Group - 1) ||
       count_t'(index_a) + count_t'(1) == count_a_i;
   assign ready_o = enable && last_word && last_triangle;
@@ -84,7 +86,7 @@ module triaxis_pair_boxes
       triangle_q <= '0;
       word_q <= '0;
     end else if (valid_i && enable) begin
-      word_q <= last_word ? '0 : word_q + step_t'(1);
+      word_q <= last_word ? '0 : word_q + part_t'(1);
       if (last_word) triangle_q <= last_triangle ? '0 : triangle_q + step_t'(1);
     end
   end

@@ -13,10 +13,9 @@ module triaxis_pair_fetch
     parameter int unsigned Depth = 4096,
     localparam int unsigned IndexWidth = $clog2(Depth)
 ) (
-    input  logic clk_i,
-    input  logic rst_ni,
-    input  logic drain_i,
-    output logic idle_o,
+    input logic clk_i,
+    input logic rst_ni,
+    input logic drain_i,
 
     input logic signed [move_width(W)-1:0] move_i[3],
 
@@ -43,7 +42,7 @@ module triaxis_pair_fetch
   logic [9*W-1:0] moved;
 
   assign enable  = !valid_o || ready_i;
-  assign ready_o = enable || drain_i;
+  assign ready_o = enable;
   assign read_o  = valid_i && enable;
 
   for (genvar i = 0; i < 9; i++) begin : g_move
@@ -66,7 +65,8 @@ module triaxis_pair_fetch
       read_b_q <= index_b_i;
       index_a_o <= read_a_q;
       index_b_o <= read_b_q;
-      pair_o <= {triangle_b_i, moved};
+      pair_o[0+:9*W] <= moved;
+      pair_o[9*W+:9*W] <= triangle_b_i;
     end
   end
 
@@ -74,7 +74,4 @@ module triaxis_pair_fetch
   // of it.
   logic unused_sign;
   assign unused_sign = ^{move_i[0][W], move_i[1][W], move_i[2][W]};
-
-  assign idle_o = !read_valid_q && !valid_o;
-
 endmodule

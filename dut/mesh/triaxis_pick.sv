@@ -37,9 +37,9 @@ module triaxis_pick
   assign payload_o = payload_q;
 
   always_comb begin
-    lane_o = '0;
-    for (int unsigned l = Lanes; l > 0; l--) begin
-      if (mask_q[l-1]) lane_o = lane_t'(l - 1);
+    lane_o = lane_t'(Lanes - 1);
+    for (int l = int'(Lanes) - 2; l >= 0; l--) begin
+      if (mask_q[l]) lane_o = lane_t'(l);
     end
   end
 
@@ -51,7 +51,7 @@ module triaxis_pick
   end
 
   always_ff @(posedge clk_i) begin
-    if (valid_i && ready_o) payload_q <= payload_i;
+    if (ready_o) payload_q <= payload_i;
   end
 
 endmodule

@@ -25,7 +25,6 @@ module triaxis_run_control
     input logic [1:0] mode_i,
     input logic abort_i,
     output logic busy_o,
-    output logic loadable_o,
 
     input logic settled_i,
     input logic overfull_i,
@@ -72,7 +71,6 @@ module triaxis_run_control
 
   assign accept = s_axis_run_tvalid_i && s_axis_run_tready_o;
   assign s_axis_run_tready_o = state_q == StateIdle;
-  assign loadable_o = state_q == StateIdle;
   assign busy_o = state_q != StateIdle && state_q != StateReset;
   assign clear_o = state_q == StateSettle;
   assign start_o = state_q == StateStart;
@@ -106,7 +104,6 @@ module triaxis_run_control
     state_d  = state_q;
     status_d = status_o;
     unique case (state_q)
-      StateReset: state_d = StateIdle;
       StateIdle: begin
         if (accept) state_d = StateSettle;
       end
@@ -138,7 +135,8 @@ module triaxis_run_control
       StateReport: begin
         if (m_axis_done_tready_i) state_d = StateIdle;
       end
-      default: state_d = StateReset;
+      // The clock after reset.
+      default: state_d = StateIdle;
     endcase
     // Refused or aborted: whatever else was to come next does not.
     if (abort_i && state_q inside {StateSettle, StateCheck, StateStart, StateScan}) begin

@@ -1,7 +1,8 @@
 """The command line ``triaxis``.
 
-Exit codes: 0 done (for `check`: clear), 1 the answer is no (for `check`: near; for `shrink`: nothing
-fails; for the others: failed, or a bound missed), 2 bad input or a missing tool, 130 interrupted.
+Exit codes: 0 done (for `check`, `path` and `board check`: clear), 1 the answer is no (for these: near; for
+`shrink`: nothing fails; for the others: failed, or a bound missed), 2 bad input or a missing tool, 130
+interrupted.
 """
 
 import argparse
@@ -13,8 +14,11 @@ from typing import Any, NoReturn
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.verif.cli import (
+    activity,
     bench_mesh,
     bench_sim,
+    bitstream,
+    board,
     check,
     code_coverage,
     exhaustive,
@@ -22,8 +26,10 @@ from triaxis.verif.cli import (
     faults,
     formal,
     fpga_report,
+    fpga_timing,
     gate,
     mutate,
+    path,
     regress,
     scenes,
     shrink,
@@ -39,6 +45,8 @@ DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 _COMMANDS = (
     verdict,
     check,
+    path,
+    board,
     scenes,
     sim,
     testplan,
@@ -55,6 +63,9 @@ _COMMANDS = (
     bench_sim,
     bench_mesh,
     fpga_report,
+    fpga_timing,
+    activity,
+    bitstream,
 )
 
 
@@ -74,8 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="triaxis",
         description="Exact triangle-collision core: verdicts, mesh checks, simulation, sign-off.",
-        epilog="Exit codes: 0 done (check: clear); 1 no (check: near; shrink: none fails; others: failed); "
-        "2 bad input or missing tool; 130 interrupted.",
+        epilog="Exit codes: 0 done (check, path: clear); 1 no (check, path: near; shrink: none fails; others: "
+        "failed); 2 bad input or missing tool; 130 interrupted.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in _COMMANDS:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.interchange.code_points import CodePoint, read_code_points
 from triaxis.coverage.interchange.lcov import write_lcov
@@ -14,7 +13,7 @@ from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.code_coverage import COUNTERS, RESULT
-from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.coverage_models import model_named
 from triaxis.verif.paths import BUILD, ROOT
 from triaxis.verif.signoff.folder import FOLDER
 
@@ -129,8 +128,7 @@ def _functional(sources: list[Path], here: str) -> tuple[CoverageDatabase, list[
             raise InputError(f"{path}: no such file: {_SIGN_OFF} first")
         records.append(_record("sign-off", _evidence(path.with_name(_SIGNOFF), here, _SIGN_OFF)))
     names = dict.fromkeys(name for path in sources for name in _model_names(path))
-    configurations = [parse_configuration(name.removeprefix(_MODEL)) for name in names]
-    database = CoverageDatabase(core_model(*configuration.covered) for configuration in configurations)
+    database = CoverageDatabase(map(model_named, names))
     for path in sources:
         database.add_file(path)
     return database, records

@@ -10,12 +10,13 @@ from triaxis.verif.failing_pairs import read_failing_pairs
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import fault_of
 from triaxis.verif.golden_sample import MOST_SELDOM
+from triaxis.verif.mesh_configuration import parse_mesh_configuration
 from triaxis.verif.paths import DUT
 from triaxis.verif.sequences.seed_vectors import seed_vectors
 from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import run as simulate
 from triaxis.verif.simulation import run_settings
-from triaxis.verif.testnames import REPLAY, TESTS, check_test_name
+from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
 
 PASSED, FAILED = 0, 1
 
@@ -25,19 +26,28 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "sim",
         help="run one test on the simulated core",
-        description="Run one test of the pyuvm environment. Tests: " + ", ".join(TESTS) + ".",
+        description="Run one test of the pyuvm environment. Tests of the core: "
+        + ", ".join(TESTS)
+        + ". Tests of the mesh engine: "
+        + ", ".join(MESH_TESTS)
+        + ".",
         epilog="Exit codes: 0 passed, 1 failed, 2 error.",
     )
     parser.add_argument("test", metavar="TEST", help="name of the test")
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
     parser.add_argument(
         "--config", default="w16_m0", metavar="NAME",
-        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0)",
+        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0); for the mesh engine "
+        "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]",
     )  # fmt: skip
-    parser.add_argument("--pairs", type=int, default=2000, help="how many pairs to send (2000)")
+    parser.add_argument(
+        "--pairs", type=int, default=2000,
+        help="how many pairs to send; for the mesh engine: to account for at least (2000)",
+    )  # fmt: skip
     parser.add_argument(
         "--agent", choices=(PIN, BURST), default=PIN,
-        help="who drives the streams: pin by pin, or whole bursts by a bus-functional model (pin)",
+        help="who drives the streams: pin by pin, or whole bursts by a bus-functional model; for the mesh "
+        "engine whole runs of the bare engine (pin)",
     )  # fmt: skip
     parser.add_argument(
         "--judged", type=int, default=1, metavar="N",
@@ -65,6 +75,9 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
     if options.soak and options.agent != BURST:
         raise InputError("--soak goes with --agent burst, and only with it")
+    check_test_fits(options.test, options.config)
+    if options.test in MESH_TESTS:
+        return _run_mesh(options)
     configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
@@ -96,3 +109,24 @@ def run(options: argparse.Namespace) -> int:
     # The last line is the command that repeats the run.
     print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
     return FAILED
+
+
+def _run_mesh(options: argparse.Namespace) -> int:
+    """Run a test of the mesh engine."""
+    if options.replay is not None or options.fault is not None or options.soak:
+        raise InputError("--replay, --fault and --soak go with tests of the core")
+    name = f"mesh_{parse_mesh_configuration(options.config).name}"
+    settings = run_settings(
+        options.test, name, options.seed, options.pairs, agent=options.agent, judged_one_in=options.judged
+    )
+    result = simulate(settings)
+    if not result.passed or not result.counts:
+        print(result.explain(), file=sys.stderr)
+        return FAILED
+    counts = result.counts
+    print(
+        f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "
+        f"{counts['checked']} pairs accounted for, {counts['skipped_with_proof']} of them skipped with a "
+        f"proof, {counts['judged_by_golden_model']} judged by the golden model, {result.seconds:.1f} s"
+    )
+    return PASSED

@@ -1,7 +1,7 @@
 """The catalogue of faults: those of the design that this core replaces, and further ones.
 
-Each fault of the core is a diff in patches/, by the fault's name. F9 and F10 were no faults of the design but
-of its testbench: they are tried on our own environment.
+Each fault of the core, or of the mesh engine above it, is a diff in patches/, by the fault's name. F9 and F10
+were no faults of the design but of its testbench: they are tried on our own environment.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ class Kind(Enum):
     """Where a fault sits, and so what must catch it."""
 
     CORE = auto()
+    ENGINE = auto()
     WRAPPER = auto()
     ENVIRONMENT = auto()
 
@@ -41,6 +42,11 @@ class Fault:
 def _replaced(name: str, title: str, story: str, kind: Kind = Kind.CORE) -> Fault:
     patch = None if kind is Kind.ENVIRONMENT else PATCHES / f"{name}.patch"
     return Fault(name, title, story, kind, patch=patch)
+
+
+def _engine(name: str, story: str) -> Fault:
+    title = name.removeprefix("engine-").replace("-", " ")
+    return Fault(name, title, story, Kind.ENGINE, "mesh_w8_m8_d32_g4_l2", False, PATCHES / f"{name}.patch")
 
 
 def _further(name: str, story: str, config: str = "w16_m0") -> Fault:
@@ -119,6 +125,15 @@ FAULTS = (
     _further("early-result", "Results are taken from the pipeline a clock too early."),
     _further("hang", "A pair with a certain tag is never accepted."),
     _further("lost-results", "Results with certain tags are lost."),
+    _engine("engine-margin-left-out", "Boxes are skipped as if the margin were 0."),
+    _engine("engine-groups-unmoved", "Boxes of A's groups are compared where A was loaded, not where it is."),
+    _engine("engine-lane-mask", "The last triangle of a mesh, and its last group, count as not there."),
+    _engine("engine-group-not-begun", "The box of a group goes on from that of the group before."),
+    _engine("engine-boxes-too-early", "A run begins before the last triangles' boxes are in memory."),
+    _engine("engine-lost-near", "A near pair is lost where another one still waits."),
+    _engine("engine-abort-complete", "A run that was aborted says that it is complete."),
+    _engine("engine-overflow-wrapped", "Where A moved leaves the range its coordinates wrap."),
+    _engine("engine-memory-read", "A memory is read although no run is under way."),
 )  # fmt: skip
 
 

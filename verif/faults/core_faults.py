@@ -13,7 +13,7 @@ from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.result import Catch, Example
-from triaxis.verif.faults.runs import TESTS, core_sign_of, run_test
+from triaxis.verif.faults.runs import TESTS, core_sign_of, until_one_fails
 from triaxis.verif.paths import ROOT
 from triaxis.verif.simulation import RunResult
 
@@ -23,22 +23,17 @@ PICTURES = FOLDER / "pictures"
 def try_core(fault: Fault, dut: Path, seed: int) -> Attempt:
     """Run the generic tests on the RTL in ``dut``, one after the other, until one fails."""
     configuration = parse_configuration(fault.config)
-    missed: list[str] = []
-    before = 0
-    for test in TESTS:
-        result = run_test(test, configuration, seed, fault.name, dut)
-        if not result.passed:
-            break
-        missed.append(test)
-        before += result.counts["checked"] if result.counts else 0
-    else:
+    tried = until_one_fails(TESTS, configuration, seed, fault.name, dut)
+    result = tried.failed
+    if result is None:
         return Attempt(None, f"{', '.join(TESTS)} pass", clean=True)
+    test = result.settings.test
     sign = core_sign_of(result)
     if sign is None:
         said = next(iter(result.errors), "no error line")
         return Attempt(None, f"{test} ended without a verdict on the core: {said} (log: {result.log})")
     replay = f"{result.settings.replay_command} --fault {fault.name}"
-    catch = Catch(test, sign.message, sign.pairs, sign.clocks, tuple(missed), before, replay)
+    catch = Catch(test, sign.message, sign.pairs, sign.clocks, tried.missed, tried.pairs_before, replay)
     if result.failing_pairs is None:
         return Attempt(catch)
     # Built here, beside other work.

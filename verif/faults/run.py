@@ -14,6 +14,7 @@ from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, Fault, Kind
 from triaxis.verif.faults.core_faults import try_core
+from triaxis.verif.faults.engine_faults import try_engine
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.faults.wrapper_faults import try_wrapper
@@ -86,6 +87,8 @@ def _tried(fault: Fault, broken: Path, seed: int) -> tuple[Attempt, float]:
     start = time.monotonic()
     if fault.kind is Kind.CORE:
         attempt = try_core(fault, broken, seed)
+    elif fault.kind is Kind.ENGINE:
+        attempt = try_engine(fault, broken, seed)
     elif fault.kind is Kind.WRAPPER:
         attempt = try_wrapper(broken, seed)
     else:
@@ -107,6 +110,9 @@ def control(faults: Sequence[Fault], seed: int, dut: Path = DUT) -> list[str]:
         if fault.kind is Kind.CORE:
             healthy = Fault("no-fault", "", "", config=fault.config)
             wanted[fault.config] = partial(try_core, healthy, dut, seed)
+        elif fault.kind is Kind.ENGINE:
+            healthy = Fault("no-fault", "", "", Kind.ENGINE, fault.config)
+            wanted[fault.config] = partial(try_engine, healthy, dut, seed)
         elif fault.kind is Kind.WRAPPER:
             wanted["wrapper"] = partial(try_wrapper, dut, seed)
         else:

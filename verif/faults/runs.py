@@ -1,6 +1,7 @@
-"""Runs of UVM tests on a broken core, and what made them fail."""
+"""Runs of UVM tests on broken RTL, and what made them fail."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -45,7 +46,9 @@ _LOST = re.compile(
     r"\d+ (?:pairs accepted and never answered|results (?:before a reset )?that answer no pair"
     r"|pairs unanswered at a reset; \d+ can be in flight)"
 )
-_HUNG = re.compile(r"(?:AssertionError|HungBurstError): (.*the core hangs)$")
+# What the scoreboard of the mesh engine says of a run; not where the judges themselves disagree.
+_SCENE = re.compile(r"ERROR .*?\]: (?!golden model|bulk checker)(.*?): meshes of \d+ and \d+, translation ")
+_HUNG = re.compile(r"(?:AssertionError|HungBurstError|HungRunError): (.*the (?:core|engine) hangs)$")
 _PS_PER_CLOCK = 1000 * PERIOD_NS
 
 
@@ -58,9 +61,42 @@ class Sign:
     clocks: int | None = None
 
 
+@dataclass(frozen=True)
+class Tried:
+    """Tests that were run in turn: the run that failed, None where none did, and those before it.
+
+    ``pairs_before``: checked in the tests that passed.
+    """
+
+    failed: RunResult | None
+    missed: tuple[str, ...]
+    pairs_before: int
+
+
+def until_one_fails(
+    tests: Sequence[str],
+    configuration: Configuration | str,
+    seed: int,
+    name: str,
+    dut: Path,
+    agent: str = BURST,
+    pairs: int = PAIRS,
+) -> Tried:
+    """Run the tests on the RTL in ``dut``, one after the other, until one fails."""
+    missed: list[str] = []
+    before = 0
+    for test in tests:
+        result = run_test(test, configuration, seed, name, dut, agent, pairs)
+        if not result.passed:
+            return Tried(result, tuple(missed), before)
+        missed.append(test)
+        before += result.counts["checked"] if result.counts else 0
+    return Tried(None, tuple(missed), before)
+
+
 def run_test(
     test: str,
-    configuration: Configuration,
+    configuration: Configuration | str,
     seed: int,
     name: str,
     dut: Path = DUT,
@@ -93,7 +129,7 @@ def core_sign_of(result: RunResult) -> Sign | None:
     Trouble of the environment, a full disk or a refused stimulus, says nothing of the core.
     """
     rule = _broken_rule(result)
-    if rule and rule[0] in _rules():
+    if rule and rule[0] in _rules(SVA):
         return rule[1]
     said = [found[1] for line in result.errors if (found := _SCOREBOARD.search(line))]
     pairs = _pairs(result)
@@ -102,6 +138,24 @@ def core_sign_of(result: RunResult) -> Sign | None:
             return Sign(message, pairs)
     for message in filter(_LOST.fullmatch, said):
         return Sign(message)
+    return _hang(result)
+
+
+def engine_sign_of(result: RunResult) -> Sign | None:
+    """Return what the mesh engine did wrong in a run; None where the run failed for any other reason.
+
+    A rule of verif/sva/mesh is broken, a run is not what its scene makes it, or the engine hangs.
+    """
+    rule = _broken_rule(result)
+    if rule and rule[0] in _rules(SVA / "mesh"):
+        return rule[1]
+    for line in result.errors:
+        if found := _SCENE.search(line):
+            return Sign(found[1])
+    return _hang(result)
+
+
+def _hang(result: RunResult) -> Sign | None:
     for line in result.errors:
         if found := _HUNG.search(line):
             return Sign(found[1])
@@ -117,9 +171,9 @@ def _broken_rule(result: RunResult) -> tuple[str, Sign] | None:
 
 
 @cache
-def _rules() -> frozenset[str]:
-    """Return the labels of the assertions of verif/sva."""
-    names = (name for path in sorted(SVA.glob("*.sv")) for name in assertion_names(path))
+def _rules(folder: Path) -> frozenset[str]:
+    """Return the labels of the assertions in a folder."""
+    names = (name for path in sorted(folder.glob("*.sv")) for name in assertion_names(path))
     return frozenset(name.rpartition(".")[2] for name in names)
 
 

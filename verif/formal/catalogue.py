@@ -5,6 +5,7 @@ from functools import cache
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.formal.axis_proofs import AxesProof
+from triaxis.verif.formal.engine_proofs import engine_proofs
 from triaxis.verif.formal.pieces import PiecesProof
 from triaxis.verif.formal.proof import Proof
 from triaxis.verif.formal.sby_proof import Method, SbyProof
@@ -171,6 +172,7 @@ def proofs() -> tuple[Proof, ...]:
         _threshold("threshold_space", 3, 34, _WIDTH, 6, exact=False),
         _threshold("threshold_plane", 2, 17, _WIDTH, 4, exact=False),
         _threshold("threshold_small", 3, 5, 3, 5, exact=True),
+        *engine_proofs(),
         _verdict("verdict_m0", 9, 6),
         _CROSS,
         PiecesProof(),

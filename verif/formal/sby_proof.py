@@ -101,10 +101,10 @@ class SbyProof:
                 if text.count(old) != 1:
                     raise InputError(f"{dut / name}: `{old}` must occur once: adapt the proof {self.name}")
                 text = text.replace(old, new)
-            (sources / name).write_text(text, encoding="utf-8")
+            (sources / Path(name).name).write_text(text, encoding="utf-8")
 
     def _configuration(self, sources: Path) -> str:
-        names = (*self.dut_files, *self.formal_files)
+        names = [Path(name).name for name in (*self.dut_files, *self.formal_files)]
         window = self.method is Method.WINDOW
         return "\n".join(
             [

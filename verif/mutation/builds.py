@@ -12,10 +12,9 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.build import built, content_hash, core_files, run_tool
+from triaxis.verif.build import built, content_hash, run_tool
 from triaxis.verif.mutation.folder import FOLDER, temporary
-from triaxis.verif.mutation.targets import Target
-from triaxis.verif.paths import VERIF, rtl_sources
+from triaxis.verif.mutation.targets import AnyTarget
 from triaxis.verif.toolchain import verilator
 
 _SOURCES = Path(__file__).parent
@@ -70,14 +69,22 @@ class ElaborationError(Exception):
     """Verilator refuses the mutated RTL."""
 
 
-def _verilate(target_: Target, dut: Path, folder: Path, extra: Sequence[Path], more: Sequence[str]) -> None:
+def _verilate(
+    target_: AnyTarget,
+    dut: Path,
+    folder: Path,
+    extra: Sequence[Path],
+    more: Sequence[str],
+    assertions: bool = False,
+) -> None:
+    checked = map(str, target_.assertions if assertions else ())
     command = [
         str(verilator().executable), "--cc", "--no-public-flat-rw", "--x-assign", "fast",
         "--x-initial", "fast",
         # A mutant may look odd: only errors count. What does not settle is found out when it runs.
         "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal", "--top-module", target_.top, "--prefix", "Vmutant",
         *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut}", *more,
-        "--Mdir", str(folder), *map(str, extra), *(str(dut / source.name) for source in rtl_sources()),
+        "--Mdir", str(folder), *map(str, extra), *map(str, target_.sources(dut)), *checked,
     ]  # fmt: skip
     answer = _answer(command, target_.name)
     (folder / "verilator.log").write_text(answer.stdout + answer.stderr)
@@ -101,7 +108,7 @@ def _answer(command: Sequence[str], what: str) -> subprocess.CompletedProcess[st
 
 def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError | InputError:
     """Return why Verilator failed: at a place in that RTL, or else for a reason that says nothing of it."""
-    place = re.compile(rf"%Error(-[A-Z0-9]+)?: {re.escape(str(dut))}/[^/:]+:\d+")
+    place = re.compile(rf"%Error(-[A-Z0-9]+)?: {re.escape(str(dut))}/[^:]+:\d+")
     lines = [line for line in errors.splitlines() if line.startswith("%Error")]
     refused = next((line for line in lines if place.match(line)), None)
     if status == 1 and refused and "No space left" not in errors:
@@ -110,13 +117,12 @@ def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError
     return InputError(f"{what}: Verilator ends with {status}, not for an error in the RTL: {said}")
 
 
-def _defines(target_: Target, selectable: bool) -> list[str]:
-    margin = f"-DMARGIN_BITS={target_.configuration.margin_bits}"
+def _defines(target_: AnyTarget, selectable: bool) -> list[str]:
     chosen = ["-DSELECTABLE", '-DTRIAXIS_MODEL_SELECTION="Vmutant_triaxis_mutant.h"'] if selectable else []
-    return [margin, *chosen]
+    return [*target_.defines, *chosen]
 
 
-def _compile(target_: Target, folder: Path, optimise: str, selectable: bool, jobs: int) -> Path:
+def _compile(target_: AnyTarget, folder: Path, optimise: str, selectable: bool, jobs: int) -> Path:
     """Compile what Verilator wrote, with the harness, into a shared library."""
     made = support(optimise)
     flags = [
@@ -151,20 +157,19 @@ def _compile(target_: Target, folder: Path, optimise: str, selectable: bool, job
     return library
 
 
-def schema_library(target_: Target, dut: Path, extra: Path, jobs: int) -> Path:
+def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
     """Return the library of a copy of dut/ that holds mutants, with the assertions of verif/sva/.
 
     ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
     build: the generator's fault, not a mutant's.
     """
-    sva = sorted((VERIF / "sva").glob("*.sv")) if target_.asserted else []
-    sources = [*core_files(dut), *sva, *_harness_files()]
+    sources = [*target_.depends_on(dut), *target_.assertions, *_harness_files()]
     key = content_hash(sources, str(verilator()), target(cxx()), target_.name, MANY)
 
     def make(partial: Path) -> None:
-        more = ["--assert", "--output-split", "8000", *map(str, sva)]
+        more = ["--assert", "--output-split", "8000"]
         try:
-            _verilate(target_, dut, partial, [extra], more)
+            _verilate(target_, dut, partial, [extra], more, True)
         except ElaborationError as error:
             raise InputError(f"{target_.name}, with mutants: {error} (log: {partial})") from error
         _compile(target_, partial, MANY, True, jobs)
@@ -176,23 +181,22 @@ def _harness_files() -> list[Path]:
     return [Path(__file__), *sorted(_SOURCES.glob("*.cpp")), *sorted(_SOURCES.glob("*.h"))]
 
 
-def _elaborate(target_: Target, dut: Path, folder: Path, assertions: bool) -> str:
+def _elaborate(target_: AnyTarget, dut: Path, folder: Path, assertions: bool) -> str:
     """Verilate into a folder; return a hash of what came of it, in which folders have no part."""
-    sva = sorted((VERIF / "sva").glob("*.sv")) if assertions and target_.asserted else []
-    checked = "--assert" if sva else "--no-assert"
-    _verilate(target_, dut, folder, [], [checked, "--output-split", "0", *map(str, sva)])
+    checked = "--assert" if assertions and target_.assertions else "--no-assert"
+    _verilate(target_, dut, folder, [], [checked, "--output-split", "0"], assertions)
     files = sorted([*folder.glob("Vmutant*.cpp"), *folder.glob("Vmutant*.h")])
     return content_hash((), *(file.read_text().replace(str(dut), "") for file in files))
 
 
-def elaboration_hash(target_: Target, dut: Path, assertions: bool) -> str:
+def elaboration_hash(target_: AnyTarget, dut: Path, assertions: bool) -> str:
     """Return a hash of the model that Verilator makes of some RTL: the same for RTL that does the same."""
     with temporary("mutant-") as folder:
         return _elaborate(target_, dut, folder, assertions)
 
 
 def with_mutant_library(
-    target_: Target,
+    target_: AnyTarget,
     dut: Path,
     use: Callable[[Path], None],
     assertions: bool = False,

@@ -6,10 +6,11 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_files
 from triaxis.verif.mutation.elaboration import elaboration_mutants
 from triaxis.verif.mutation.macro import macro_mutants
 from triaxis.verif.mutation.mutant import RUNTIME, Mutant
-from triaxis.verif.mutation.statements import Host, hosts, input_ports
+from triaxis.verif.mutation.statements import Host, hosts, input_ports, shared_enumerators
 from triaxis.verif.mutation.syntax import SourceFile, read_source
 from triaxis.verif.paths import DUT
 
@@ -54,9 +55,13 @@ class Catalogue:
 
 def catalogue(dut: Path = DUT) -> Catalogue:
     """Return all mutants of the RTL in a folder."""
-    sources = tuple(read_source(path) for path in sorted(dut.glob("*.sv")))
+    paths = (path for path in rtl_files(dut) if path.suffix == ".sv")
+    # Those of the core first: their numbers stay whatever is done above it.
+    ordered = sorted(paths, key=lambda path: (len(path.parts), path))
+    sources = tuple(read_source(path, dut) for path in ordered)
     ports = input_ports(sources)
-    found = {source.name: tuple(hosts(source, ports)) for source in sources}
+    shared = shared_enumerators(sources)
+    found = {source.name: tuple(hosts(source, ports, shared)) for source in sources}
     elaboration = [mutant for source in sources for mutant in elaboration_mutants(source)]
     runtime = [mutant for source in sources for host in found[source.name] for mutant in host.mutants]
     mutants = (*runtime, *elaboration, *macro_mutants(dut))

@@ -5,13 +5,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.mutation.targets import Target
-from triaxis.verif.paths import DUT, rtl_sources
+from triaxis.verif.mutation.syntax import kind, read_source, span
+from triaxis.verif.mutation.targets import AnyTarget
+from triaxis.verif.paths import DUT
 
 
 @dataclass(frozen=True)
 class Elaborated:
-    """Where the modules and generate blocks begin that a target elaborates: (file, offset)."""
+    """Where the modules and generate blocks begin that a target elaborates: (file, offset).
+
+    Only of files whose mutants are looked for there.
+    """
 
     blocks: frozenset[tuple[str, int]]
 
@@ -20,30 +24,30 @@ class Elaborated:
         return (file, block) in self.blocks
 
 
-def _compilation(dut: Path, top: str, parameters: Iterable[str]) -> tuple[Any, Any]:
+def _compilation(dut: Path, target: AnyTarget, parameters: Iterable[str]) -> tuple[Any, Any]:
     import pyslang
     from pyslang.ast import Compilation, CompilationOptions
     from pyslang.syntax import SyntaxTree
 
     options = CompilationOptions()
-    options.topModules = {top}
+    options.topModules = {target.top}
     options.paramOverrides = list(parameters)
     bag = pyslang.Bag()
     bag.compilationOptions = options
     manager = pyslang.SourceManager()
     manager.addUserDirectories(str(dut))
     compilation = Compilation(bag)
-    for source in rtl_sources():
-        compilation.addSyntaxTree(SyntaxTree.fromFile(str(dut / source.name), manager, bag))
+    for source in target.sources(dut):
+        compilation.addSyntaxTree(SyntaxTree.fromFile(str(source), manager, bag))
     return compilation, manager
 
 
-def elaborated(target: Target, dut: Path = DUT) -> Elaborated:
+def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
     """Return what a target elaborates."""
     import pyslang.ast as ast
 
     parameters = [f"{name}={value}" for name, value in target.parameters.items()]
-    compilation, manager = _compilation(dut, target.top, parameters)
+    compilation, manager = _compilation(dut, target, parameters)
     blocks: set[tuple[str, int]] = set()
 
     def visit(symbol: Any) -> Any:
@@ -54,24 +58,26 @@ def elaborated(target: Target, dut: Path = DUT) -> Elaborated:
             start = symbol.syntax.sourceRange.start
             if name == "GenerateBlock" and symbol.isUninstantiated:
                 return ast.VisitAction.Skip
-            blocks.add((Path(manager.getFileName(start)).name, start.offset))
+            blocks.add((_file(manager.getFileName(start), dut), start.offset))
         return ast.VisitAction.Advance
 
     for instance in compilation.getRoot().topInstances:
         instance.visit(visit)
     # Functions and constants of the package serve every target.
-    blocks.update((source.name, offset) for source, offset in _packages(dut))
-    return Elaborated(frozenset(blocks))
+    blocks.update(_packages(target, dut))
+    return Elaborated(frozenset(block for block in blocks if target.mutates(block[0])))
 
 
-def _packages(dut: Path) -> list[tuple[Path, int]]:
-    from triaxis.verif.mutation.syntax import kind, read_source, span
+def _file(name: str, dut: Path) -> str:
+    return Path(name).resolve().relative_to(dut.resolve()).as_posix()
 
-    found: list[tuple[Path, int]] = []
-    for source in rtl_sources():
+
+def _packages(target: AnyTarget, dut: Path) -> list[tuple[str, int]]:
+    found: list[tuple[str, int]] = []
+    for source in target.sources(dut):
         if source.name.endswith("_pkg.sv"):
-            parsed = read_source(dut / source.name)
-            found += [(source, span(m)[0]) for m in parsed.modules if kind(m) == "PackageDeclaration"]
+            parsed = read_source(source, dut)
+            found += [(parsed.name, span(m)[0]) for m in parsed.modules if kind(m) == "PackageDeclaration"]
     return found
 
 

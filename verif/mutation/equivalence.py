@@ -1,6 +1,6 @@
 """Mutants that no test can kill, each with evidence that a machine checks again.
 
-`equivalents.toml` lists them, with one of three kinds of evidence.
+`equivalents.toml` lists them, with one of four kinds of evidence.
 
 - "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
   by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
@@ -8,6 +8,8 @@
 - "corners": for a mutant that drops the top bit of a cast: the value never needs that bit. It is affine in
   each coordinate, so it is largest at corners of the coordinate box: all 2^18 are enumerated, and the bound
   is held against the width for every W.
+- "contract": of a module of the mesh engine: all that its users rely on is proved for all time, by the proofs
+  of verif/formal/ that are of that module, and holds of the mutant as well.
 """
 
 import shutil
@@ -25,9 +27,10 @@ import numpy as np
 from triaxis.fpga.synthesis import yosys, yosys_version
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH
-from triaxis.verif.build import content_hash
+from triaxis.verif.build import content_hash, rtl_files
 from triaxis.verif.code_coverage_stimulus import flowing
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.formal.engine_proofs import engine_proofs
 from triaxis.verif.mutation.builds import FAST, ElaborationError, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.folder import FOLDER, temporary
@@ -41,7 +44,7 @@ from triaxis.verif.paths import DUT, rtl_sources
 from triaxis.verif.sequences.corners import all_corners, orientations, spans
 
 FILE = Path(__file__).with_name("equivalents.toml")
-PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
+PROOF, EXHAUSTIVE, CORNERS, CONTRACT = "proof", "exhaustive", "corners", "contract"
 
 # Seconds for one entry.
 _PATIENCE = 300
@@ -120,11 +123,13 @@ _MITER = (
 
 def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
     folder.mkdir()
-    for source in (*dut.glob("*.sv"), *dut.glob("*.svh")):
+    for source in rtl_files(dut):
+        place = folder / source.relative_to(dut)
+        place.parent.mkdir(exist_ok=True)
         text = source.read_text()
-        if mutant is not None and source.name == mutant.file:
+        if mutant is not None and source == dut / mutant.file:
             text = applied(text, [mutant.edit])
-        (folder / source.name).write_text(text.replace(*_GUARD))
+        place.write_text(text.replace(*_GUARD))
 
 
 def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
@@ -253,10 +258,28 @@ def _largest(entry: Equivalent) -> int | None:
     return None
 
 
+def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Prove the contract of the entry's module of each mutant; return what is wrong, None where it holds."""
+    proofs = [proof for proof in engine_proofs() if proof.top == f"{entry.module}_formal"]
+    if not proofs:
+        return f"{entry.mutants[0]}: contract: there is no proof of {entry.module} in verif/formal/"
+    for mutant in mutants:
+        if not any(mutant.file in proof.dut_files for proof in proofs):
+            return f"{mutant.id}: contract: the proofs of {entry.module} are not of {mutant.file}"
+        with temporary("proof-") as folder:
+            _copy(dut, folder / "dut", mutant)
+            for proof in proofs:
+                problems = proof.prove(folder / "dut", folder / proof.name).problems
+                if problems:
+                    return f"{mutant.id}: not equivalent by its contract: {problems[0]}"
+    return None
+
+
 _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] = {
     PROOF: prove,
     EXHAUSTIVE: exhaust,
     CORNERS: bound,
+    CONTRACT: keep_contract,
 }
 
 
@@ -302,10 +325,9 @@ def check_equivalents(
 def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
     """Prove an entry, or find that it was proved before."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
-    files = [*sorted(dut.glob("*.sv")), *sorted(dut.glob("*.svh"))]
-    solver = _solver() if entry.evidence == PROOF else ""
+    solver = _solver() if entry.evidence in (PROOF, CONTRACT) else ""
     key = content_hash(
-        files, killers_hash(), solver, entry.evidence, entry.module,
+        rtl_files(dut), killers_hash(), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
     mark = FOLDER / "proofs" / key[:24]

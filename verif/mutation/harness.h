@@ -33,6 +33,14 @@ enum Symptom : int32_t {
   kNotQuiet,
   kAssertion,
   kDiverged,
+  kWrongStatus,
+  kWrongClocks,
+  kWrongCounters,
+  kWrongNear,
+  kLostNear,
+  kWrongCount,
+  kWrongHandshake,
+  kEarlySummary,
 };
 
 // A model and its context, with mutant number `selected` where the build holds mutants.

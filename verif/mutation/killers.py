@@ -11,7 +11,11 @@ _PATTERNS = (
     (VERIF / "mutation", ("*.py", "*.cpp", "*.h", "*.toml")),
     (VERIF / "sequences", ("*.py",)),
     (VERIF / "sva", ("*.sv", "*.vlt")),
+    (VERIF / "sva" / "mesh", ("*.sv", "*.vlt")),
+    (VERIF / "mesh", ("expectation.py",)),
     (VERIF / "regressions", ("*.json",)),
+    (VERIF / "formal", ("engine_proofs.py", "sby_proof.py")),
+    (VERIF / "formal" / "rtl", ("*.sv",)),
     (VERIF, ("*.py",)),
     (ROOT / "golden", ("*.py", "*.cpp", "*.h")),
 )

@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_files
 from triaxis.verif.mutation.builds import (
     FAST,
     QUICK,
@@ -26,14 +27,16 @@ from triaxis.verif.mutation.builds import (
 )
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
 from triaxis.verif.mutation.elaborated import Elaborated, elaborated
+from triaxis.verif.mutation.engine_play import EnginePlay
+from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_volume
 from triaxis.verif.mutation.folder import temporary
 from triaxis.verif.mutation.latencies import latency_table
-from triaxis.verif.mutation.models import Killed, Library
+from triaxis.verif.mutation.models import AnyPlay, Killed, Library
 from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant, applied
 from triaxis.verif.mutation.outcomes import Outcome, Store
 from triaxis.verif.mutation.schema import schema, write_support
-from triaxis.verif.mutation.stimulus import Play, directed, volume
-from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, Target
+from triaxis.verif.mutation.stimulus import directed, volume
+from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, AnyTarget, EngineTarget
 from triaxis.verif.paths import DUT
 
 # Bursts of a mutant's volume on each target; the narrowest model is the fastest.
@@ -41,6 +44,8 @@ _BURSTS = {MAIN.name: 32}
 _OTHER_BURSTS = 4
 # Fewer run-time mutants are built one by one: quicker than a build that can hold all.
 _FEW = 12
+
+_PACKAGE = "triaxis_pkg.sv"
 
 _SAVED_EVERY = 50
 _LONGER = 8
@@ -50,10 +55,10 @@ _LONGER = 8
 class Setting:
     """What the processes share: plays and libraries by target, numbers, and the RTL."""
 
-    plays: Mapping[str, list[Play]]
+    plays: Mapping[str, Sequence[AnyPlay]]
     libraries: Mapping[str, Path]
     numbers: Mapping[str, int]
-    targets: tuple[Target, ...]
+    targets: tuple[AnyTarget, ...]
     elaborated: Mapping[str, Elaborated]
     dut: Path
     seed: int
@@ -78,16 +83,17 @@ def _here() -> Setting:
     return _setting
 
 
-def targets_of(mutant: Mutant, setting: Setting) -> list[Target]:
+def targets_of(mutant: Mutant, setting: Setting) -> list[AnyTarget]:
     """Return the targets that elaborate a mutant."""
     return _where(mutant, setting.targets, setting)
 
 
-def _where(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> list[Target]:
+def _where(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> list[AnyTarget]:
     return [
         target
         for target in targets
-        if mutant.needs < 0 or setting.elaborated[target.name].holds(mutant.file, mutant.needs)
+        if target.mutates(mutant.file)
+        and (mutant.needs < 0 or setting.elaborated[target.name].holds(mutant.file, mutant.needs))
     ]
 
 
@@ -104,7 +110,7 @@ def _judge(mutant: Mutant) -> Outcome:
     )
 
 
-def _selected(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Killed | None:
+def _selected(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Killed | None:
     for target in targets:
         if target.name not in _loaded:
             _loaded[target.name] = Library(setting.libraries[target.name], target)
@@ -114,15 +120,15 @@ def _selected(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Ki
     return None
 
 
-def _built(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Killed | None:
+def _built(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Killed | None:
     """Build the mutant by itself and play it: first without assertions, which take longer to build."""
     with mutated(setting.dut, mutant) as folder:
-        if mutant.file.endswith("_pkg.sv") and (killed := latency_table(folder)):
+        if mutant.file == _PACKAGE and (killed := latency_table(folder)):
             return killed
         smallest = _where(mutant, (SMALLEST,), setting) if mutant.kind == ELABORATION else []
         for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
             for target in (*targets,) if assertions else (*smallest, *targets):
-                if not (assertions and target.combinational and len(targets) > 1):
+                if not (assertions and _told_before(mutant, target, targets)):
                     killed = _alone(target, folder, setting.plays[target.name], assertions)
                     if killed:
                         return killed
@@ -133,8 +139,15 @@ def _built(mutant: Mutant, targets: Sequence[Target], setting: Setting) -> Kille
     return None
 
 
+def _told_before(mutant: Mutant, target: AnyTarget, targets: Sequence[AnyTarget]) -> bool:
+    """Return whether a target without assertions has no more to tell where assertions are looked at."""
+    return not target.assertions and (
+        mutant.kind == ELABORATION or (target.combinational and len(targets) > 1)
+    )
+
+
 def _alone(
-    target: Target, folder: Path, plays: list[Play], assertions: bool, optimise: str = QUICK
+    target: AnyTarget, folder: Path, plays: Sequence[AnyPlay], assertions: bool, optimise: str = QUICK
 ) -> Killed | None:
     found: list[Killed | None] = []
 
@@ -152,7 +165,7 @@ def _alone(
 
 
 @cache
-def _original_hash(target: Target, assertions: bool) -> str:
+def _original_hash(target: AnyTarget, assertions: bool) -> str:
     return elaboration_hash(target, _here().dut, assertions)
 
 
@@ -167,8 +180,7 @@ def _first_line(message: str) -> str:
 def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
     """Provide a copy of dut/ with that one mutant in it."""
     with temporary("dut-") as folder:
-        for source in (*dut.glob("*.sv"), *dut.glob("*.svh")):
-            shutil.copy(source, folder)
+        copy_rtl(dut, folder)
         path = folder / mutant.file
         path.write_text(applied(path.read_text(), [mutant.edit]))
         _check_syntax(path, mutant)
@@ -190,9 +202,8 @@ def _more(mutant: Mutant) -> Outcome:
     killed = None
     with mutated(setting.dut, mutant) as folder:
         for target in targets:
-            bursts = _BURSTS.get(target.name, _OTHER_BURSTS)
-            plays = list(volume(target, setting.seed, bursts))
-            killed = _alone(target, folder, plays, mutant.kind == RUNTIME, FAST)
+            plays, optimise = _volume(target)
+            killed = _alone(target, folder, plays, mutant.kind == RUNTIME, optimise)
             if killed:
                 break
     return Outcome(
@@ -200,27 +211,68 @@ def _more(mutant: Mutant) -> Outcome:
     )
 
 
-def write_schema(catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path) -> Path:
-    """Write the copy of dut/ that holds all run-time mutants; return the file that it needs besides."""
+@cache
+def _volume(target: AnyTarget) -> tuple[Sequence[AnyPlay], str]:
+    """Return the volume of a target, and how to compile for it."""
+    setting = _here()
+    if isinstance(target, EngineTarget):
+        return measured(target, engine_volume(target, setting.seed), setting.dut), QUICK
+    bursts = _BURSTS.get(target.name, _OTHER_BURSTS)
+    return list(volume(target, setting.seed, bursts)), FAST
+
+
+def measured(target: EngineTarget, plays: Sequence[EnginePlay], dut: Path) -> Sequence[EnginePlay]:
+    """Fill in the clocks that the engine without mutants needs; InputError where it breaks the contract."""
+    found: list[Killed | None] = []
+
+    def use(path: Path) -> None:
+        library = Library(path, target)
+        found.append(library.play(0, plays))
+        library.close()
+
+    with_mutant_library(target, dut, use)
+    if found[0] is not None:
+        wrong = found[0]
+        raise InputError(f"{target.name}: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL is wrong")
+    return plays
+
+
+def copy_rtl(dut: Path, folder: Path) -> None:
+    """Copy all that elaborates into a folder that exists."""
+    for source in rtl_files(dut):
+        place = folder / source.relative_to(dut)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, place)
+
+
+def write_schema(
+    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path, target: AnyTarget
+) -> Path:
+    """Write the copy of dut/ that holds all run-time mutants of a target's files; others stay as they are.
+
+    Returns the file that it needs besides.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for source in (*dut.glob("*.svh"), *dut.glob("*.f")):
-        shutil.copy(source, folder)
+    copy_rtl(dut, folder)
     for source in catalogue.sources:
-        (folder / source.name).write_text(schema(source.text, catalogue.hosts[source.name], numbers))
+        if target.mutates(source.name):
+            text = schema(source.text, catalogue.hosts.get(source.name, ()), numbers)
+            (folder / source.name).write_text(text)
     return write_support(folder)
 
 
 def _libraries(
-    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, targets: Sequence[Target], jobs: int
+    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, targets: Sequence[AnyTarget], jobs: int
 ) -> dict[str, Path]:
-    with temporary("dut-") as whole:
-        folder = whole / "dut"
-        extra = write_schema(catalogue, numbers, dut, folder)
-        each = max(1, jobs // 2)
-        with ThreadPoolExecutor(min(jobs, 2)) as pool:
-            made = pool.map(lambda target: schema_library(target, folder, extra, each), targets)
-            return {target.name: path for target, path in zip(targets, made, strict=True)}
+    def made(target: AnyTarget) -> Path:
+        with temporary("dut-") as whole:
+            folder = whole / "dut"
+            extra = write_schema(catalogue, numbers, dut, folder, target)
+            return schema_library(target, folder, extra, max(1, jobs // 2))
+
+    with ThreadPoolExecutor(min(jobs, 2)) as pool:
+        return {target.name: path for target, path in zip(targets, pool.map(made, targets), strict=True)}
 
 
 def judge(
@@ -230,7 +282,7 @@ def judge(
     pairs: int,
     excused: frozenset[str] = frozenset(),
     dut: Path = DUT,
-    targets: tuple[Target, ...] = TARGETS,
+    targets: tuple[AnyTarget, ...] = TARGETS,
     fresh: bool = False,
     with_volume: bool = True,
     progress: Callable[[int], None] = lambda _: None,
@@ -244,11 +296,9 @@ def judge(
     known = {m.id: outcome for m in catalogue.mutants if (outcome := store.get(m, "directed"))}
     todo = [mutant for mutant in catalogue.mutants if mutant.id not in known]
     progress(len(known))
-    played = (*targets, SMALLEST, *FULL_PIECES)
-    plays = {target.name: directed(target, seed, pairs) for target in played} if todo else {}
-    if any(mutant.kind == ELABORATION for mutant in todo):
-        # Only pairs close to a decision on a long axis show a piece that is cut.
-        plays |= {target.name: directed(target, seed, _LONGER * pairs) for target in FULL_PIECES}
+    targets = _wanted(targets, todo)
+    played = (*targets, *_wanted((SMALLEST, *FULL_PIECES), todo))
+    plays = _directed(played, todo, seed, pairs, jobs, dut)
     numbers = runtime_numbers(todo)
     if len(numbers) <= _FEW:
         numbers = {}
@@ -262,9 +312,6 @@ def judge(
     )  # fmt: skip
     if libraries:
         _check_original(setting)
-    # Expected words once, not in each process.
-    for play in (play for found in plays.values() for play in found):
-        _ = play.expected
     # Whatever ends a long run, what it found out is kept.
     try:
         for outcome in _in_processes(_judge, todo, setting, jobs, progress):
@@ -289,6 +336,34 @@ def judge(
             store.put(outcome, "volume")
         store.save()
     return [known[mutant.id] for mutant in catalogue.mutants]
+
+
+def _wanted(targets: Sequence[AnyTarget], mutants: Sequence[Mutant]) -> tuple[AnyTarget, ...]:
+    """Return the targets in which some of the mutants are looked for."""
+    files = {mutant.file for mutant in mutants}
+    return tuple(target for target in targets if any(map(target.mutates, files)))
+
+
+def _directed(
+    targets: Sequence[AnyTarget], mutants: Sequence[Mutant], seed: int, pairs: int, jobs: int, dut: Path
+) -> dict[str, Sequence[AnyPlay]]:
+    """Return the short plays by target, with all that is expected of them."""
+    engines = [target for target in targets if isinstance(target, EngineTarget)]
+    with ThreadPoolExecutor(jobs) as pool:
+        made = pool.map(lambda target: measured(target, engine_directed(target, seed), dut), engines)
+        plays: dict[str, Sequence[AnyPlay]] = dict(
+            zip((target.name for target in engines), made, strict=True)
+        )
+    # Only pairs close to a decision on a long axis show a piece that is cut.
+    longer = FULL_PIECES if any(mutant.kind == ELABORATION for mutant in mutants) else ()
+    for target in targets:
+        if not isinstance(target, EngineTarget):
+            found = directed(target, seed, _LONGER * pairs if target in longer else pairs)
+            # Once, not in each process.
+            for play in found:
+                _ = play.expected
+            plays[target.name] = found
+    return plays
 
 
 def _check_original(setting: Setting) -> None:

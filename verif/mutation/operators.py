@@ -4,13 +4,15 @@ Standard terms of mutation analysis. What an operator cannot change observably i
 
 - a type or size in a cast, a width in a select: they are fixed at elaboration (see elaboration.py);
 - the top bit of {1'b0, ..}: it is the zero already;
-- a cast of a number that is known at elaboration: it fits, or Verilator says so;
+- a cast of a number that is known at elaboration, or of a number of bits: it fits, or Verilator says so;
+- a cast to unsigned of what is;
+- the next element of an array of one;
 - signals named unused..: they exist to say that something is not used;
 - the clock.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from triaxis.verif.mutation.mutant import Edit
@@ -117,6 +119,11 @@ def _cast(node: Node, scope: Scope) -> Iterator[Change]:
     type_ = text(node.left)
     if re.fullmatch(r"\w+", inner) and inner not in scope.declared:
         return
+    # The names in it, without those of fields and those in casts.
+    names = re.findall(r"(?<![.$\w'])[A-Za-z_]\w*(?!['\w])", inner)
+    if inner.lstrip().startswith("$countones") or not any(name in scope.declared for name in names):
+        yield from changes(node.right, scope)
+        return
     unsigned = inner.lstrip().startswith("{")
     # A concatenation keeps what is inside from growing to the width of the cast.
     shifted = f"{{({inner}) <<< 1}}"
@@ -125,11 +132,16 @@ def _cast(node: Node, scope: Scope) -> Iterator[Change]:
     if widens:
         if not inner.lstrip().startswith("{1'b0,"):
             yield "cast", _replaced(node, f"{type_}'({drop})")
-        if not unsigned:
+        if not unsigned and _may_be_signed(names, scope):
             yield "cast", _replaced(node, f"{type_}'({{{inner}}})")
     else:
         yield "cast", _replaced(node, f"{type_}'($signed({{{type_}'({inner}) <<< 1}}) >>> 1)")
     yield from changes(node.right, scope)
+
+
+def _may_be_signed(names: Sequence[str], scope: Scope) -> bool:
+    # What is not declared is a parameter or a constant.
+    return any(scope.declared[name].signed for name in names if name in scope.declared)
 
 
 def _signed_cast(node: Node, scope: Scope) -> Iterator[Change]:
@@ -184,7 +196,15 @@ def _selected(node: Node, scope: Scope) -> Iterator[Change]:
             yield "range", _replaced(node, f"({text} >> 1)")
             continue
         base = scope.source.text[start : span(select)[0]]
+        if _size(base, scope) == "[1]":
+            continue
         yield "index", _replaced(selector, _next_index(scope.source.of(selector), base))
+
+
+def _size(base: str, scope: Scope) -> str | None:
+    """Return the dimension, as declared, that selects an element of an expression; None where unknown."""
+    declared, before = scope.declared.get(base_name(base)), base.count("[")
+    return declared.sizes[before] if declared and before < len(declared.sizes) else None
 
 
 def _next_index(index: str, base: str) -> str:
@@ -200,6 +220,12 @@ def _concatenation(node: Node, scope: Scope) -> Iterator[Change]:
             yield "concatenation", Edit(start, end, f"{texts[right]}, {texts[left]}")
     for item in items:
         yield from changes(item, scope)
+
+
+def _invocation(node: Node, scope: Scope) -> Iterator[Change]:
+    # Other functions are of what is known at elaboration.
+    if scope.source.of(node.left) == "$countones":
+        yield from changes(node.arguments, scope)
 
 
 def _nothing(node: Node, scope: Scope) -> Iterator[Change]:
@@ -221,5 +247,5 @@ _SPECIAL: dict[str, Callable[[Node, Scope], Iterator[Change]]] = {
     # A zero for every element: "stuck" changes the whole.
     "StructuredAssignmentPattern": _nothing,
     "ScopedName": _nothing,
-    "InvocationExpression": _nothing,
+    "InvocationExpression": _invocation,
 }

@@ -19,7 +19,7 @@ from triaxis.verif.mutation.killing import judge
 from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.stimulus import PAIRS
-from triaxis.verif.mutation.targets import TARGETS, Target
+from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 from triaxis.verif.paths import DUT
 
 
@@ -31,7 +31,7 @@ def mutate(
     pairs: int = PAIRS,
     fresh: bool = False,
     dut: Path = DUT,
-    targets: tuple[Target, ...] = TARGETS,
+    targets: tuple[AnyTarget, ...] = TARGETS,
     equivalents: Path = FILE,
     with_volume: bool = True,
     progress: Callable[[int], None] = lambda _: None,

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 
 from triaxis.verif.mutation.mutant import RUNTIME, Edit, Mutant, applied, named, normalised
 from triaxis.verif.mutation.operators import Change, Scope, changes
@@ -21,6 +22,7 @@ from triaxis.verif.mutation.syntax import (
     blocks,
     children,
     declarations,
+    enumerators,
     inputs,
     kind,
     module_name,
@@ -94,12 +96,20 @@ class _Module:
         )  # fmt: skip
 
 
-def hosts(source: SourceFile, ports: Mapping[str, frozenset[str]]) -> list[Host]:
-    """Return the hosts of a file with their mutants, named. ``ports``: the inputs of each module."""
+def hosts(
+    source: SourceFile,
+    ports: Mapping[str, frozenset[str]],
+    shared: Mapping[str, Declared] = MappingProxyType({}),
+) -> list[Host]:
+    """Return the hosts of a file with their mutants, named.
+
+    ``ports``: the inputs of each module; ``shared``: what packages declare for all modules.
+    """
     found: list[Host] = []
     for node in source.modules:
         if kind(node) == "ModuleDeclaration":
-            module = _Module(source, node, declarations(source, node), ports)
+            known = {**shared, **enumerators(node), **declarations(source, node)}
+            module = _Module(source, node, known, ports)
             found.extend(_hosts(module))
     mutants = named(_distinct([mutant for host in found for mutant in host.mutants]))
     by_host: dict[int, list[Mutant]] = {}
@@ -116,6 +126,12 @@ def input_ports(sources: Sequence[SourceFile]) -> dict[str, frozenset[str]]:
         for node in source.modules
         if kind(node) == "ModuleDeclaration"
     }
+
+
+def shared_enumerators(sources: Sequence[SourceFile]) -> dict[str, Declared]:
+    """Return the values of the enumerations that packages define."""
+    packages = (node for source in sources for node in source.modules if kind(node) == "PackageDeclaration")
+    return {name: value for package in packages for name, value in enumerators(package).items()}
 
 
 def _distinct(mutants: list[Mutant]) -> list[Mutant]:
@@ -196,8 +212,19 @@ def _procedural(module: _Module, statement: Node, host: int) -> Iterator[Mutant]
             for change in (*_indices(assignment.left, scope), *changes(assignment.right, scope)):
                 yield module.mutant(host, context, change)
             # Without its default, a variable of always_comb would be a latch, which lint refuses.
-            if module.source.of(assignment.right) != "'0" or "Nonblocking" in kind(assignment):
+            if "Nonblocking" in kind(assignment) or not _is_default(module, node):
                 yield module.mutant(host, context, (DELETION, Edit(*context, ";")))
+
+
+def _is_default(module: _Module, statement: Node) -> bool:
+    """Return whether a blocking assignment gives a value that later ones in its block may override."""
+    target = normalised(module.source.of(statement.expr.left))
+    later = (
+        normalised(module.source.of(node.left))
+        for node in below(statement.parent)
+        if kind(node) == "AssignmentExpression" and span(node)[0] > span(statement)[1]
+    )
+    return module.source.of(statement.expr.right) == "'0" or target in later
 
 
 def _header(loop: Node) -> tuple[int, int]:
@@ -208,7 +235,8 @@ def _header(loop: Node) -> tuple[int, int]:
 
 def _loop_changes(node: Node, scope: Scope) -> Iterator[Change]:
     if kind(node) != "ForVariableDeclaration":
-        yield from changes(node, scope)
+        # A loop that counts down from 0 for as long as it is below: the simulator would not end.
+        yield from (change for change in changes(node, scope) if not change[1].text.endswith("<= 0"))
         return
     for child in below(node):
         if kind(child) == "EqualsValueClause":

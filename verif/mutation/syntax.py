@@ -53,10 +53,15 @@ class Stage:
 
 @dataclass(frozen=True)
 class Declared:
-    """A name that a module declares: its unpacked dimensions, and the next one of the same type."""
+    """A name that a module declares: its unpacked dimensions, and the next one of the same type.
+
+    ``signed``: whether its type is. ``sizes``: its own dimensions as text, without those of its type.
+    """
 
     dimensions: int
     neighbour: str | None
+    signed: bool = False
+    sizes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,8 +90,8 @@ class SourceFile:
         ]
 
 
-def read_source(path: Path) -> SourceFile:
-    """Parse a file; raise InputError where it is not readable as SystemVerilog."""
+def read_source(path: Path, dut: Path) -> SourceFile:
+    """Parse a file of ``dut``, by whose place there it is named; InputError where it is no SystemVerilog."""
     from pyslang.syntax import SyntaxTree
 
     text = path.read_text()
@@ -101,7 +106,7 @@ def read_source(path: Path) -> SourceFile:
     if errors:
         line = bare.count("\n", 0, errors[0].location.offset) + 1
         raise InputError(f"{path}:{line}: does not parse: correct it before it is mutated")
-    return SourceFile(path.name, text, stages, tree.root)
+    return SourceFile(path.relative_to(dut).as_posix(), text, stages, tree.root)
 
 
 def module_name(module: Node) -> str:
@@ -122,16 +127,15 @@ def _declarators(node: Node) -> list[Node]:
     return [child for child in children(node) if kind(child) == "Declarator"]
 
 
-def _declared(source: SourceFile, module: Node) -> Iterator[tuple[int, str, int, str]]:
-    """Iterate over declarations: scope, name, unpacked dimensions, and the type as text."""
+def _declared(source: SourceFile, module: Node) -> Iterator[tuple[int, str, tuple[str, ...], str]]:
+    """Iterate over declarations: scope, name, unpacked dimensions, and the type with these as text."""
     for node in below(module):
         if kind(node) in ("ImplicitAnsiPort", "DataDeclaration"):
             header = source.of(next(iter(children(node))))
             scope = span(module)[0] if kind(node) == "ImplicitAnsiPort" else span(node.parent)[0]
             for declarator in _declarators(node):
-                dimensions = _dimensions(declarator)
-                text = normalised(header + "".join(source.of(dimension) for dimension in dimensions))
-                yield scope, str(declarator.name.valueText), len(dimensions), text
+                sizes = tuple(normalised(source.of(dimension)) for dimension in _dimensions(declarator))
+                yield scope, str(declarator.name.valueText), sizes, normalised(header) + "".join(sizes)
 
 
 def type_dimensions(source: SourceFile, module: Node) -> dict[str, int]:
@@ -144,6 +148,16 @@ def type_dimensions(source: SourceFile, module: Node) -> dict[str, int]:
     return result
 
 
+def _signed_types(source: SourceFile, module: Node) -> re.Pattern[str]:
+    """Return a pattern of the texts of types that are signed. Those of other modules may be."""
+    known = [
+        str(node.name.valueText)
+        for node in below(module)
+        if kind(node) == "TypedefDeclaration" and "signed" in source.of(node)
+    ]
+    return re.compile(rf"\b({'|'.join(['signed', 'int', 'T', *known])})\b")
+
+
 def declarations(source: SourceFile, module: Node) -> dict[str, Declared]:
     """Return what a module declares, ports included.
 
@@ -151,16 +165,28 @@ def declarations(source: SourceFile, module: Node) -> dict[str, Declared]:
     those with the same suffix (the same stage) where there are any.
     """
     types = type_dimensions(source, module)
+    signed = _signed_types(source, module)
     found = list(_declared(source, module))
     result: dict[str, Declared] = {}
-    for scope, name, dimensions, text in found:
+    for scope, name, sizes, text in found:
         alike = [
             other
             for its_scope, other, _, its_text in found
             if (its_scope, its_text) == (scope, text) and other not in _NO_NEIGHBOUR
         ]
         extra = next((count for name_, count in types.items() if re.match(rf"{name_}\b", text)), 0)
-        result[name] = Declared(dimensions + extra, _neighbour(name, alike))
+        result[name] = Declared(len(sizes) + extra, _neighbour(name, alike), bool(signed.search(text)), sizes)
+    return result
+
+
+def enumerators(module: Node) -> dict[str, Declared]:
+    """Return the values of enumerations that a module or package defines; the neighbour is the next value."""
+    result: dict[str, Declared] = {}
+    for node in below(module):
+        if kind(node) == "EnumType":
+            names = [str(value.name.valueText) for value in _declarators(node)]
+            nexts = names[1:] + names[:1]
+            result |= {name: Declared(0, after) for name, after in zip(names, nexts, strict=True)}
     return result
 
 

@@ -2,8 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
+from triaxis.verif.build import core_files, rtl_files
 from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.paths import VERIF, mesh_sources, rtl_sources
+
+_SVA = VERIF / "sva"
 
 
 @dataclass(frozen=True)
@@ -21,9 +27,9 @@ class Target:
         return self.top == "CollisionDetector"
 
     @property
-    def asserted(self) -> bool:
-        """Return whether the assertions of verif/sva/ go with it."""
-        return not self.combinational
+    def assertions(self) -> list[Path]:
+        """Return the files of verif/sva/ that go with it."""
+        return [] if self.combinational else sorted(_SVA.glob("*.sv"))
 
     @property
     def harness(self) -> str:
@@ -31,9 +37,78 @@ class Target:
         return "detector.cpp" if self.combinational else "core.cpp"
 
     @property
+    def defines(self) -> tuple[str, ...]:
+        """Return what the harness must be told."""
+        return (f"-DMARGIN_BITS={self.configuration.margin_bits}",)
+
+    @property
     def parameters(self) -> Mapping[str, int]:
         """Return the parameters of the top module."""
         return {"W": self.configuration.width} if self.combinational else self.configuration.parameters
+
+    def sources(self, dut: Path) -> list[Path]:
+        """Return the files of ``dut`` in the order in which they compile."""
+        return [dut / source.name for source in rtl_sources()]
+
+    def depends_on(self, dut: Path) -> list[Path]:
+        """Return the files of ``dut`` that a build depends on."""
+        return core_files(dut)
+
+    def mutates(self, file: str) -> bool:
+        """Return whether this is where mutants of that file of dut/ are looked for."""
+        return "/" not in file
+
+
+@dataclass(frozen=True)
+class EngineTarget:
+    """The mesh engine in one configuration, the core in it without mutants: that has targets of its own."""
+
+    configuration: MeshConfiguration
+
+    top = "triaxis_mesh"
+    harness = "engine.cpp"
+    combinational = False
+
+    @property
+    def name(self) -> str:
+        """Return its name."""
+        return f"mesh_{self.configuration.name}"
+
+    @property
+    def assertions(self) -> list[Path]:
+        """Return the files of verif/sva/ that go with it."""
+        return sorted((_SVA / "mesh").glob("*.sv"))
+
+    @property
+    def defines(self) -> tuple[str, ...]:
+        """Return what the harness must be told."""
+        made = self.configuration
+        return (
+            f"-DWIDTH={made.width}",
+            f"-DMARGIN_BITS={made.margin_bits}",
+            f"-DINDEX_BITS={made.index_bits}",
+            f"-DCYCLE_BITS={made.cycle_bits}",
+        )
+
+    @property
+    def parameters(self) -> Mapping[str, int]:
+        """Return the parameters of the top module."""
+        return self.configuration.parameters
+
+    def sources(self, dut: Path) -> list[Path]:
+        """Return the files of ``dut`` in the order in which they compile."""
+        return [*(dut / source.name for source in rtl_sources()), *mesh_sources(dut)]
+
+    def depends_on(self, dut: Path) -> list[Path]:
+        """Return the files of ``dut`` that a build depends on."""
+        return rtl_files(dut)
+
+    def mutates(self, file: str) -> bool:
+        """Return whether this is where mutants of that file of dut/ are looked for."""
+        return "/" in file
+
+
+AnyTarget = Target | EngineTarget
 
 
 def _core(name: str, latency: int) -> Target:
@@ -55,4 +130,11 @@ SMALLEST = _core("w8_m0_no_edge_box", 21)
 # everywhere else.
 FULL_PIECES = (_core("w23_m17_t1", 25), _core("w24_m24_t1", 25))
 
-TARGETS = (MAIN, PLAIN, WIDE, WRAPPER)
+# Several words of lanes in a group, and of groups in a mesh.
+ENGINE = EngineTarget(MeshConfiguration(8, 8, depth=64, group=8, lanes=2, cycle_bits=9))
+# One triangle in a group, one lane, no margins.
+ENGINE_SINGLE = EngineTarget(MeshConfiguration(8, 0, depth=16, group=1, lanes=1, cycle_bits=8))
+# One word of lanes in a group, one of groups in a mesh; margins narrower than coordinates, no operand gating.
+ENGINE_WORD = EngineTarget(MeshConfiguration(8, 3, depth=16, group=4, lanes=4, cycle_bits=8, gating=False))
+
+TARGETS: tuple[AnyTarget, ...] = (MAIN, PLAIN, WIDE, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD)

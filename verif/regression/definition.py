@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.paths import ROOT
 from triaxis.verif.regression.planned_run import add_options
 
@@ -95,7 +95,7 @@ def _item(raw: Mapping[str, Any], content: Mapping[str, Any]) -> Item:
         raise ValueError(f"test {name}: no build mode {config}")
     if not isinstance(seeds, int) or seeds < 1:
         raise ValueError(f"test {name}: reseed {seeds}: must be at least 1")
-    parse_configuration(config)
+    model_of(config)
     parser = _Options(add_help=False)
     add_options(parser)
     try:

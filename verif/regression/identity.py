@@ -13,10 +13,13 @@ FOLDERS = (
     "coverage",
     "verif",
     "verif/agents",
+    "verif/board",
     "verif/burst",
     "verif/counterexample",
+    "verif/mesh",
     "verif/sequences",
     "verif/sva",
+    "verif/sva/mesh",
     "verif/testlist",
 )
 _SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".csv")

@@ -3,12 +3,11 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
-from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.regression.planned_run import PlannedRun
 from triaxis.verif.regression.run_record import RunRecord
 from triaxis.verif.settings import coverage_file
@@ -21,8 +20,7 @@ def merge_coverage(
 
     A run that passed has left its coverage; raise InputError where it is missing or of another model.
     """
-    covered = {run.config: parse_configuration(run.config).covered for run in planned}
-    models = {config: core_model(*parameters) for config, parameters in covered.items()}
+    models = {config: model_of(config) for config in {run.config: None for run in planned}}
     database = CoverageDatabase(models.values())
     for record in records:
         if record.passed and record.run.config in models:

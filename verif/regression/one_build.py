@@ -10,6 +10,7 @@ from pathlib import Path
 from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
+from triaxis.verif.mesh_configuration import parse_mesh_configuration
 from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import build_for, run_settings
 
@@ -19,14 +20,29 @@ def error_file(folder: Path, config: str) -> Path:
     return folder / "builds" / f"{config}.error"
 
 
+def _configuration_name(options: argparse.Namespace) -> str:
+    """Return the name of the configuration that the options give; raise InputError where there is none."""
+    if options.mesh_engine is not None:
+        configuration = parse_mesh_configuration(f"mesh_{options.mesh_engine}")
+        return f"mesh_{configuration.name}"
+    return Configuration(
+        options.width,
+        options.margin_bits,
+        options.tag_bits,
+        not options.no_edge_box,
+        not options.ungated,
+    ).name
+
+
 def main() -> int:
     """Build what is not built already."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--config", required=True, help="the name of what the other options give")
     parser.add_argument("--folder", type=Path, required=True, help="where the reason of a failure goes")
     parser.add_argument("--agent", choices=(PIN, BURST), action="append", required=True)
-    parser.add_argument("--width", type=int, required=True)
-    parser.add_argument("--margin-bits", type=int, required=True)
+    parser.add_argument("--mesh-engine", help="configuration of the mesh engine, without mesh_")
+    parser.add_argument("--width", type=int, default=16)
+    parser.add_argument("--margin-bits", type=int, default=0)
     parser.add_argument("--tag-bits", type=int, default=16)
     parser.add_argument("--no-edge-box", action="store_true")
     parser.add_argument("--ungated", action="store_true")
@@ -34,17 +50,11 @@ def main() -> int:
     failed = error_file(options.folder, options.config)
     failed.unlink(missing_ok=True)
     try:
-        configuration = Configuration(
-            options.width,
-            options.margin_bits,
-            options.tag_bits,
-            not options.no_edge_box,
-            not options.ungated,
-        )
-        if configuration.name != options.config:
-            raise InputError(f"build mode {options.config}: its parameters are those of {configuration.name}")
+        name = _configuration_name(options)
+        if name != options.config:
+            raise InputError(f"build mode {options.config}: its parameters are those of {name}")
         for agent in options.agent:
-            build_for(run_settings("MixedTest", configuration, 1, 1, agent=agent))
+            build_for(run_settings("build", name, 1, 1, agent=agent))
     except InputError as error:
         write_whole(failed, f"{error}\n")
         print(f"FAILED: {error}")

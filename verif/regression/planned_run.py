@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.configuration import parse_configuration
 from triaxis.verif.settings import BURST, PIN, RunSettings
 from triaxis.verif.simulation import run_settings
 
@@ -36,7 +35,7 @@ class PlannedRun:
         """Return what the simulation is asked to do, in ``folder``."""
         return run_settings(
             self.test,
-            parse_configuration(self.config),
+            self.config,
             self.seed,
             self.pairs,
             folder=folder,

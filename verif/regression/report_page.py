@@ -4,11 +4,10 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-from triaxis.coverage.core_sample import Build
 from triaxis.coverage.html import Marked, code, folded, mark, page, table
 from triaxis.coverage.report import percent
 from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.configuration import parse_configuration
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.provenance import provenance
 from triaxis.verif.regression.buckets import Bucket
 from triaxis.verif.regression.history import now
@@ -108,7 +107,7 @@ def _configurations(outcome: Outcome) -> Iterator[str]:
             sum(r.checked for r in group),
             sum(r.judged for r in group),
             # Configurations that differ in their tags share a model.
-            covered.get(f"core_{Build(*parse_configuration(config).covered).name}"),
+            covered.get(model_of(config).name),
         )
         for config, group in groups.items()
     )

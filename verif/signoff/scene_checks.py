@@ -1,6 +1,5 @@
 """Whole meshes through the RTL, compared with the golden model pair by pair."""
 
-import os
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -12,8 +11,8 @@ from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
 from triaxis.golden.stl import read_stl
 from triaxis.verif.engine import RtlEngine, configuration_for
+from triaxis.verif.mesh_data import mesh_data
 from triaxis.verif.meshcheck import check_meshes, prepare
-from triaxis.verif.paths import ROOT
 from triaxis.verif.scenes import write_scenes, write_stl
 
 
@@ -70,12 +69,6 @@ def check_scenes(folder: Path) -> list[SceneResult]:
     return [
         _check_files(scene.name, a, b, scene.near, Fraction(1, 2)) for scene, a, b in write_scenes(folder)
     ]
-
-
-def mesh_data() -> Path | None:
-    """Return the folder of real meshes: $TRIAXIS_DATA, or ../shared/data; None where absent."""
-    folder = Path(os.environ.get("TRIAXIS_DATA", ROOT.parent / "shared" / "data"))
-    return folder if (folder / "vmc").is_dir() else None
 
 
 def check_real_meshes(folder: Path) -> list[SceneResult] | None:

@@ -8,17 +8,18 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
 from triaxis.verif.build import library
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.engine import configuration_for
 from triaxis.verif.provenance import provenance
 from triaxis.verif.settings import RunSettings
 from triaxis.verif.signoff.detector_check import check_detector
 from triaxis.verif.signoff.folder import FOLDER
+from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
 from triaxis.verif.signoff.simulation_result import SimulationResult
@@ -33,15 +34,20 @@ _CHECKS = 3
 
 def step_count(seed: int, volume: int) -> int:
     """Return how many steps the simulations have."""
-    runs = plan(seed, volume)
+    runs = _plan(seed, volume)
     return len(_builds(runs)) + len(runs) + _CHECKS
+
+
+def _plan(seed: int, volume: int) -> list[RunSettings]:
+    """Return the runs of the core and of the mesh engine, the short ones first."""
+    return [*mesh_plan(seed), *plan(seed, volume)]
 
 
 def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> SimulationResult:
     """Run everything; ``progress`` is told of each step done."""
     start = time.monotonic()
     before = provenance()
-    runs = plan(seed, volume)
+    runs = _plan(seed, volume)
     builds = _builds(runs)
 
     def one_build(build: Callable[[], Path]) -> None:
@@ -89,7 +95,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
 def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
     """Return the builds that the runs and scenes need; the widest take longest and come first."""
     wanted = {(r.config, r.agent): r for r in runs}.values()
-    widest_first = sorted(wanted, key=lambda r: (-r.configuration.width, r.agent, r.config))
+    widest_first = sorted(wanted, key=lambda r: (-r.width, r.agent, r.config))
     return [partial(build_for, r) for r in widest_first] + [partial(library, configuration_for(24, 1))]
 
 
@@ -98,13 +104,11 @@ def collect_coverage(results: list[RunResult]) -> list[ModelReport]:
 
     A run that passed has written its coverage: a missing file is an error here.
     """
-    configurations = {r.settings.config: r.settings.configuration for r in results}
-    database = CoverageDatabase(core_model(*c.covered) for c in configurations.values())
+    database = CoverageDatabase(model_of(config) for config in {r.settings.config: None for r in results})
     for result in results:
         if result.passed:
             # Of its own configuration, and of no other.
-            model = core_model(*result.settings.configuration.covered)
-            database.add(load(result.coverage, model))
+            database.add(load(result.coverage, model_of(result.settings.config)))
     database.save(FOLDER / "coverage.json")
     write_page(FOLDER / "coverage.html", database)
     return [report(model, counts) for model, counts in database]

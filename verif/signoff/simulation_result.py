@@ -31,14 +31,32 @@ class SimulationResult:
     seconds: float
 
     @property
+    def core_runs(self) -> list[RunResult]:
+        """Return the runs of the core."""
+        return [run for run in self.runs if not run.settings.of_mesh_engine]
+
+    @property
+    def mesh_runs(self) -> list[RunResult]:
+        """Return the runs of the mesh engine."""
+        return [run for run in self.runs if run.settings.of_mesh_engine]
+
+    @property
     def checked(self) -> int:
-        """Return how many pairs were checked."""
-        return sum(int(result.counts["checked"]) for result in self.runs if result.counts)
+        """Return how many pairs of the core's runs were checked; those of scenes are not among them."""
+        return sum(int(result.counts["checked"]) for result in self.core_runs if result.counts)
 
     @property
     def judged(self) -> int:
         """Return how many of them the golden model judged as well."""
-        return sum(int(result.counts["judged_by_golden_model"]) for result in self.runs if result.counts)
+        counts = (result.counts for result in self.core_runs if result.counts)
+        return sum(int(count["judged_by_golden_model"]) for count in counts)
+
+    @property
+    def mesh_counts(self) -> dict[str, int]:
+        """Return what the runs of the mesh engine counted in all."""
+        counts = [result.counts for result in self.mesh_runs if result.counts]
+        names = ("runs", "complete_runs", "checked", "skipped_with_proof", "tested", "judged_by_golden_model")
+        return {name: sum(int(count[name]) for count in counts) for name in names}
 
     @property
     def mismatches(self) -> int:
@@ -49,7 +67,7 @@ class SimulationResult:
     def judged_axes(self) -> dict[str, set[int]]:
         """Return, by configuration, the claims of which the golden model judged a pair."""
         found: dict[str, set[int]] = {}
-        for result in self.runs:
+        for result in self.core_runs:
             axes = set(result.counts["judged_axes"]) if result.counts else set()
             found.setdefault(result.settings.config, set()).update(axes)
         return found
@@ -70,6 +88,8 @@ class SimulationResult:
             for s in self.scenes + (self.real_meshes or [])
             if not s.passed
         ]
+        if not self.mesh_counts["checked"]:
+            found.append("no pair of a scene was accounted for by the mesh engine")
         if not self.scenes:
             found.append("no scene was checked")
         if self.checked < self.least_pairs:
@@ -102,12 +122,14 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
     return {
         "passed": not result.problems,
         "problems": result.problems,
-        "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model",
+        "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model; "
+        f"{result.mesh_counts['checked']:,} pairs of scenes accounted for by the mesh engine",
         "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.provenance.rtl_hash,
         "pairs_checked": result.checked,
         "pairs_judged_by_golden_model": result.judged,
+        "mesh_engine": result.mesh_counts,
         "mismatches": result.mismatches,
         "runs": [
             {

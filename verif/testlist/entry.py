@@ -6,12 +6,19 @@ that runs is registered, here and not where it is defined.
 
 import pyuvm
 
-from triaxis.verif.faults import uvm_tests
 from triaxis.verif.settings import from_environment
-from triaxis.verif.testlist import bench_tests, sabotage_tests, tests
 
-_NAME = from_environment().test
-_MODULES = (tests, bench_tests, sabotage_tests, uvm_tests)
-_FOUND = [vars(module)[_NAME] for module in _MODULES if _NAME in vars(module)]
+_SETTINGS = from_environment()
+# Only what is needed: each import is a part of every run.
+if _SETTINGS.of_mesh_engine:
+    from triaxis.verif.mesh import sabotage_tests, tests
+
+    _MODULES = (tests, sabotage_tests)
+else:
+    from triaxis.verif.faults import uvm_tests
+    from triaxis.verif.testlist import bench_tests, sabotage_tests, tests
+
+    _MODULES = (tests, bench_tests, sabotage_tests, uvm_tests)
+_FOUND = [vars(module)[_SETTINGS.test] for module in _MODULES if _SETTINGS.test in vars(module)]
 
 SELECTED = pyuvm.test()(_FOUND[0])

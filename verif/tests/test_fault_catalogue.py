@@ -12,6 +12,7 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.build import rtl_files
 from triaxis.verif.cli import faults as command
 from triaxis.verif.cli import main
 from triaxis.verif.configuration import Configuration, parse_configuration
@@ -25,16 +26,18 @@ from triaxis.verif.evidence import read_evidence
 from triaxis.verif.faults import broken_rtl, core_faults, entrances, environment_faults, result, runs
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of
+from triaxis.verif.faults.engine_faults import ENGINE_TESTS
 from triaxis.verif.faults.patching import apply_patch, read_hunks
 from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.run import catch, catch_all, control
-from triaxis.verif.faults.runs import Sign, core_sign_of, run_test, sign_of
+from triaxis.verif.faults.runs import Sign, core_sign_of, engine_sign_of, run_test, sign_of
 from triaxis.verif.paths import DUT, ROOT
 from triaxis.verif.sequences.families import mixed_pairs
 from triaxis.verif.sequences.seed_vectors import seed_vectors, seed_vectors_as_written
 from triaxis.verif.settings import BURST, PIN, failure_file
 from triaxis.verif.simulation import RunResult, run_settings
 
+ENGINE_CONFIG = fault_of("engine-lane-mask").config
 CORE = [fault.name for fault in FAULTS if fault.replaced and fault.kind is Kind.CORE]
 PATCHED = [fault.name for fault in FAULTS if fault.patch]
 
@@ -69,9 +72,10 @@ def test_diffs_are_ordinary_ones(tmp_path, name):
     alone = {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path.parent)}
     subprocess.run(patch, cwd=tmp_path, check=True, env=alone)
     changed = 0
-    for source in sorted(DUT.glob("*.*")):
-        theirs = (tmp_path / "dut" / source.name).read_text()
-        assert (ours / source.name).read_text() == theirs
+    for source in rtl_files():
+        place = source.relative_to(DUT)
+        theirs = (tmp_path / "dut" / place).read_text()
+        assert (ours / place).read_text() == theirs
         changed += theirs != source.read_text()
     assert changed == len({hunk.file for hunk in read_hunks(PATCHES / f"{name}.patch")})
 
@@ -204,7 +208,7 @@ def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
         settings = run_settings(test, configuration, seed, 1)
         return RunResult(settings, False, 0.0, None, ("no error line in the log",), tmp_path / "log")
 
-    monkeypatch.setattr(core_faults, "run_test", ended_early)
+    monkeypatch.setattr(runs, "run_test", ended_early)
     outcome = catch(fault_of("F2"), seed)
     assert not outcome.caught
     assert (
@@ -275,6 +279,53 @@ def test_only_what_the_core_does_counts_against_it(tmp_path, line, expected):
     failure_file(tmp_path).touch()
     result = RunResult(settings, False, 0.0, {"checked_until_failure": 7}, ("noise", line), tmp_path)
     assert core_sign_of(result) == expected
+
+
+_OF = "meshes of 3 and 4, translation (0, 0, 0), margin 2, mode 1"
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (f"{_SAYS}tested 3, 4 is due: {_OF}", Sign("tested 3, 4 is due")),
+        (
+            f"{_SAYS}near pairs: number 0 is (1, 2), (0, 2) is due: {_OF}",
+            Sign("near pairs: number 0 is (1, 2), (0, 2) is due"),
+        ),
+        (
+            "[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved",
+            Sign("NearStable: it moved", clocks=13),
+        ),
+        ("triaxis.x.HungRunError: no summary: the engine hangs", Sign("no summary: the engine hangs")),
+        # Trouble of the environment says nothing of the engine, nor do rules of the core.
+        ("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved", None),
+        (f"{_SAYS}bulk checker and golden model disagree on pair (1, 2): {_OF}", None),
+        (f"{_SAYS}golden model: no certificate: {_OF}", None),
+        (f"{_SAYS}a run without a summary", None),
+        ("OSError: [Errno 28] No space left on device", None),
+    ],
+)
+def test_only_what_the_engine_does_counts_against_it(tmp_path, line, expected):
+    settings = run_settings("MeshRandomTest", ENGINE_CONFIG, 1, 1, folder=tmp_path)
+    assert engine_sign_of(RunResult(settings, False, 0.0, None, ("noise", line), tmp_path)) == expected
+
+
+def test_a_fault_of_the_engine_is_caught(seed):
+    """One that only the order of loading and running shows, and nothing where there is none."""
+    outcome = catch(fault_of("engine-memory-read"), seed)
+    assert outcome.catch and outcome.catch.message.startswith("NoReadAtRest")
+    assert outcome.catch.replay and "--fault engine-memory-read" in outcome.catch.replay
+
+
+def test_an_engine_that_never_fails_is_not_caught(tmp_path, seed, monkeypatch):
+    def passed(test, configuration, *_, **__):
+        settings = run_settings(test, configuration, seed, 1)
+        return RunResult(settings, True, 0.0, {"checked": 5}, (), tmp_path / "log")
+
+    monkeypatch.setattr(runs, "run_test", passed)
+    outcome = catch(fault_of("engine-lane-mask"), seed)
+    assert outcome.reason == f"{', '.join(ENGINE_TESTS)} pass"
+    assert control([fault_of("engine-lane-mask")], seed) == []
 
 
 def test_a_wrong_answer_of_no_kept_pair_counts_for_nothing(tmp_path):

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.verif.build import rtl_files
 from triaxis.verif.mutation.catalogue import catalogue, mutant_names
 from triaxis.verif.mutation.elaborated import core_latencies, elaborated
 from triaxis.verif.mutation.elaboration import elaboration_mutants
@@ -36,7 +37,7 @@ HEAD = """module snippet (
 def parsed(tmp_path, body):
     path = tmp_path / "snippet.sv"
     path.write_text(f"{HEAD}{body}\nendmodule\n")
-    return read_source(path)
+    return read_source(path, tmp_path)
 
 
 def runtime(tmp_path, body, ports=None):
@@ -90,6 +91,51 @@ def test_inputs_of_instances_are_mutated_and_outputs_and_clocks_are_not(tmp_path
     assert ("stuck", ".v_i('0)") in found
     assert ("index", ".v_i(a_i[next(0)])") in found
     assert not any("clk_i" in text or "w_o" in text for _, text in found)
+
+
+STATES = "typedef enum logic [1:0] {Idle, Busy, Done} state_e; state_e state_q;"
+
+
+@pytest.mark.parametrize(
+    ("body", "operator", "changed"),
+    [
+        ("assign y_o = state_q == Idle;", "identifier", "y_o = state_q == Busy"),
+        ("assign y_o = state_q == Done;", "identifier", "y_o = state_q == Idle"),
+        ("assign y_o = state_q inside {Idle, Busy};", "identifier", "y_o = state_q inside {Idle, Done}"),
+        (
+            "assign x_o = wide_t'($countones(a_i[0] & b_i[0]));",
+            "bitwise",
+            "x_o = wide_t'($countones(a_i[0] | b_i[0]))",
+        ),
+    ],
+)
+def test_operator_on_states_and_numbers_of_bits(tmp_path, body, operator, changed):
+    assert (operator, changed) in runtime(tmp_path, STATES + body)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        # Casts to unsigned of what is, and of numbers of bits or that are known.
+        "assign x_o = wide_t'(u_q);",
+        "assign x_o = p_q + wide_t'($countones(u_q));",
+        "assign x_o = p_q + wide_t'(Depth - 1);",
+        # The next element of an array of one.
+        "logic one[1]; assign y_o = one[0];",
+        # Defaults, without which there would be a latch.
+        "always_comb begin x_o = p_q; if (go_i) x_o = q_q; end",
+        # A loop that would not end.
+        "always_comb begin y_o = '0; for (int i = 0; i >= 0; i--) if (go_i) y_o = u_q[i]; end",
+    ],
+)
+def test_what_changes_nothing_or_never_ends_is_not_generated(tmp_path, body):
+    found = runtime(tmp_path, f"localparam int Depth = 4; logic [7:0] u_q; {body}")
+    unwanted = re.compile(
+        r"\(\{(u_q|\$countones.*|Depth - 1)\}\)|countones.*<<< 1|Depth.*<<< 1|next\(0\)|i <= 0"
+    )
+    assert found
+    assert [changed for _, changed in found if unwanted.search(changed)] == []
+    assert sum(operator == "deletion" for operator, _ in found) <= 1
 
 
 @pytest.mark.parametrize(
@@ -151,7 +197,7 @@ def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
     assert len(names) == len(set(names)) > 1500
     found = catalogue()
     files = {mutant.file for mutant in found.mutants}
-    assert files == {path.name for path in DUT.iterdir() if path.suffix in (".sv", ".svh")}
+    assert files == {path.relative_to(DUT).as_posix() for path in rtl_files() if path.suffix != ".f"}
     assert {mutant.kind for mutant in found.mutants} == {RUNTIME, ELABORATION}
 
 
@@ -168,7 +214,7 @@ def test_every_mutant_is_in_some_targets_elaborated_code():
 def test_the_text_of_every_mutant_parses():
     from pyslang.syntax import SyntaxTree
 
-    texts = {path.name: path.read_text() for path in DUT.iterdir()}
+    texts = {path.relative_to(DUT).as_posix(): path.read_text() for path in rtl_files()}
     for mutant in catalogue().mutants:
         tree = SyntaxTree.fromText(applied(texts[mutant.file], [mutant.edit]))
         # Without the macro file, its uses are unknown.

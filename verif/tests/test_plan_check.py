@@ -14,7 +14,9 @@ from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progres
 from triaxis.golden.errors import InputError
 from triaxis.verif.assertions import SVA, assertion_names
 from triaxis.verif.cli.testplan import CLEAN, REFUSED, run
+from triaxis.verif.coverage_models import model_of
 from triaxis.verif.plan_check import check_plan, inventory
+from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
 
 TEXT = TESTPLAN.read_text()
@@ -37,9 +39,10 @@ def test_the_testplan_is_clean():
 def test_every_kind_of_thing_is_in_the_inventory():
     known = inventory()
     assert all(known.names(kind) for kind in KINDS)
-    assert len(known.bins) == 8 and core_model(16, 0).name in known.bins
+    assert len(known.bins) == 8 + 4 and core_model(16, 0).name in known.bins
+    assert "mesh_w16_m16_d4096_g8_l8" in known.bins
     assert "answer.clear, wrongly" in known.illegal["core_w16_m0"]
-    modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").glob("*.sv*")}
+    modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").rglob("*.sv*")}
     assert known.heads("mutants") <= modules
 
 
@@ -69,8 +72,7 @@ def test_a_bin_of_one_configuration_is_missed(tmp_path):
 def progress_with(change):
     """Return the status of each testpoint by name: each bin hit as often as its goal, but for a change."""
     reports = []
-    for covered in dict.fromkeys(one.configuration.covered for one in plan(1)):
-        model = core_model(*covered)
+    for model in dict.fromkeys(model_of(one.config) for one in (*plan(1), *mesh_plan(1))):
         counts = Counts.empty(model)
         counts.hits.update({item.name: item.goals.copy() for item in model.items})
         change(model.name, counts.hits)
@@ -100,7 +102,7 @@ def test_a_missing_bin_and_an_illegal_one_fail_their_owners():
 
 
 def test_assertions_are_all_of_those_in_the_files():
-    for path in SVA.glob("*.sv"):
+    for path in SVA.rglob("*.sv"):
         text = re.sub(r"//.*", "", path.read_text())
         found = assertion_names(path)
         assert len(set(found)) == len(found) == len(re.findall(r"\bassert property\b", text))

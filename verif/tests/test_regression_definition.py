@@ -12,13 +12,14 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.verif.paths import ROOT
 from triaxis.verif.settings import PIN
-from triaxis.verif.testnames import REPLAY, TESTS
+from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS
 
 pytest.importorskip("hjson", reason="hjson is not installed: run `make regress`, which installs it")
 
 from triaxis.verif.regression.definition import DEFINITION, read_definition
 from triaxis.verif.regression.identity import source_files
 from triaxis.verif.regression.plan import plan
+from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan as signoff_plan
 
 BILLION = 1_000_000_000
@@ -32,12 +33,12 @@ def definition():
 def test_every_test_is_in_the_nightly_regression(definition):
     """But the replay, which needs a file of pairs that failed."""
     found = {definition.items[name].test for name in definition.regression("nightly").items}
-    assert found == set(TESTS) - {REPLAY}
+    assert found == {*TESTS, *MESH_TESTS} - {REPLAY}
 
 
 def test_smoke_touches_every_test_configuration_and_agent(definition):
     smoke = [definition.items[name] for name in definition.regression("smoke").items]
-    assert {item.test for item in smoke} == set(TESTS) - {REPLAY}
+    assert {item.test for item in smoke} == {*TESTS, *MESH_TESTS} - {REPLAY}
     assert {item.config for item in smoke} == {item.config for item in definition.items.values()}
     assert {item.agent for item in smoke} == {item.agent for item in definition.items.values()}
     assert set(definition.regression("smoke").items) <= set(definition.regression("nightly").items)
@@ -53,7 +54,7 @@ def test_every_item_is_run_and_named_after_what_it_is(definition):
 def test_nightly_is_no_less_than_the_signoff_from_a_billion_pairs(definition, seed):
     """Both are written down; here is what keeps them from drifting apart."""
     wanted, found = Counter(), Counter()
-    for run in signoff_plan(seed, BILLION):
+    for run in (*signoff_plan(seed, BILLION), *mesh_plan(seed)):
         wanted[run.test, run.config, run.agent] += run.pairs
     nightly = plan(definition, "nightly", seed)
     for run in nightly:

@@ -35,16 +35,37 @@ def coverage(**changes):
     return [ModelReport("core_w16_m0", (replace(ITEM, **changes),))]
 
 
+MESH_COUNTS = {
+    "runs": 40,
+    "complete_runs": 30,
+    "accepted": 5_000,
+    "checked": 5_000,
+    "skipped_with_proof": 4_000,
+    "tested": 1_000,
+    "judged_by_golden_model": 100,
+    "failed": 0,
+}
+
+
 def good():
     settings = run_settings("RandomTest", Configuration(), 1, 10)
     run = RunResult(settings, True, 1.0, COUNTS, (), Path("log"))
+    of_engine = run_settings("MeshRandomTest", "mesh_w16_m16_d64_g8_l8", 1, 10)
+    engine_run = RunResult(of_engine, True, 1.0, MESH_COUNTS, (), Path("log"))
     scene = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
     detector = DetectorResult(15, 3000, 0)
-    return SimulationResult([run], [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
+    runs = [run, engine_run]
+    return SimulationResult(runs, [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
 
 
 def counted(result, **changes):
-    return replace(result, runs=[replace(result.runs[0], counts={**COUNTS, **changes})])
+    core, engine = result.runs
+    return replace(result, runs=[replace(core, counts={**COUNTS, **changes}), engine])
+
+
+def without_scenes(result):
+    core, engine = result.runs
+    return replace(result, runs=[core, replace(engine, counts={**MESH_COUNTS, "checked": 0})])
 
 
 def test_all_well():
@@ -61,6 +82,8 @@ def test_all_well():
         (lambda r: counted(r, judged_axes=ALL_AXES[:-1]), "decided by axis 31, in w16_m0"),
         (lambda r: counted(r, judged_axes=ALL_AXES[1:]), "decided by nothing, being near"),
         (lambda r: replace(r, provenance=replace(r.provenance, environment_hash="x")), "changed during"),
+        (without_scenes, "no pair of a scene"),
+        (lambda r: replace(r, runs=[r.runs[0], replace(r.runs[1], passed=False)]), "MeshRandomTest in mesh_"),
         (lambda r: replace(r, scenes=[]), "no scene"),
         (lambda r: replace(r, scenes=[replace(r.scenes[0], found="clear")]), "clear, expected near"),
         (lambda r: replace(r, scenes=[replace(r.scenes[0], agrees=False)]), "golden model disagrees"),

@@ -1,0 +1,202 @@
+"""What the mesh engine must have been seen doing: one coverage model for each build of it.
+
+A transaction is a run. What a build cannot reach is no part of its model, or excluded with the reason.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+
+from triaxis.coverage import mesh_points as points
+from triaxis.coverage.counts import Counts
+from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Kind
+from triaxis.coverage.mesh_points import Point
+from triaxis.coverage.mesh_sample import MeshBuild, MeshRow, MeshView
+
+Item = CoverItem[MeshView]
+
+_HERE = Path(__file__).parent
+_SOURCES = tuple(
+    _HERE / name for name in ("mesh_coverage.py", "mesh_points.py", "mesh_sample.py", "sampling.py")
+)
+
+_FIRST, _BAD = 0, 3
+
+
+def mesh_model(build: MeshBuild) -> CoverModel[MeshView]:
+    """Return the coverage model of a build."""
+    return _model(build)
+
+
+class MeshCoverage:
+    """Collects the coverage of one build of the engine."""
+
+    def __init__(self, build: MeshBuild) -> None:
+        """Start with zero counts."""
+        self._build = build
+        self.model = _model(build)
+        self.counts = Counts.empty(self.model)
+
+    def sample(self, rows: Sequence[MeshRow]) -> None:
+        """Count runs."""
+        if rows:
+            self.counts.sample(self.model, MeshView(self._build, rows))
+
+
+@cache
+def _model(build: MeshBuild) -> CoverModel[MeshView]:
+    items = [
+        Item("mesh_outcome", "mode x status", (points.MODE, points.STATUS), _outcomes()),
+        *_sizes(build),
+        *_skips(build),
+        *_values(build),
+        *_gaps(build),
+        Item(
+            "mesh_near",
+            "mode x how many pairs are near, complete or first",
+            (points.MODE, points.NEAR),
+            _near(),
+        ),
+        Item("mesh_first", "where the first near pair stood among those tested", (points.FIRST_AT,)),
+        Item("mesh_reload", "meshes loaded since the run before, of complete runs", (points.RELOADED,)),
+        Item("mesh_abort", "when an abort was asked for", (points.aborts(build),)),
+    ]
+    if build.cycle_bits < 16:
+        items.append(
+            Item("mesh_cycles", "whether the clocks went beyond what is counted", (points.SATURATED,))
+        )
+    if build.pins:
+        items += [
+            Item("mesh_near_wait", "clocks that a near pair waited, at most", (points.wait("near"),)),
+            Item("mesh_done_wait", "clocks that a summary waited", (points.wait("done"),)),
+            Item("mesh_load_run", "the last triangle accepted together with the run", (points.TOGETHER,)),
+        ]
+    return CoverModel(build.name, tuple(items), _SOURCES)
+
+
+def _excluded(kind: Kind, reason: str, when: Callable[..., bool], test: str = "MeshRandomTest") -> Exclusion:
+    return Exclusion(kind, reason, test, when, "mesh engine", "mesh engine")
+
+
+def _illegal(reason: str, when: Callable[..., bool]) -> Exclusion:
+    return _excluded(Kind.ILLEGAL, reason, when)
+
+
+def _none(reason: str, when: Callable[..., bool]) -> Exclusion:
+    return _excluded(Kind.IGNORE, reason, when)
+
+
+def _outcomes() -> tuple[Exclusion, ...]:
+    first, bad = points.STATUSES.index("first"), points.STATUSES.index("bad mode")
+    aborted = points.STATUSES.index("aborted")
+    return (
+        _illegal("only mode first stops at a near pair", lambda m, s: s == first and m != _FIRST),
+        _illegal("no other mode is refused as one", lambda m, s: s == bad and m != _BAD),
+        _illegal(
+            "mode none is refused before all else, but for an abort",
+            lambda m, s: m == _BAD and s not in (bad, aborted),
+        ),
+    )
+
+
+def _absent_sizes(build: MeshBuild) -> tuple[int, ...]:
+    """Return the classes of sizes that a build has not, or that another one takes."""
+    group, depth = build.group, build.depth
+    absent: list[int] = []
+    if group - 1 <= 1:
+        absent.append(2)
+    if group == 1 or group == depth:
+        absent.append(3)
+    if group + 1 >= depth:
+        absent.append(4)
+    taken = {0, 1, group - 1, group, group + 1}
+    if not set(range(depth)) - taken:
+        absent.append(5)
+    return tuple(absent)
+
+
+def _sizes(build: MeshBuild) -> list[Item]:
+    absent = _absent_sizes(build)
+    none = _none("the build has no such size of its own", lambda a, b: a in absent or b in absent)
+    items = [Item("mesh_sizes", "size of A x B", (points.size(build, "a"), points.size(build, "b")), (none,))]
+    if build.group > 1:
+        items += [
+            Item(f"mesh_last_group_{m}", f"the last group of {m.upper()}", (points.last_group(build, m),))
+            for m in "ab"
+        ]
+    if build.lanes > 1:
+        items.append(Item("mesh_last_word", "the last word of lanes of B", (points.last_word(build),)))
+    return items
+
+
+def _skips(build: MeshBuild) -> list[Item]:
+    single = build.groups == 1
+    excluded = [
+        _none(
+            "a single group of B is the whole of B: what its box leaves, the group's leaves",
+            lambda code: single and code in (1, 2, 4, 6, 8),
+        ),
+        _none(
+            "a group of one triangle has the box of the triangle",
+            lambda code: build.group == 1 and code in (3, 4, 7, 8),
+        ),
+    ]
+    return [
+        Item(
+            "mesh_skips",
+            "what boxes decide in complete runs",
+            (Point("skipped", points.WHO, points.who_skips, partial=True),),
+            tuple(excluded),
+        )
+    ]
+
+
+def _values(build: MeshBuild) -> list[Item]:
+    items: list[Item] = []
+    if build.margin_bits:
+        items.append(Item("mesh_margin", "margin x whether it ran", (points.margin(build), points.RAN)))
+    reach = 1 << build.width
+    for k in points.AXES:
+        items.append(Item(f"mesh_move_{k}", f"translation along {k}", (points.move(k, reach),)))
+    ends = tuple(f"{points.AXES[n // 2]} {points.ENDS[n % 2]}" for n in range(6))
+    for name, meaning in (
+        ("fits", "the end of the range that A moved reaches exactly, of runs that were not refused"),
+        ("beyond", "the end of the range that A moved passes by one step, the only one that it passes"),
+    ):
+        items.append(Item(f"mesh_{name}", meaning, (points.mask(name, ends),)))
+    return items
+
+
+def _gaps(build: MeshBuild) -> list[Item]:
+    steps = ("the margin", "the margin + 1")
+    bins = tuple(f"{points.AXES[n // 4]}, {points.SIDES[n // 2 % 2]}, {steps[n % 2]}" for n in range(12))
+    single = build.groups == 1
+    beyond_group = _none("a single group of B is the whole of B", lambda code: single and code % 2 == 1)
+    beyond_pair = _none(
+        "a group of one triangle has the box of the triangle",
+        lambda code: build.group == 1 and code % 2 == 1,
+    )
+    return [
+        Item(
+            "mesh_row_gaps", "gap between a group of A and the whole of B", (points.mask("row_gaps", bins),)
+        ),
+        Item(
+            "mesh_group_gaps",
+            "gap between groups, of rows that are scanned",
+            (points.mask("group_gaps", bins),),
+            (beyond_group,),
+        ),
+        Item(
+            "mesh_pair_gaps",
+            "gap between triangles, of groups that are opened",
+            (points.mask("pair_gaps", bins),),
+            (beyond_pair,),
+        ),
+    ]
+
+
+def _near() -> tuple[Exclusion, ...]:
+    return (
+        _illegal("mode none runs nothing", lambda mode, near: mode == _BAD),
+        _illegal("mode first ends at one", lambda mode, near: mode == _FIRST and near in (2, 3)),
+    )

@@ -1,0 +1,166 @@
+"""The points of the mesh engine's coverage model: what a finished run is sorted by."""
+
+import numpy as np
+
+from triaxis.coverage.cover_model import Coverpoint, MaskPoint
+from triaxis.coverage.mesh_sample import Codes, Column, MeshBuild, MeshView
+
+Point = Coverpoint[MeshView]
+
+MODES = ("first", "all", "count", "none")
+STATUSES = ("complete", "first", "aborted", "overflow", "overfull", "bad mode")
+SIZES = ("empty", "1", "group - 1", "group", "group + 1", "several groups", "depth", "overfull")
+AXES = "xyz"
+ENDS = ("low", "high")
+SIDES = ("B below", "B above")
+WHO = (
+    "all by rows",
+    "all by groups, no row",
+    "all by rows and groups",
+    "all by boxes of triangles",
+    "all by boxes of all kinds",
+    "nothing",
+    "some by groups, some tested",
+    "some by triangles, some tested",
+    "some by both, some tested",
+)
+
+
+def _classes(column: Column, *starts: int) -> Codes:
+    """Return how many of the ascending starts are not above each number."""
+    return np.searchsorted(np.array(starts), column, "right").astype(np.uint8)
+
+
+def _choice(*conditions: np.ndarray) -> Codes:
+    """Return the number of the first condition that holds; one more than there are: none."""
+    table = np.stack([*conditions, np.ones_like(conditions[0], np.bool_)])
+    return table.argmax(0).astype(np.uint8)
+
+
+MODE = Point("mode", MODES, lambda v: v.mode.astype(np.uint8))
+STATUS = Point("status", STATUSES, lambda v: (v.status - 1).astype(np.uint8))
+RAN = Point("ran", ("refused", "ran"), lambda v: (v.status <= 3).astype(np.uint8))
+
+
+def size(build: MeshBuild, mesh: str) -> Point:
+    """Return the point of the sizes of mesh "a" or "b"."""
+    bit = 1 << "ab".index(mesh)
+
+    def codes(view: MeshView) -> Codes:
+        count = getattr(view, f"count_{mesh}")
+        group = build.group
+        return _choice(
+            (count == 0),
+            (count == 1),
+            (count == group - 1),
+            (count == group) & (count < build.depth),
+            (count == group + 1) & (count < build.depth),
+            (count < build.depth),
+            (view.overfull & bit) == 0,
+        )
+
+    return Point(f"size of {mesh.upper()}", SIZES, codes)
+
+
+def last_group(build: MeshBuild, mesh: str) -> Point:
+    """Return whether the last group of a mesh was full, of runs that scanned."""
+
+    def codes(view: MeshView) -> Codes:
+        count = getattr(view, f"count_{mesh}")
+        ran = (view.status <= 2) & (count > 0)
+        return _choice(ran & (count % build.group == 0), ran & (count % build.group != 0))
+
+    return Point(f"last group of {mesh.upper()}", ("full", "partial"), codes, partial=True)
+
+
+def last_word(build: MeshBuild) -> Point:
+    """Return whether the last word of lanes of B was full, of runs that scanned."""
+
+    def codes(view: MeshView) -> Codes:
+        ran = (view.status <= 2) & (view.count_b > 0)
+        return _choice(ran & (view.count_b % build.lanes == 0), ran & (view.count_b % build.lanes != 0))
+
+    return Point("last word of B", ("full", "partial"), codes, partial=True)
+
+
+def who_skips(view: MeshView) -> Codes:
+    """Return which boxes decided how much, of complete runs with pairs: numbers of `WHO`."""
+    ran = (view.status == 1) & (view.count_a * view.count_b > 0)
+    opened, groups, boxes = view.group_pairs_opened, view.group_pairs_skipped, view.pairs_skipped
+    return _choice(
+        ran & (opened == 0) & (view.rows_skipped == view.rows),
+        ran & (opened == 0) & (view.rows_skipped == 0),
+        ran & (opened == 0),
+        ran & (view.tested == 0) & (groups == 0),
+        ran & (view.tested == 0),
+        ran & (groups == 0) & (boxes == 0),
+        ran & (boxes == 0),
+        ran & (groups == 0),
+        ran,
+    )
+
+
+def margin(build: MeshBuild) -> Point:
+    """Return the point of margins."""
+    largest = build.largest_margin
+    bins = ("0", "1") if largest == 1 else ("0", "1", "between", "largest")
+    starts = (1,) if largest == 1 else (1, 2, largest)
+    return Point("margin", bins, lambda v: _classes(v.margin, *starts))
+
+
+def move(axis: str, reach: int) -> Point:
+    """Return the point of translations along an axis; ``reach``: the ends of the port."""
+    bins = (f"-{reach}, the lowest", "below 0", "0", "above 0", f"{reach - 1}, the highest")
+    return Point(
+        f"translation {axis}",
+        bins,
+        lambda v: _classes(getattr(v, f"move_{axis}"), -reach + 1, 0, 1, reach - 1),
+    )
+
+
+def mask(name: str, bins: tuple[str, ...]) -> MaskPoint[MeshView]:
+    """Return the point of a column whose bits are bins."""
+    return MaskPoint(name, bins, lambda v: getattr(v, name).astype(np.uint32))
+
+
+def _how_near(view: MeshView) -> Codes:
+    ran = (view.status <= 2) & (view.count_a * view.count_b > 0)
+    pairs = view.count_a * view.count_b
+    return _choice(ran & (view.near == 0), ran & (view.near == 1), ran & (view.near == pairs), ran)
+
+
+NEAR = Point("near", ("none", "one", "all", "some"), _how_near, partial=True)
+FIRST_AT = Point(
+    "first",
+    ("the first", "the second", "later"),
+    lambda v: np.where((v.status == 2) & (v.first_at >= 0), np.minimum(v.first_at, 2), 3).astype(np.uint8),
+    partial=True,
+)
+RELOADED = Point(
+    "reloaded",
+    ("none", "only A", "only B", "both"),
+    lambda v: np.where(v.status == 1, v.reloaded, 4).astype(np.uint8),
+    partial=True,
+)
+SATURATED = Point("cycles", ("counted", "at the largest number"), lambda v: v.saturated.astype(np.uint8))
+TOGETHER = Point("load and run", ("apart", "together"), lambda v: v.loaded_with_run.astype(np.uint8))
+
+
+def aborts(build: MeshBuild) -> MaskPoint[MeshView]:
+    """Return when aborts came."""
+    # Only on the pins is there a second abort, or one without a run.
+    seen = ("settling", "scanning", "draining", "reporting", "idle")
+    if build.pins:
+        return MaskPoint("abort", seen, lambda v: v.aborts.astype(np.uint32))
+    bins = tuple(seen[n] for n in (0, 1, 3))
+    return MaskPoint("abort", bins, lambda v: (v.aborts & 3 | (v.aborts & 8) >> 1).astype(np.uint32))
+
+
+def wait(stream: str) -> Point:
+    """Return how long what the stream "near" or "done" offers waited."""
+
+    def codes(view: MeshView) -> Codes:
+        waits = getattr(view, f"{stream}_wait")
+        return np.where(waits < 0, 3, _classes(waits, 1, 8)).astype(np.uint8)
+
+    return Point(f"{stream} waits", ("none", "some", "8 and more"), codes, partial=True)

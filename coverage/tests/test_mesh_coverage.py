@@ -1,0 +1,120 @@
+"""The engine's coverage model: each bin is hit by its run and by no other, and what cannot be is excluded."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from triaxis.coverage.mesh_coverage import MeshCoverage, mesh_model
+from triaxis.coverage.mesh_sample import AbortSeen, MeshBuild, MeshRow, MeshView, Reloaded
+from triaxis.coverage.report import report
+
+BUILD = MeshBuild("mesh_test", 16, 16, 64, 8, 4, 8)
+# A complete run of all pairs: two groups against one, some skipped.
+ROW = MeshRow(
+    mode=1, status=1, count_a=16, count_b=5, near=3, group_pairs_skipped=1, group_pairs_opened=1,
+    rows=2, rows_skipped=1, pairs_skipped=10, tested=30,
+)  # fmt: skip
+
+
+def hit(row, item, build=BUILD):
+    """Return the bins of an item that a run hits."""
+    coverage = MeshCoverage(build)
+    coverage.sample([row])
+    found = next(one for one in coverage.model.items if one.name == item)
+    return [found.bins[n].name for n in np.flatnonzero(coverage.counts.hits[item])]
+
+
+@pytest.mark.parametrize(
+    ("changes", "item", "bins"),
+    [
+        ({}, "mesh_outcome", ["all / complete"]),
+        ({"mode": 3, "status": 6}, "mesh_outcome", ["none / bad mode"]),
+        ({}, "mesh_sizes", ["several groups / several groups"]),
+        ({"count_a": 0, "count_b": 64}, "mesh_sizes", ["empty / depth"]),
+        ({"count_a": 7, "count_b": 8}, "mesh_sizes", ["group - 1 / group"]),
+        ({"count_a": 64, "overfull": 1, "count_b": 9}, "mesh_sizes", ["overfull / group + 1"]),
+        ({"count_a": 1, "count_b": 64, "overfull": 1}, "mesh_sizes", ["1 / depth"]),
+        ({}, "mesh_last_group_a", ["full"]),
+        ({}, "mesh_last_group_b", ["partial"]),
+        ({}, "mesh_last_word", ["partial"]),
+        ({"status": 4}, "mesh_last_word", []),
+        ({}, "mesh_skips", ["some by both, some tested"]),
+        ({"rows_skipped": 2, "group_pairs_opened": 0}, "mesh_skips", ["all by rows"]),
+        ({"rows_skipped": 0, "group_pairs_opened": 0}, "mesh_skips", ["all by groups, no row"]),
+        ({"group_pairs_opened": 0}, "mesh_skips", ["all by rows and groups"]),
+        ({"group_pairs_skipped": 0, "tested": 0}, "mesh_skips", ["all by boxes of triangles"]),
+        ({"tested": 0}, "mesh_skips", ["all by boxes of all kinds"]),
+        ({"group_pairs_skipped": 0, "pairs_skipped": 0}, "mesh_skips", ["nothing"]),
+        ({"pairs_skipped": 0}, "mesh_skips", ["some by groups, some tested"]),
+        ({"group_pairs_skipped": 0}, "mesh_skips", ["some by triangles, some tested"]),
+        ({"status": 3}, "mesh_skips", []),
+        ({"count_a": 0}, "mesh_skips", []),
+        ({"margin": 65535}, "mesh_margin", ["largest / ran"]),
+        ({"margin": 2, "status": 4}, "mesh_margin", ["between / refused"]),
+        ({"move_y": -65536}, "mesh_move_y", ["-65536, the lowest"]),
+        ({"move_y": -1}, "mesh_move_y", ["below 0"]),
+        ({"move_z": 65535}, "mesh_move_z", ["65535, the highest"]),
+        ({"fits": 0b100001}, "mesh_fits", ["x low", "z high"]),
+        ({"beyond": 0b10}, "mesh_beyond", ["x high"]),
+        ({"row_gaps": 1 << 7}, "mesh_row_gaps", ["y, B above, the margin + 1"]),
+        ({"group_gaps": 1 << 8}, "mesh_group_gaps", ["z, B below, the margin"]),
+        ({"pair_gaps": 1 << 3}, "mesh_pair_gaps", ["x, B above, the margin + 1"]),
+        ({}, "mesh_near", ["all / some"]),
+        ({"near": 80}, "mesh_near", ["all / all"]),
+        ({"near": 1, "mode": 0, "status": 2}, "mesh_near", ["first / one"]),
+        ({"near": 0, "count_b": 0}, "mesh_near", []),
+        ({"status": 2, "mode": 0, "first_at": 0}, "mesh_first", ["the first"]),
+        ({"status": 2, "mode": 0, "first_at": 9}, "mesh_first", ["later"]),
+        ({}, "mesh_first", []),
+        ({"reloaded": int(Reloaded.ONLY_B)}, "mesh_reload", ["only B"]),
+        ({"aborts": int(AbortSeen.DRAINING | AbortSeen.IDLE)}, "mesh_abort", ["draining", "idle"]),
+        ({"saturated": 1}, "mesh_cycles", ["at the largest number"]),
+        ({"near_wait": 7}, "mesh_near_wait", ["some"]),
+        ({"done_wait": 8}, "mesh_done_wait", ["8 and more"]),
+        ({}, "mesh_done_wait", []),
+        ({"loaded_with_run": 1}, "mesh_load_run", ["together"]),
+    ],
+)
+def test_a_run_hits_its_bins_and_no_other(changes, item, bins):
+    assert hit(replace(ROW, **changes), item) == bins
+
+
+def test_all_columns_are_there():
+    view = MeshView(BUILD, [ROW, replace(ROW, tested=31)])
+    assert view.tested.tolist() == [30, 31]
+    with pytest.raises(AttributeError, match="colour"):
+        _ = view.colour
+
+
+def test_an_outcome_that_cannot_be_is_illegal():
+    coverage = MeshCoverage(BUILD)
+    coverage.sample([replace(ROW, status=2), replace(ROW, mode=3)])
+    found = [one.bin for item in report(coverage.model, coverage.counts).items for one in item.illegal_hits]
+    assert found == ["all / first", "none / complete", "none / some"]
+
+
+def test_builds_have_the_bins_that_they_can_reach():
+    def totals(build):
+        coverage = MeshCoverage(build)
+        return {item.name: item.total for item in report(coverage.model, coverage.counts).items}
+
+    bare = totals(replace(BUILD, name="bare", pins=False, cycle_bits=32))
+    assert bare["mesh_abort"] == 3 and "mesh_near_wait" not in bare and "mesh_cycles" not in bare
+    single = totals(MeshBuild("single", 10, 0, 8, 8, 1, 32, False))
+    assert single["mesh_group_gaps"] == 6 and "mesh_margin" not in single and "mesh_last_word" not in single
+    # Empty, one, group - 1, several (2..6), depth, overfull.
+    assert single["mesh_sizes"] == 6 * 6
+    ones = totals(MeshBuild("ones", 10, 2, 16, 1, 1, 32, False))
+    assert ones["mesh_pair_gaps"] == 6 and "mesh_last_group_a" not in ones
+    assert ones["mesh_sizes"] == 6 * 6
+
+
+def test_bare_aborts_keep_their_names():
+    build = replace(BUILD, name="bare", pins=False)
+    assert hit(replace(ROW, aborts=int(AbortSeen.REPORTING)), "mesh_abort", build) == ["reporting"]
+    assert hit(replace(ROW, aborts=int(AbortSeen.STARTING)), "mesh_abort", build) == ["settling"]
+
+
+def test_models_are_told_apart():
+    assert mesh_model(BUILD).hash != mesh_model(replace(BUILD, pins=False)).hash

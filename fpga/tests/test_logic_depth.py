@@ -1,0 +1,127 @@
+import json
+
+import pytest
+
+from triaxis.fpga.logic_depth import LogicDepth, logic_depth
+from triaxis.golden.errors import InputError
+
+_OUTPUTS = {"O", "Q", "P", "CO", "PCOUT"}
+
+
+class _Module:
+    """Makes netlists as yosys writes them; nets are named by letters."""
+
+    def __init__(self):
+        self.nets: dict[str, int] = {}
+        self.cells: dict[str, dict] = {}
+
+    def net(self, name: str) -> int | str:
+        return name if name in ("0", "1", "x") else self.nets.setdefault(name, len(self.nets) + 2)
+
+    def add(self, kind: str, parameters: dict[str, int] | None = None, **pins: str) -> None:
+        self.cells[f"c{len(self.cells)}"] = {
+            "type": kind,
+            "parameters": {key: f"{value:032b}" for key, value in (parameters or {}).items()},
+            "port_directions": {pin: "output" if pin in _OUTPUTS else "input" for pin in pins},
+            "connections": {pin: [self.net(net) for net in nets.split()] for pin, nets in pins.items()},
+        }
+
+    def register(self, d: str, q: str) -> None:
+        self.add("FDRE", D=d, Q=q, C="clk", CE="1", R="0")
+
+    def depth(self, folder) -> LogicDepth:
+        module = {
+            "attributes": {"top": "1"},
+            "ports": {},
+            "cells": self.cells,
+            "netnames": {name: {"bits": [net], "hide_name": 0} for name, net in self.nets.items()},
+        }
+        path = folder / "netlist.json"
+        path.write_text(json.dumps({"modules": {"m": module}}))
+        return logic_depth(path)
+
+
+def test_the_longest_chain_and_its_registers_are_named(tmp_path):
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT2", I0="a_q", I1="a_q", O="x1")
+    module.add("LUT6", I0="x1", I1="a_q", O="x2")
+    module.add("MUXF7", I0="x2", I1="a_q", S="a_q", O="x3")
+    module.register("x3", "b_q")
+    module.add("LUT1", I0="b_q", O="x4")
+    module.register("x4", "c_q")
+    path = module.depth(tmp_path).most_levels
+    assert (path.start, path.end, path.cells, path.levels) == ("a_q", "b_q", ("LUT2", "LUT6", "MUXF7"), 3)
+
+
+def test_a_carry_chain_is_one_level_and_as_many_cells(tmp_path):
+    module = _Module()
+    module.register("in", "a_q")
+    carry = "0"
+    for i in range(3):
+        module.add(
+            "CARRY4", CI=carry, CYINIT="0", S="a_q a_q a_q a_q", DI="0 0 0 0", CO=f"u{i} v{i} w{i} k{i}"
+        )
+        carry = f"k{i}"
+    module.register(carry, "b_q")
+    module.register("in", "c_q")
+    module.add("LUT1", I0="c_q", O="y1")
+    module.add("LUT1", I0="y1", O="y2")
+    module.register("y2", "d_q")
+    depth = module.depth(tmp_path)
+    assert (depth.most_cells.start, depth.most_cells.cells, depth.most_cells.levels) == (
+        "a_q",
+        ("CARRY4",) * 3,
+        1,
+    )
+    assert (depth.most_levels.start, depth.most_levels.levels) == ("c_q", 2)
+
+
+def test_a_carry_chain_runs_upwards_only(tmp_path):
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT1", I0="a_q", O="late")
+    module.add("CARRY4", CI="0", CYINIT="0", S="a_q a_q a_q late", DI="0 0 0 0", O="o0 o1 o2 o3")
+    module.register("o0", "b_q")
+    assert module.depth(tmp_path).most_cells.cells == ("CARRY4",)
+    module.register("o3", "c_q")
+    assert module.depth(tmp_path).most_cells.cells == ("LUT1", "CARRY4")
+
+
+@pytest.mark.parametrize(
+    ("registers", "cells"),
+    [
+        ({}, ("LUT1", "DSP48E1", "LUT1")),
+        ({"MREG": 1}, ("LUT1", "DSP48E1")),
+        ({"AREG": 1, "MREG": 1}, ("DSP48E1", "LUT1")),
+        ({"AREG": 1, "MREG": 1, "PREG": 1}, ("DSP48E1",)),
+        ({"PREG": 1}, ("LUT1", "DSP48E1")),
+    ],
+)
+def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells):
+    none = dict.fromkeys(("AREG", "BREG", "CREG", "MREG", "PREG"), 0)
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT1", I0="a_q", O="x1")
+    module.add("DSP48E1", none | registers, A="x1", B="1", C="0", P="p", CLK="clk")
+    module.add("LUT1", I0="p", O="x2")
+    module.register("x2", "b_q")
+    assert module.depth(tmp_path).most_cells.cells == cells
+
+
+def test_logic_in_a_circle_is_an_error(tmp_path):
+    module = _Module()
+    module.add("LUT2", I0="x1", I1="a", O="x2")
+    module.add("LUT2", I0="x2", I1="a", O="x1")
+    with pytest.raises(InputError, match="circle"):
+        module.depth(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{}", '{"modules": {}}', '{"modules": {"m": {"attributes": {"top": "1"}}}}']
+)
+def test_what_is_no_netlist_is_an_error(tmp_path, text):
+    path = tmp_path / "netlist.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match="netlist"):
+        logic_depth(path)

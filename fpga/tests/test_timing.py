@@ -1,0 +1,204 @@
+import json
+
+import pytest
+
+from triaxis.fpga import ecp5_flow
+from triaxis.fpga.ecp5_flow import TARGET_MHZ, TOP, route
+from triaxis.fpga.ecp5_registers import Absorbed, absorb_registers
+from triaxis.fpga.timing import read_timing, register_name, write_timing
+from triaxis.golden.errors import InputError
+
+# --- Registers of multiplier blocks -------------------------------------------------------------------
+
+
+def _register(d, q, clock=2, **changes):
+    pins = {"DI": [d], "Q": [q], "CLK": [clock], "LSR": ["0"]} | changes.pop("pins", {})
+    return {
+        "type": "TRELLIS_FF",
+        "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "LSRMUX": "LSR"} | changes,
+        "port_directions": {pin: "output" if pin == "Q" else "input" for pin in pins},
+        "connections": pins,
+    }
+
+
+def _multiplier(**pins):
+    return {
+        "type": "MULT18X18D",
+        "parameters": {},
+        "port_directions": {pin: "output" if pin.startswith("P") else "input" for pin in pins},
+        "connections": {pin: [net] for pin, net in pins.items()},
+    }
+
+
+def _module(**replaced):
+    """Two bits of A, one of B, one of P, with a register at each; 20 is an output of the module."""
+    cells = {
+        "a0": _register(10, 11),
+        "a1": _register(12, 13),
+        "b0": _register(14, 15),
+        "mul": _multiplier(A0=11, A1=13, A2=13, A3="0", B0=15, P0=16, P1=17),
+        "p0": _register(16, 20),
+    }
+    return {"cells": cells | replaced, "ports": {"out": {"bits": [20]}}}
+
+
+def test_registers_move_into_the_block():
+    module = _module()
+    assert absorb_registers(module) == Absorbed(blocks=1, before=1, behind=1)
+    assert list(module["cells"]) == ["mul"]
+    block = module["cells"]["mul"]
+    pins = {pin: nets[0] for pin, nets in block["connections"].items()}
+    assert pins == {
+        "A0": 10, "A1": 12, "A2": 12, "A3": "0", "B0": 14, "P0": 20, "P1": 17,
+        "CLK0": 2, "CE0": "1", "RST0": "0",
+    }  # fmt: skip
+    assert block["parameters"]["REG_INPUTA_CLK"] == block["parameters"]["REG_OUTPUT_CLK"] == "CLK0"
+
+
+def test_a_register_that_others_need_stays():
+    module = _module(other=_register(11, 30), more=_register(30, 20))
+    assert absorb_registers(module).before == 1
+    assert set(module["cells"]) == {"mul", "a0", "other", "more"}
+
+
+@pytest.mark.parametrize(
+    "register",
+    [
+        _register(10, 11, CEMUX="CE", pins={"CE": [40]}),
+        _register(10, 11, pins={"LSR": [41]}),
+        _register(10, 11, CLKMUX="INV"),
+        _register(10, 11, clock=3),
+    ],
+)
+def test_registers_with_an_enable_a_reset_or_another_clock_do_not_move(register):
+    module = _module(a0=register)
+    assert absorb_registers(module).before == 0
+    assert module["cells"]["mul"]["connections"]["A0"] == [11]
+
+
+def test_a_product_that_others_take_unregistered_keeps_its_register():
+    module = _module(other=_register(16, 20))
+    assert absorb_registers(module).behind == 0
+    assert "p0" in module["cells"]
+
+
+# --- The report ---------------------------------------------------------------------------------------
+
+
+def _step(kind, cell, ns, net=""):
+    return {"type": kind, "to": {"cell": cell}, "delay": ns, "net": net}
+
+
+def _report(tmp_path, mhz=120.0):
+    clock = "$glbnet$clk"
+    path = [
+        _step("clk-to-q", "u_a.x_q_TRELLIS_FF_Q_14", 0.5),
+        _step("routing", "s_CCU2C_S0", 2.0, "u_a.x_q[3]"),
+        _step("logic", "s_CCU2C_S0", 0.5),
+        _step("routing", "s_CCU2C_S0_1", 0.0, "carry"),
+        _step("logic", "s_CCU2C_S0_1", 0.5),
+        _step("routing", "u_b.y_q_TRELLIS_FF_Q", 1.0, "sum"),
+        _step("setup", "u_b.y_q_TRELLIS_FF_Q", 0.25),
+    ]
+    content = {
+        "fmax": {clock: {"achieved": mhz, "constraint": 100}},
+        "critical_paths": [
+            {"from": "<async>", "to": f"posedge {clock}", "path": []},
+            {"from": f"posedge {clock}", "to": f"posedge {clock}", "path": path},
+        ],
+        "utilization": {"MULT18X18D": {"available": 156, "used": 120}, "DTR": {"available": 1, "used": 0}},
+    }
+    report = tmp_path / "report.json"
+    report.write_text(json.dumps(content))
+    return report
+
+
+def test_the_critical_path_is_told_by_registers(tmp_path):
+    timing = read_timing(_report(tmp_path))
+    assert (timing.mhz, timing.reached, dict(timing.used)) == (120.0, True, {"MULT18X18D": 120})
+    path = timing.path
+    assert (path.start, path.end, path.levels) == ("u_a.x_q[3]", "u_b.y_q", 2)
+    assert (path.logic_ns, path.routing_ns) == (1.75, 3.0)
+    assert [(hop.net, hop.cells) for hop in path.hops] == [("", 0), ("u_a.x_q[3]", 2), ("sum", 0)]
+    assert sum(hop.logic_ns + hop.routing_ns for hop in path.hops) == pytest.approx(4.75)
+
+
+def test_cells_are_named_after_the_nets_of_registers():
+    assert register_name("u_a.u_b.sum_q_TRELLIS_FF_Q_DI_CCU2C_S1_4") == "u_a.u_b.sum_q"
+    assert register_name("g[0].f_q_MULT18X18D_B4") == "g[0].f_q"
+    assert register_name("memory") == "memory"
+
+
+def test_less_than_the_target_is_missed(tmp_path):
+    assert not read_timing(_report(tmp_path, TARGET_MHZ - 0.01)).reached
+
+
+def test_timing_file(tmp_path):
+    path = tmp_path / "fpga" / "timing.json"
+    write_timing(path, read_timing(_report(tmp_path, 90.0)), Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
+    content = json.loads(path.read_text())
+    assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (90.0, False, "u_b.y_q")
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'])
+def test_what_is_no_report_is_an_error(tmp_path, text):
+    report = tmp_path / "report.json"
+    report.write_text(text)
+    with pytest.raises(InputError, match="no timing report"):
+        read_timing(report)
+
+
+# --- The flow, with stand-ins for the tools -----------------------------------------------------------
+
+
+def _stand_in(tmp_path, monkeypatch, name, script):
+    tool = tmp_path / name
+    tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
+    tool.chmod(0o755)
+    monkeypatch.setattr(ecp5_flow, name, lambda: tool)
+
+
+_SYNTHESISE = f"""
+netlist = sys.argv[2].split("-json ")[1]
+pathlib.Path(netlist).write_text(json.dumps({{"modules": {{"{TOP}": {{"cells": {{}}, "ports": {{}}}}}}}}))
+"""
+_ROUTE = """
+pathlib.Path(sys.argv[sys.argv.index("--report") + 1]).write_text("{}")
+assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
+"""
+
+
+def test_the_flow_hands_on_what_each_tool_leaves(tmp_path, monkeypatch):
+    _stand_in(tmp_path, monkeypatch, "yosys", _SYNTHESISE)
+    _stand_in(tmp_path, monkeypatch, "nextpnr", _ROUTE)
+    done = []
+    routed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
+    assert routed.report.read_text() == "{}"
+    assert routed.absorbed == Absorbed(0, 0, 0)
+    assert len(done) == len(ecp5_flow.STAGES)
+
+
+@pytest.mark.parametrize(
+    ("yosys", "nextpnr", "message"),
+    [
+        ("", _ROUTE, "yosys: no result, exit status 0"),
+        ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
+        (_SYNTHESISE.replace(TOP, "other"), _ROUTE, f"no netlist of {TOP}"),
+        (_SYNTHESISE, "print('ERROR: unroutable'); sys.exit(1)", "nextpnr: ERROR: unroutable"),
+        (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
+    ],
+)
+def test_a_tool_that_fails_is_one_clear_error(tmp_path, monkeypatch, yosys, nextpnr, message):
+    _stand_in(tmp_path, monkeypatch, "yosys", yosys)
+    _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
+    # What an earlier run left must not be taken for an answer.
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "report.json").write_text("{}")
+    with pytest.raises(InputError, match=message):
+        route([tmp_path / "a.sv"], {}, tmp_path / "out", lambda _: None)
+
+
+def test_a_missing_tool_is_one_clear_error(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    with pytest.raises(InputError, match="make fpga-timing"):
+        route([tmp_path / "a.sv"], {}, tmp_path, lambda _: None)

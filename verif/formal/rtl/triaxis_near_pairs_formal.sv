@@ -1,0 +1,99 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a run makes of free verdicts: every near pair is offered once, unchanged until it is taken,
+// and in order; none after the first where one was asked for, none where only counts were; nothing
+// of what is drained; idle only with nothing on offer and nothing on its way.
+
+module triaxis_near_pairs_formal
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned IndexWidth = 3,
+    parameter int unsigned InFlight   = 34
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic start_i,
+    input logic drain_i,
+    input logic [1:0] asked_i,
+    input logic issue_i,
+    input logic verdict_valid_i,
+    input logic verdict_near_i,
+    input logic [2*IndexWidth-1:0] verdict_pair_i,
+    input logic m_axis_near_tready_i
+);
+
+  typedef logic [2*IndexWidth:0] count_t;
+  typedef logic [2*IndexWidth-1:0] pair_t;
+  typedef logic [$clog2(InFlight+1)-1:0] in_flight_t;
+
+  logic idle_o, first_o, verdict_ready_o, m_axis_near_tvalid_o;
+  pair_t m_axis_near_tdata_o;
+  count_t tested_o, near_o;
+
+  mode_e mode_q;
+  triaxis_near_pairs #(
+      .IndexWidth(IndexWidth),
+      .InFlight  (InFlight)
+  ) u_near (
+      .mode_i(mode_q),
+      .*
+  );
+
+  logic take, taken, offer;
+  assign take  = verdict_valid_i && verdict_ready_o;
+  assign taken = m_axis_near_tvalid_o && m_axis_near_tready_i;
+  // What must be offered next.
+  assign offer = take && verdict_near_i && !drain_i && !first_o && mode_q != ModeCount;
+
+  // Pairs on their way, the pair on offer, and whether it waits.
+  logic started_q = 1'b0;
+  logic offered_q, waited_q, first_q;
+  in_flight_t way_q;
+  pair_t due_q;
+  count_t tested_q, near_q;
+  always_ff @(posedge clk_i) begin
+    started_q <= 1'b1;
+    // What was asked for changes between runs, when nothing is under way.
+    if (start_i) mode_q <= mode_e'(asked_i);
+    if (offer) due_q <= verdict_pair_i;
+  end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {offered_q, waited_q, first_q} <= '0;
+      way_q <= '0;
+      tested_q <= '0;
+      near_q <= '0;
+    end else begin
+      offered_q <= offer || (offered_q && !taken);
+      waited_q <= m_axis_near_tvalid_o && !m_axis_near_tready_i;
+      way_q <= way_q + in_flight_t'(issue_i) - in_flight_t'(take);
+      first_q <= !start_i && (first_q || (offer && mode_q == ModeFirst));
+      tested_q <= start_i ? '0 : tested_q + count_t'(take && !drain_i && !first_o);
+      near_q <= start_i ? '0 : near_q + count_t'(take && verdict_near_i && !drain_i && !first_o);
+    end
+  end
+
+  always_comb begin
+    Reset : assume (started_q || !rst_ni);
+    VerdictsOfPairs : assume (!verdict_valid_i || way_q != '0);
+    RoomForPairs : assume (!issue_i || way_q < in_flight_t'(InFlight));
+    StartIdle : assume (!start_i || (idle_o && !issue_i));
+    if (rst_ni) begin
+      NothingLost : assert (m_axis_near_tvalid_o == offered_q);
+      Unchanged : assert (!m_axis_near_tvalid_o || m_axis_near_tdata_o == due_q);
+      Waits : assert (!waited_q || m_axis_near_tvalid_o);
+      NoOverwrite : assert (!offer || !offered_q || taken);
+      OneFirst : assert (first_o == first_q);
+      NoMoreThanFirst : assert (mode_q != ModeFirst || !offer || near_q == '0 || !first_q);
+      Counted : assert (tested_o == tested_q && near_o == near_q);
+      Idle : assert (idle_o == (way_q == '0 && !offered_q));
+      OnItsWay : assert (u_near.in_flight_q == way_q && way_q <= in_flight_t'(InFlight));
+      SeenWaiting : cover (waited_q && taken && offer);
+      SeenFirst : cover (first_o && take && verdict_near_i);
+      SeenDrained : cover (drain_i && take && verdict_near_i && offered_q);
+      SeenStalled : cover (verdict_valid_i && !verdict_ready_o);
+    end
+  end
+
+endmodule

@@ -1,0 +1,1 @@
+"""The environment of the mesh engine: whole scenes, driven and checked."""

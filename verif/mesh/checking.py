@@ -1,0 +1,209 @@
+"""Checks runs of the engine against the exact answer for their scene, free of the simulator.
+
+Every pair is accounted for: it reached the core, or a box axis separates it, or its groups, or its group of A
+from the whole of B, by more than the margin. What the summary says is compared with what follows from the
+definition; the golden model judges a share of the pairs, which shares nothing with the bulk checker.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from triaxis.coverage.mesh_sample import MeshRow
+from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
+from triaxis.golden.scene import SceneAnswer, scene_answer
+from triaxis.verif.mesh.expectation import expected_status, moved
+from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
+from triaxis.verif.mesh.pair_lists import begins, difference, first_of
+from triaxis.verif.mesh.sampling import row_of
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh_engine import Mode, Status
+
+# Failures described in full; beyond that they are only counted.
+DESCRIBED = 10
+# Pairs of a run that the golden model judges at most, near ones and others each.
+_JUDGED = 4
+
+
+@dataclass(frozen=True)
+class SceneFailure:
+    """One thing that went wrong, and the run it went wrong in."""
+
+    message: str
+    run: ObservedRun
+
+
+class SceneChecker:
+    """Checks runs, in order; calls ``on_checked`` with the row of each for coverage.
+
+    ``judged_one_in``: of so many runs one has pairs judged by the golden model.
+    """
+
+    def __init__(
+        self,
+        configuration: MeshConfiguration,
+        judged_one_in: int = 1,
+        seed: int = 0,
+        on_checked: Callable[[MeshRow], None] = lambda _: None,
+    ) -> None:
+        """Start with nothing checked."""
+        self.configuration = configuration
+        self.runs = self.complete_runs = self.pairs = self.skipped = self.tested = self.near = 0
+        self.judged = self.failed = 0
+        self.failures: list[SceneFailure] = []
+        self.judged_one_in = judged_one_in
+        self.rng = np.random.default_rng([seed, *b"scenes"])
+        self._on_checked = on_checked
+        # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
+        default_solver()
+
+    def check(self, run: ObservedRun, summary: Summary) -> None:
+        """Check a run that has ended."""
+        due = expected_status(run, self.configuration)
+        answer = None
+        if due == Status.COMPLETE:
+            a = moved(run.a, run.request.translation)
+            answer = scene_answer(a, run.b, run.request.margin, self.configuration.group)
+        for message in self._problems(run, summary, due, answer):
+            self.failed += 1
+            if len(self.failures) < DESCRIBED:
+                self.failures.append(SceneFailure(message, run))
+        self.runs += 1
+        if summary.status == Status.COMPLETE and answer is not None:
+            self.complete_runs += 1
+            self.pairs += answer.near.size
+            self.skipped += answer.near.size - answer.tested
+            self.tested += answer.tested
+            self.near += summary.near
+        # What else is not a status has no place in the coverage model.
+        if summary.status in list(Status):
+            self._on_checked(row_of(self.configuration, run, summary, answer))
+
+    def _problems(
+        self, run: ObservedRun, summary: Summary, due: Status, answer: SceneAnswer | None
+    ) -> list[str]:
+        found = [*self._status_problems(run, summary, due, answer), *self._pin_problems(run, summary)]
+        if answer is None:
+            ran = (len(run.near_pairs), len(run.core_pairs), summary.tested, summary.near)
+            if any(ran):
+                found.append(f"near pairs, pairs in the core, tested, near: {ran}: nothing was to be run")
+            return found
+        found += self._stream_problems(run, summary, answer)
+        if summary.status == Status.COMPLETE:
+            found += self._account_problems(summary, answer)
+        else:
+            found += self._partial_problems(run, summary, answer)
+        return found + self._judge(run, answer)
+
+    def _status_problems(
+        self, run: ObservedRun, summary: Summary, due: Status, answer: SceneAnswer | None
+    ) -> list[str]:
+        """Return what is wrong with how the run ended."""
+        stops = due == Status.COMPLETE and run.request.mode == Mode.FIRST and answer and answer.near.any()
+        ends = Status.FIRST if stops else due
+        # Before the summary is offered an abort ends the run, unless it has stopped at a near pair.
+        aborted = {Status.ABORTED, Status.FIRST} if stops else {Status.ABORTED}
+        last = summary.last_abort
+        allowed = aborted if any(at <= last for at in run.aborts) else {ends}
+        counted_all = summary.offered_after is not None or summary.cycles < self.configuration.max_cycles
+        if run.aborts and not counted_all:
+            # Where clocks are no longer counted nobody knows which came first.
+            allowed = aborted | {ends}
+        if summary.status in allowed:
+            return []
+        names = " or ".join(sorted(status.name for status in allowed))
+        return [f"status {summary.status}, {names} is due, aborts at {run.aborts}"]
+
+    def _pin_problems(self, run: ObservedRun, summary: Summary) -> list[str]:
+        found: list[str] = []
+        held = (len(run.a), len(run.b))
+        if summary.held is not None and summary.held != held:
+            found.append(f"{summary.held} triangles held, {held} were given")
+        overfull = run.overfull[0] | run.overfull[1] << 1
+        if summary.overfull is not None and summary.overfull != overfull:
+            found.append(f"overfull {summary.overfull}, {overfull} is due")
+        largest = self.configuration.max_cycles
+        if summary.offered_after is not None and summary.cycles != min(summary.offered_after, largest):
+            found.append(f"{summary.cycles} cycles, {summary.offered_after} were seen")
+        return found
+
+    def _stream_problems(self, run: ObservedRun, summary: Summary, answer: SceneAnswer) -> list[str]:
+        """Compare both streams of pairs with the scan: they are what it gives, up to where the run ended."""
+        found: list[str] = []
+        reached, due = run.core_pairs, answer.to_be_tested
+        if not begins(due, reached):
+            found.append(f"pairs in the core: {difference(reached, due)}")
+        # Whatever the answer to it: a pair that is left out needs a proof of its own.
+        if summary.status == Status.COMPLETE:
+            left = np.ones(answer.near.shape, np.bool_)
+            there = reached[((reached >= 0) & (reached < answer.near.shape)).all(1)]
+            left[there[:, 0], there[:, 1]] = False
+            unproven = left & ~answer.boxes_apart
+            if unproven.any():
+                found.append(f"{unproven.sum()} pairs skipped without a proof, first {first_of(unproven)}")
+        near, near_due = run.near_pairs, answer.near_pairs
+        if run.request.mode == Mode.COUNT:
+            near_due = near_due[:0]
+        if run.request.mode == Mode.FIRST:
+            near_due = near_due[:1]
+        if not begins(near_due, near):
+            found.append(f"near pairs: {difference(near, near_due)}")
+        if summary.status in (Status.COMPLETE, Status.FIRST) and len(near) != len(near_due):
+            found.append(f"{len(near)} near pairs sent, {len(near_due)} are due")
+        return found
+
+    def _account_problems(self, summary: Summary, answer: SceneAnswer) -> list[str]:
+        """Compare all counters of a complete run with what follows from the definition."""
+        due = {
+            "group_pairs_skipped": answer.group_pairs_skipped,
+            "group_pairs_opened": answer.group_pairs_opened,
+            "pairs_skipped": answer.pairs_skipped,
+            "tested": answer.tested,
+            "near": int(answer.near.sum()),
+        }
+        return [
+            f"{name} {getattr(summary, name)}, {count} is due"
+            for name, count in due.items()
+            if getattr(summary, name) != count
+        ]
+
+    def _partial_problems(self, run: ObservedRun, summary: Summary, answer: SceneAnswer) -> list[str]:
+        """Compare the counters of a run that ended early with its part of the scan."""
+        found: list[str] = []
+        due = answer.to_be_tested
+        near = answer.near[due[:, 0], due[:, 1]]
+        if summary.tested > len(run.core_pairs):
+            found.append(f"{summary.tested} tested, {len(run.core_pairs)} reached the core")
+        if summary.near != int(near[: summary.tested].sum()):
+            found.append(f"near {summary.near}, among the {summary.tested} tested: {near.sum()}")
+        if run.request.mode != Mode.COUNT and summary.near != len(run.near_pairs):
+            found.append(f"near {summary.near}, {len(run.near_pairs)} were sent")
+        if summary.status == Status.FIRST and not (summary.tested and near[summary.tested - 1]):
+            found.append(f"stopped after {summary.tested} pairs, where none is near")
+        groups = answer.groups_apart.size
+        if summary.group_pairs_skipped > answer.group_pairs_skipped:
+            found.append(f"group_pairs_skipped {summary.group_pairs_skipped} of {groups}: too many")
+        if summary.group_pairs_opened > answer.group_pairs_opened:
+            found.append(f"group_pairs_opened {summary.group_pairs_opened} of {groups}: too many")
+        if summary.pairs_skipped > answer.pairs_skipped:
+            found.append(f"pairs_skipped {summary.pairs_skipped}, {answer.pairs_skipped} at most are due")
+        return found
+
+    def _judge(self, run: ObservedRun, answer: SceneAnswer) -> list[str]:
+        """Let the golden model judge some pairs: near ones, tested ones, skipped ones."""
+        if not answer.near.size or self.rng.integers(self.judged_one_in):
+            return []
+        chosen: list[Integers] = []
+        for kind in (answer.near, ~answer.near & ~answer.boxes_apart, answer.boxes_apart):
+            pairs = np.argwhere(kind)
+            chosen.append(pairs[self.rng.integers(0, len(pairs), min(_JUDGED, len(pairs)))])
+        i, j = np.concatenate(chosen).T
+        pairs = np.stack([moved(run.a, run.request.translation)[i], run.b[j]], 1)
+        self.judged += len(pairs)
+        try:
+            near = judge_pairs(pairs, np.full(len(pairs), run.request.margin))["near"]
+        except CertificateError as error:
+            return [f"golden model: {error}"]
+        wrong = np.flatnonzero(near != answer.near[i, j])
+        return [f"bulk checker and golden model disagree on pair {(int(i[n]), int(j[n]))}" for n in wrong[:1]]

@@ -1,0 +1,220 @@
+"""The engine's tests by name. Each says what it sends; the environment checks everything everywhere."""
+
+from dataclasses import replace
+from itertools import cycle, product
+
+import cocotb
+import numpy as np
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.spatial_order import spatial_order
+from triaxis.verif.agents.items import FULL_SPEED, Pace
+from triaxis.verif.clocking import PERIOD_NS
+from triaxis.verif.mesh.base_test import MeshEngineTest
+from triaxis.verif.mesh.gap_scenes import gap_scenes
+from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
+from triaxis.verif.mesh.placing import random_margin
+from triaxis.verif.mesh.random_scenes import PACES, random_scene, too_many
+from triaxis.verif.mesh.range_scenes import range_scenes
+from triaxis.verif.mesh.real_scenes import real_scenes
+from triaxis.verif.mesh_engine import Mode
+
+# Scenes that are sent at least, whatever number of pairs was asked for.
+_LEAST_SCENES = 40
+# A run of mode all is complete; what is none of them is refused.
+_EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
+
+
+class MeshRandomTest(MeshEngineTest):
+    """Scenes of all kinds and sizes; stalls, aborts, meshes that stay, runs that are refused."""
+
+    async def stimulus(self) -> None:
+        """Send scenes until enough pairs are accounted for."""
+        sent = 0
+        while self.unfinished or sent < _LEAST_SCENES:
+            await self.send(random_scene(self.shapes))
+            sent += 1
+
+
+class MeshVolumeTest(MeshEngineTest):
+    """Small scenes in volume, at full speed."""
+
+    async def stimulus(self) -> None:
+        """Send scenes, nearly all of them complete."""
+        while self.unfinished:
+            await self.send(random_scene(self.shapes, calm=True))
+
+
+class MeshGapsTest(MeshEngineTest):
+    """Gaps of exactly the margin, and one step more, on each axis and side, of rows, groups, triangles."""
+
+    async def stimulus(self) -> None:
+        """Send all of them, again and again."""
+        while True:
+            for scene in gap_scenes(self.shapes):
+                await self.send(scene)
+            if not self.unfinished:
+                return
+
+
+class MeshLimitsTest(MeshEngineTest):
+    """The limits of memory, of range, of the scan: up to one triangle too many; first near pairs anywhere."""
+
+    async def stimulus(self) -> None:
+        """Send every combination of sizes, then what ends at the ends of the range."""
+        group, depth = self.configuration.group, self.configuration.depth
+        around = {group // 2, group - 1, group, group + 1, 2 * group + 1}
+        sizes = sorted({0, 1, depth} | {size for size in around if size < depth})
+        for count_a, count_b in product([*sizes, depth + 1], repeat=2):
+            await self.send(self.of_sizes(count_a, count_b))
+        for scene in range_scenes(self.shapes):
+            await self.send(scene)
+        await self.full_again()
+        for place in (0, 1, 2, 5):
+            await self.first_at(place)
+
+    def of_sizes(self, count_a: int, count_b: int) -> Scene:
+        """Return a scene of these sizes, one more than fits among them."""
+        depth = self.configuration.depth
+        scene = random_scene(self.shapes, True, (min(count_a, depth), min(count_b, depth)))
+        if count_a > depth:
+            scene = replace(scene, a=too_many(self.shapes))
+        return replace(scene, b=too_many(self.shapes)) if count_b > depth else scene
+
+    async def first_at(self, place: int) -> None:
+        """Send a scene whose first near pair comes after so many that only the core can tell are clear."""
+        size = self.shapes.reach // 2
+        # A tilted triangle; one step aside the boxes overlap, and the planes are apart.
+        a = np.array([[[0, 0, 0], [size, -size, 0], [0, size, -size]]])
+        b = np.concatenate([np.repeat(a + 1, place, 0), a])
+        await self.send(Scene(a, b, ((RunRequest(mode=Mode.FIRST), RunTraffic()),)))
+
+    async def full_again(self) -> None:
+        """Fill both meshes in one place, where all is near; then see them emptied by loading less."""
+        depth = self.configuration.depth
+        low, high = coordinate_range(self.configuration.width)
+        pairs = depth * depth
+        # Of large memories only a part, or it would be a run of minutes.
+        count = depth if pairs <= 1 << 14 else 1 << 7
+        triangle = np.array([[low, low, low], [high, high, high], [low, high, 0]])
+        full = np.repeat(triangle[None], count, 0)
+        runs = tuple((RunRequest((0, 0, 0), 0, mode), RunTraffic()) for mode in _EVERY_MODE)
+        await self.send(Scene(too_many(self.shapes), full, runs))
+        await self.send(Scene(full, full, runs))
+        await self.send(Scene(full[:1], None, runs))
+        await self.send(Scene(None, full[:0], runs))
+        await self.send(Scene(None, full[:1], runs))
+
+
+class MeshAbortTest(MeshEngineTest):
+    """An abort at every clock of a run, from its acceptance to its summary, and the next run undisturbed."""
+
+    # Those in which the scan has something to do everywhere.
+    kinds = ("in_one_place", "clusters", "cloud", "one_contact")
+
+    async def stimulus(self) -> None:
+        """Find out how long a run takes, then abort it everywhere."""
+        while True:
+            await self.sweep()
+            if not self.unfinished:
+                return
+
+    async def sweep(self) -> None:
+        """Abort one scene in each mode, the refused one too."""
+        group = self.configuration.group
+        counts = (group + 1, min(2 * group, self.configuration.depth))
+        counts = (min(counts[0], self.configuration.depth), counts[1])
+        scene = random_scene(self.shapes, True, counts, self.kinds)
+        request = scene.runs[0][0]
+        for mode in _EVERY_MODE:
+            asked = replace(request, mode=int(mode))
+            plain = (asked, RunTraffic())
+            length = (await self.send(replace(scene, runs=(plain,))))[0].clocks
+            for at in self.moments(length):
+                await self.send(Scene(None, None, (self.aborted(asked, at, length), plain)))
+
+    def moments(self, length: int) -> list[int]:
+        """Return the clocks at which to abort: all or many on the bare engine, a part on the pins."""
+        most = 6 if self.on_pins else 100
+        if length < most:
+            return list(range(length + 1))
+        some = self.rng.integers(0, length + 1, most).tolist()
+        return sorted({0, 1, 2, 3, length - 2, length - 1, *some} - {-1})
+
+    def aborted(self, request: RunRequest, at: int, length: int) -> tuple[RunRequest, RunTraffic]:
+        """Return the run with an abort, and on the pins now and then with several, and one before it."""
+        stalled = Pace(1, int(self.rng.choice([0, 0, 3, 12])))
+        aborts = (at, at + 1, at + int(self.rng.integers(2, 12)))
+        traffic = RunTraffic(stalled, stalled, aborts if self.rng.integers(2) else (at,), True)
+        return request, traffic
+
+
+class MeshStallsTest(MeshEngineTest):
+    """Gaps on loading, back-pressure on near pairs and summaries, runs offered while a mesh is loaded."""
+
+    paces = (*PACES, Pace(1, 40))
+
+    async def stimulus(self) -> None:
+        """Send scenes with near pairs at every combination of paces."""
+        traffic = cycle(product(self.paces, repeat=2))
+        while True:
+            for gaps in (FULL_SPEED, Pace(1, 6)):
+                for _ in range(len(self.paces) ** 2):
+                    near, done = next(traffic)
+                    await self.send(self.stalled(gaps, RunTraffic(near, done)))
+            if not self.unfinished:
+                return
+
+    def stalled(self, gaps: Pace, traffic: RunTraffic) -> Scene:
+        """Return a small scene."""
+        depth = self.configuration.depth
+        counts = self.rng.integers(1, min(depth, 3 * self.configuration.group) + 1, 2).tolist()
+        scene = random_scene(self.shapes, True, (counts[0], counts[1]))
+        request = replace(scene.runs[0][0], mode=int(self.rng.choice([Mode.FIRST, Mode.ALL, Mode.ALL])))
+        early = bool(self.rng.integers(2))
+        return replace(scene, runs=((request, traffic),) * 2, gaps=gaps, early=early)
+
+
+class MeshResetsTest(MeshEngineTest):
+    """Resets at any moment, while meshes are loaded and while runs go on. On the pins only."""
+
+    def build_phase(self) -> None:
+        """Refuse the bare engine, which nobody resets."""
+        super().build_phase()
+        if not self.on_pins:
+            raise InputError("MeshResetsTest: needs --agent pin")
+
+    async def stimulus(self) -> None:
+        """Send scenes while resets strike; end with undisturbed ones."""
+        moments = np.random.default_rng([self.settings.seed, *b"resets"])
+        sent = 0
+        while self.unfinished or sent < _LEAST_SCENES:
+            sent += 2
+            traffic = cocotb.start_soon(self.send(random_scene(self.shapes)))
+            await self.between_edges()
+            await self.clocks(int(moments.integers(1, 400)))
+            if not traffic.done():
+                late = int(moments.integers(0, PERIOD_NS - 1))
+                await self.reset(int(moments.choice([1, 2, 3, 30])), late)
+            await traffic
+            await self.send(random_scene(self.shapes, calm=True))
+
+
+class MeshRealTest(MeshEngineTest):
+    """Parts of a real machine, and solids of our own where those are absent, at several translations."""
+
+    async def stimulus(self) -> None:
+        """Send each pair of meshes in spatial order, and once as it comes in its file."""
+        group, depth = self.configuration.group, self.configuration.depth
+        for a, b, margin in real_scenes(self.configuration):
+            a, b = a[:depth], b[:depth]
+            orders = [(spatial_order(a, group), spatial_order(b, group))]
+            orders += [(np.arange(len(a)), np.arange(len(b)))] if len(a) * len(b) < 1 << 20 else []
+            for order_a, order_b in orders:
+                runs = (
+                    RunRequest((0, 0, 0), margin, Mode.ALL),
+                    RunRequest((0, 0, 0), 0, Mode.FIRST),
+                    RunRequest((0, 0, 0), random_margin(self.rng, self.configuration) // 64, Mode.COUNT),
+                )
+                await self.send(Scene(a[order_a], b[order_b], tuple((run, RunTraffic()) for run in runs)))

@@ -1,0 +1,38 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// At rest, and from a reset on, nothing is under way in the mesh engine, and no memory is read.
+
+module triaxis_mesh_rest_sva (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic busy_o,
+    input logic idle,
+    input logic settled,
+    input logic first,
+    input logic reads
+);
+
+  NoReadAtRest :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) !busy_o |-> !reads)
+  else $error("a memory was read although no run is under way");
+
+  IdleAtRest :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) !busy_o |-> idle)
+  else $error("something is under way although no run is");
+
+  NothingAfterReset :
+  assert property (@(posedge clk_i) $rose(rst_ni) |-> settled && !first)
+  else $error("something of before a reset is left after it");
+
+endmodule
+
+bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
+    .clk_i,
+    .rst_ni,
+    .busy_o,
+    .idle,
+    .settled,
+    .first,
+    .reads(row_read || word_read || box_a_read || box_b_read || triangle_read)
+);

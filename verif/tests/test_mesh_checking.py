@@ -1,0 +1,203 @@
+"""Matching and checking of runs of the engine, without a simulator: right ones pass, wrong ones are said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from triaxis.golden.scene import scene_answer
+from triaxis.verif.batches import ResetSeen
+from triaxis.verif.mesh.checking import SceneChecker
+from triaxis.verif.mesh.items import RunRequest
+from triaxis.verif.mesh.matching import RunMatcher
+from triaxis.verif.mesh.observed import AbortAsked, CorePairs, Loaded, NearTaken, RunAccepted, Summary
+from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh_engine import Mode, Status
+
+CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
+MOVE, MARGIN = (3, -2, 1), 5
+
+
+class Bench:
+    """A scene with the answer that is due, and what a checker says of another one."""
+
+    def __init__(self, seed, mode=Mode.ALL):
+        rng = np.random.default_rng(seed)
+        self.a, self.b = (
+            rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-30, 31, (n, 3, 3)) for n in (11, 10)
+        )
+        self.request = RunRequest(MOVE, MARGIN, int(mode))
+        answer = scene_answer(self.a + np.array(MOVE), self.b, MARGIN, 4)
+        self.core, self.near = answer.to_be_tested, answer.near_pairs
+        assert len(self.near) > 3 and answer.pairs_skipped
+        self.tested = len(self.core)
+        if mode == Mode.FIRST:
+            self.tested = int((self.core == self.near[0]).all(1).argmax()) + 1
+            self.near = self.near[:1]
+        status = Status.FIRST if mode == Mode.FIRST else Status.COMPLETE
+        self.summary = Summary(
+            status,
+            200,
+            answer.group_pairs_skipped,
+            answer.group_pairs_opened,
+            answer.pairs_skipped,
+            self.tested,
+            len(self.near),
+            offered_after=200,
+            held=(11, 10),
+            overfull=0,
+        )
+        if mode == Mode.COUNT:
+            self.near = self.near[:0]
+
+    def said(self, summary=None, near=None, core=None, aborts=()):
+        """Return what is wrong with a run of the scene."""
+        checker = SceneChecker(CONFIGURATION)
+        matcher = RunMatcher(CONFIGURATION.depth, checker.check)
+        matcher.load(Loaded(0, True, self.a))
+        matcher.load(Loaded(1, True, self.b))
+        matcher.run(RunAccepted(self.request))
+        for at in aborts:
+            matcher.run(AbortAsked(at))
+        matcher.core(CorePairs(self.core if core is None else core))
+        matcher.near(NearTaken(self.near if near is None else near))
+        matcher.summary(summary or self.summary)
+        assert checker.runs == 1 and not matcher.stray
+        return [failure.message for failure in checker.failures]
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_what_is_due_passes(seed, mode):
+    assert Bench(seed, mode).said() == []
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"status": 2}, "status 2, COMPLETE is due"),
+        ({"status": 7}, "status 7"),
+        ({"cycles": 199}, "199 cycles, 200 were seen"),
+        ({"group_pairs_skipped": 99}, "group_pairs_skipped 99"),
+        ({"group_pairs_opened": 0}, "group_pairs_opened 0"),
+        ({"pairs_skipped": 0}, "pairs_skipped 0"),
+        ({"tested": 0}, "tested 0"),
+        ({"near": 0}, "near 0"),
+        ({"held": (11, 11)}, "triangles held"),
+        ({"overfull": 1}, "overfull 1, 0 is due"),
+    ],
+)
+def test_a_wrong_summary_is_said(seed, change, message):
+    bench = Bench(seed)
+    found = bench.said(replace(bench.summary, **change))
+    assert any(message in line for line in found), found
+
+
+def test_wrong_streams_are_said(seed):
+    bench = Bench(seed)
+    assert any("near pairs sent" in line for line in bench.said(near=bench.near[:-1]))
+    assert any("near pairs: number 0" in line for line in bench.said(near=bench.near[::-1]))
+    assert any("near pairs: number" in line for line in bench.said(near=np.repeat(bench.near, 2, 0)))
+    assert any("without a proof" in line for line in bench.said(core=bench.core[1:]))
+    skipped = np.array([[0, 0]]) + np.argwhere(np.ones((11, 10)))[-1:]
+    assert any("pairs in the core" in line for line in bench.said(core=np.concatenate([bench.core, skipped])))
+    assert bench.said(core=np.array([[99, 99]]))
+
+
+def test_saturated_cycles(seed):
+    bench = Bench(seed)
+    long = replace(bench.summary, offered_after=9000)
+    assert bench.said(replace(long, cycles=255)) == []
+    assert bench.said(replace(long, cycles=254))
+
+
+@pytest.mark.parametrize(("at", "due"), [(0, Status.ABORTED), (198, Status.ABORTED), (199, Status.COMPLETE)])
+def test_an_abort_counts_up_to_the_clock_before_the_summary(seed, at, due):
+    bench = Bench(seed)
+    for status in (Status.COMPLETE, Status.ABORTED):
+        found = bench.said(replace(bench.summary, status=status), aborts=[at])
+        assert any("status" in line for line in found) == (status != due)
+
+
+def test_an_aborted_run_is_a_part_of_the_scan(seed):
+    bench = Bench(seed)
+    tested = bench.tested // 2
+    part = [tuple(pair) for pair in bench.core[:tested].tolist()]
+    near = np.array([pair for pair in bench.near.tolist() if tuple(pair) in part])
+    cut = replace(bench.summary, status=Status.ABORTED, tested=tested, near=len(near), pairs_skipped=0)
+    assert bench.said(cut, near, bench.core[: tested + 2], [50]) == []
+    assert bench.said(cut, near, bench.core[: tested - 1], [50])
+    assert bench.said(replace(cut, near=len(near) + 1), near, bench.core[:tested], [50])
+    assert bench.said(cut, near[:-1], bench.core[:tested], [50])
+    assert bench.said(replace(cut, pairs_skipped=10_000), near, bench.core[:tested], [50])
+    assert bench.said(cut, near, bench.core[:tested], [])
+
+
+def test_first_is_the_first_of_the_scan(seed):
+    bench, whole = Bench(seed, Mode.FIRST), Bench(seed)
+    assert bench.said(near=whole.near[1:2])
+    assert bench.said(replace(bench.summary, status=Status.COMPLETE))
+    assert bench.said(replace(bench.summary, tested=bench.tested + 1, near=1))
+    assert bench.said(aborts=[100]) == []
+
+
+def test_what_is_refused_runs_nothing(seed):
+    bench = Bench(seed)
+    nothing = Summary(Status.BAD_MODE, 4, 0, 0, 0, 0, 0)
+    bench.request = replace(bench.request, mode=3)
+    none = bench.near[:0]
+    assert bench.said(nothing, none, none) == []
+    assert bench.said(nothing, bench.near, none) and bench.said(nothing, none, bench.core)
+    bench.request = RunRequest((40_000, 0, 0))
+    assert bench.said(replace(nothing, status=Status.OVERFLOW), none, none) == []
+    assert bench.said(nothing, none, none)
+
+
+def matcher_of(runs):
+    return RunMatcher(4, lambda run, summary: runs.append((run, summary)))
+
+
+def test_matching_follows_meshes_and_limits(seed):
+    runs = []
+    matcher = matcher_of(runs)
+    triangles = np.random.default_rng(seed).integers(-9, 9, (6, 3, 3))
+    for mesh, clear, part in ((0, True, triangles[:3]), (0, False, triangles[3:]), (1, True, triangles[:2])):
+        matcher.load(Loaded(mesh, clear, part))
+    summary = Summary(5, 4, 0, 0, 0, 0, 0)
+    matcher.run(RunAccepted(RunRequest()))
+    # At the edge at which the run was accepted, told after it.
+    matcher.load(Loaded(1, False, triangles[2:3], with_run=True))
+    matcher.summary(summary)
+    run = runs[0][0]
+    assert (run.a == triangles[:4]).all() and (run.b == triangles[:3]).all()
+    assert run.overfull == (True, False) and run.reloaded == (True, True) and run.loaded_with_run
+    # Told before it.
+    matcher.load(Loaded(0, True, triangles[:1], with_run=True))
+    matcher.run(RunAccepted(RunRequest()))
+    matcher.summary(summary)
+    assert runs[1][0].reloaded == (True, False) and runs[1][0].loaded_with_run
+    assert len(runs[1][0].a) == 1 and runs[1][0].overfull == (False, False)
+    assert not matcher.stray and matcher.triangles == 10
+
+
+def test_what_belongs_to_no_run_is_kept(seed):
+    matcher = matcher_of([])
+    pair = np.array([[0, 0]])
+    matcher.near(NearTaken(pair))
+    matcher.core(CorePairs(pair))
+    matcher.summary(Summary(1, 4, 0, 0, 0, 0, 0))
+    matcher.run(RunAccepted(RunRequest()))
+    matcher.load(Loaded(0, True, np.zeros((1, 3, 3), np.int64)))
+    matcher.run(RunAccepted(RunRequest()))
+    assert len(matcher.stray) == 5 and matcher.unfinished
+
+
+def test_a_reset_empties_everything(seed):
+    runs = []
+    matcher = matcher_of(runs)
+    matcher.load(Loaded(0, True, np.zeros((9, 3, 3), np.int64)))
+    matcher.run(RunAccepted(RunRequest()))
+    matcher.summary(ResetSeen())
+    assert not matcher.unfinished and matcher.ended_by_reset == 1
+    matcher.run(RunAccepted(RunRequest()))
+    matcher.summary(Summary(1, 4, 0, 0, 0, 0, 0))
+    assert len(runs[0][0].a) == 0 and runs[0][0].overfull == (False, False)

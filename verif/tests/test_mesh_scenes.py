@@ -1,0 +1,142 @@
+"""The engine's stimulus is what it says: within the range, with the gaps and at the ends that it names."""
+
+from collections import Counter
+from itertools import islice, product
+
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.scene import boxes_of, boxes_of_groups, scene_answer
+from triaxis.verif.mesh.expectation import moved, overflows
+from triaxis.verif.mesh.gap_scenes import GROUP, LEVELS, PAIR, ROW, gap_scene
+from triaxis.verif.mesh.packing import pack_run, pack_triangle, unpack_pair, unpack_run, unpack_triangle
+from triaxis.verif.mesh.random_scenes import random_scene
+from triaxis.verif.mesh.range_scenes import range_scenes
+from triaxis.verif.mesh.real_scenes import real_scenes
+from triaxis.verif.mesh.scene_kinds import KINDS
+from triaxis.verif.mesh.shapes import Shapes
+from triaxis.verif.mesh_configuration import MeshConfiguration, parse_mesh_configuration
+
+CONFIGURATIONS = (
+    MeshConfiguration(16, 16, 64, 8, 8),
+    MeshConfiguration(12, 0, 32, 4, 2, 8),
+    MeshConfiguration(8, 8, 16, 4, 1),
+    MeshConfiguration(10, 3, 8, 8, 1),
+    MeshConfiguration(9, 9, 16, 1, 1),
+)
+
+
+@pytest.fixture(params=CONFIGURATIONS, ids=lambda c: c.name)
+def shapes(request, seed):
+    return Shapes(np.random.default_rng(seed), request.param)
+
+
+def meshes_of(scene):
+    assert scene.a is not None and scene.b is not None
+    return scene.a, scene.b
+
+
+def scenes(shapes, count):
+    return islice((random_scene(shapes) for _ in iter(int, 1)), count)
+
+
+def test_random_scenes_fit_the_ports(shapes):
+    low, high = coordinate_range(shapes.configuration.width)
+    reach = 1 << shapes.configuration.width
+    for scene in scenes(shapes, 200):
+        for mesh in (scene.a, scene.b):
+            assert mesh is None or not len(mesh) or low <= mesh.min() <= mesh.max() <= high
+        for request, _ in scene.runs:
+            assert all(-reach <= part < reach for part in request.translation)
+            assert 0 <= request.margin <= shapes.configuration.max_margin
+
+
+def test_random_scenes_are_of_all_kinds(shapes):
+    found = Counter(scene.kind for scene in scenes(shapes, 300))
+    assert set(found) == set(KINDS)
+    sizes = {len(scene.a) for scene in scenes(shapes, 300) if scene.a is not None}
+    assert sizes >= {0, 1, shapes.configuration.depth}
+    assert max(sizes) > shapes.configuration.depth
+
+
+def test_a_seed_gives_the_same_scenes(seed):
+    one, other = (Shapes(np.random.default_rng(seed), CONFIGURATIONS[0]) for _ in range(2))
+    for left, right in zip(scenes(one, 20), scenes(other, 20), strict=True):
+        assert left.runs == right.runs
+        assert left.a is None or (left.a == right.a).all()
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_gaps_decide_alone_at_their_level(shapes, level):
+    group = shapes.configuration.group
+    if (level == PAIR and group == 1) or (level == GROUP and shapes.configuration.depth == group):
+        pytest.skip("there is no such level in this build")
+    for axis, side, step in product(range(3), (-1, 1), (0, 1)):
+        scene = gap_scene(shapes, level, axis, side, step)
+        request, (home, there_b) = scene.runs[0][0], meshes_of(scene)
+        there = moved(home, request.translation)
+        answer = scene_answer(there, there_b, request.margin, group)
+        at = {ROW: answer.rows_apart[0], GROUP: answer.groups_apart[0, 0], PAIR: answer.boxes_apart[0, 0]}
+        assert at[level] == bool(step)
+        if level != ROW:
+            assert not answer.rows_apart[0]
+        if level == PAIR:
+            assert not answer.groups_apart[0, 0]
+        a = boxes_of(there)[0]
+        b = {
+            ROW: boxes_of_groups(boxes_of(there_b), len(there_b)),
+            GROUP: boxes_of_groups(boxes_of(there_b), group),
+            PAIR: boxes_of(there_b),
+        }[level][0]
+        gap = b[0, axis] - a[1, axis] if side > 0 else a[0, axis] - b[1, axis]
+        assert gap == request.margin + step
+
+
+def test_ends_of_the_range_are_met_exactly(shapes):
+    found = Counter()
+    low, high = coordinate_range(shapes.configuration.width)
+    for scene in range_scenes(shapes):
+        request, (home, _) = scene.runs[0][0], meshes_of(scene)
+        if not len(home):
+            continue
+        points = moved(home, request.translation).reshape(-1, 3)
+        past = np.stack([low - points.min(0), points.max(0) - high])
+        found[overflows(home, request.translation, shapes.configuration.width), int(past.max())] += 1
+    assert found[True, 1] >= 6 and found[False, 0] >= 6
+    assert {fits for fits, past in found if past <= 0} == {False}
+
+
+def test_real_scenes_fill_the_range(shapes):
+    if shapes.configuration.width < 16:
+        pytest.skip("once is enough")
+    made = list(real_scenes(shapes.configuration))
+    assert len(made) >= 5
+    for a, b, margin in made:
+        assert max(abs(a).max(), abs(b).max()) > shapes.reach * 3 // 4
+        assert margin == 256
+
+
+def test_beats_come_back_as_they_were(shapes):
+    configuration = shapes.configuration
+    for scene in scenes(shapes, 20):
+        for request, _ in scene.runs:
+            assert unpack_run(*pack_run(request, configuration), configuration) == request
+        for triangle in () if scene.a is None else scene.a[:5]:
+            data = pack_triangle(triangle.ravel().tolist(), configuration.width)
+            assert data < 1 << 9 * configuration.width
+            assert (unpack_triangle(data, configuration.width) == triangle).all()
+    assert unpack_pair(3 << configuration.index_bits | 2, configuration) == (2, 3)
+
+
+def test_names_of_configurations():
+    for configuration in CONFIGURATIONS:
+        assert parse_mesh_configuration(f"mesh_{configuration.name}") == configuration
+    ungated = MeshConfiguration(16, 0, 64, 8, 8, gating=False)
+    assert parse_mesh_configuration(f"mesh_{ungated.name}") == ungated
+    for wrong in ("mesh_w16", "w16_m16_d64_g8_l8", "mesh_w16_m16_d64_g8_l8_x"):
+        with pytest.raises(InputError, match="must read"):
+            parse_mesh_configuration(wrong)
+    with pytest.raises(InputError, match="power of two"):
+        parse_mesh_configuration("mesh_w16_m16_d60_g8_l8")
