@@ -73,6 +73,22 @@ def test_instances_signals_and_parameters(tmp_path: Path) -> None:
     assert top.blocks == {"g_x"}
 
 
+def test_an_enumeration_has_the_bits_of_its_type(tmp_path: Path) -> None:
+    types = [*TYPES, {"type": "ENUMDTYPE", "addr": "states", "refDTypep": "byte"}]
+    state = {**TOP, "stmtsp": [variable("state_q", "VAR", "states")]}
+    tree = {"modulesp": [state], "miscsp": [{"type": "TYPETABLE", "typesp": types}]}
+    found = read_elaboration(design(tmp_path, **tree), "top")["TOP.top"]
+    assert [(s.name, s.bits) for s in found.signals] == [("state_q", range(8))]
+
+
+def test_operators_on_vectors_and_checks_of_cases_are_no_conditions(tmp_path: Path) -> None:
+    masks = {"type": "AND", "loc": "a,3:1,3:9", "dtypep": "ref"}
+    bits = {"type": "AND", "loc": "a,4:1,4:9", "dtypep": "bit"}
+    case = {"type": "CASE", "loc": "a,5:1,9:9", "notParallelp": [{"type": "NOT", "loc": "a,5:1,5:9"}]}
+    module = {**TOP, "stmtsp": [{"type": "ALWAYS", "stmtsp": [masks, bits, case]}]}
+    assert read_elaboration(design(tmp_path, modulesp=[module]), "top")["TOP.top"].conditions == {4}
+
+
 def test_an_unknown_type_is_an_error(tmp_path: Path) -> None:
     types = [{"type": "UNIONDTYPE", "addr": kind["addr"]} for kind in TYPES]
     with pytest.raises(InputError, match="type UNIONDTYPE: unknown"):

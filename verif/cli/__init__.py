@@ -85,8 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="triaxis",
         description="Exact triangle-collision core: verdicts, mesh checks, simulation, sign-off.",
-        epilog="Exit codes: 0 done (check, path: clear); 1 no (check, path: near; shrink: none fails; others: "
-        "failed); 2 bad input or missing tool; 130 interrupted.",
+        epilog="Exit codes: 0 done (check, path: clear); 1 no (check, path: near; shrink: none fails; "
+        "others: failed); 2 bad input or missing tool; 130 interrupted.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in _COMMANDS:

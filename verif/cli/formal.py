@@ -1,4 +1,4 @@
-"""``triaxis formal``: proofs of the core."""
+"""``triaxis formal``: proofs of the core and of the mesh engine."""
 
 import argparse
 import shlex
@@ -17,9 +17,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     """Add the command."""
     parser = commands.add_parser(
         "formal",
-        help="prove the core: streams, axes, verdict logic, arithmetic, widths",
-        description="Prove the core with yowasp-sby, yices and algebra on the netlist; about a minute. "
-        "Writes build/formal/formal.json when all proofs are run.",
+        help="prove the core and the mesh engine: streams, axes, verdicts, widths, skipping, runs",
+        description="Prove the core and the mesh engine with yowasp-sby, yices and algebra on the netlist; "
+        "about a minute. Writes build/formal/formal.json when all proofs are run.",
         epilog="Exit codes: 0 all hold, 1 one does not, 2 error.",
     )
     parser.add_argument("--proof", default="*", metavar="GLOB", help="only proofs of such names (*)")

@@ -35,7 +35,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         epilog="Exit codes: 0 every mutant killed or equivalent, 1 not, 2 error.",
     )
     parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
-    parser.add_argument("--file", metavar="GLOB", help="only mutants of these files, as in 'triaxis_fifo*'")
+    parser.add_argument(
+        "--file", metavar="GLOB", help="only mutants of these files, as in 'triaxis_fifo*' or 'mesh/*'"
+    )
     parser.add_argument("--mutant", metavar="ID", help="only this mutant, or those that a pattern matches")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found out")

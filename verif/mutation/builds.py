@@ -14,7 +14,8 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.verif.build import built, content_hash, run_tool
 from triaxis.verif.mutation.folder import FOLDER, temporary
-from triaxis.verif.mutation.targets import AnyTarget
+from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
+from triaxis.verif.paths import ROOT
 from triaxis.verif.toolchain import verilator
 
 _SOURCES = Path(__file__).parent
@@ -63,6 +64,19 @@ def support(optimise: str) -> Path:
         run_tool(["ar", "rc", str(partial / "libsupport.a"), *objects], partial, what)
 
     return built(FOLDER / f"support-{key[:12]}", make)
+
+
+def _exact_checker() -> Path:
+    """Return the checker of golden/ as the stand-in for the core's data path asks it, compiled once."""
+    source = EXACT_CORE / "exact_core.cpp"
+    golden = sorted([*(ROOT / "golden").glob("*.h"), *(ROOT / "golden").glob("*.cpp")])
+    flags = [*_flags(FAST), "-march=native", f"-I{ROOT / 'golden'}"]
+    key = content_hash([source, *golden], str(verilator()), target(cxx()), FAST)
+
+    def make(partial: Path) -> None:
+        run_tool([*flags, "-c", str(source), "-o", str(partial / "exact_core.o")], partial, source.name)
+
+    return built(FOLDER / f"exact-{key[:12]}", make) / "exact_core.o"
 
 
 class ElaborationError(Exception):
@@ -149,9 +163,9 @@ def _compile(target_: AnyTarget, folder: Path, optimise: str, selectable: bool, 
     with ThreadPoolExecutor(jobs) as pool:
         objects = list(pool.map(compiled, units))
     library = folder / "libmutant.so"
-    run_tool(
-        [cxx(), "-shared", "-o", str(library), *objects, str(made / "libsupport.a")], folder, target_.name
-    )
+    checker = [str(_exact_checker())] if isinstance(target_, EngineTarget) and target_.exact_core else []
+    linked = [*objects, *checker, str(made / "libsupport.a")]
+    run_tool([cxx(), "-shared", "-o", str(library), *linked], folder, target_.name)
     for object_ in objects:
         Path(object_).unlink()
     return library

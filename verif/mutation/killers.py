@@ -9,6 +9,7 @@ from triaxis.verif.toolchain import verilator
 
 _PATTERNS = (
     (VERIF / "mutation", ("*.py", "*.cpp", "*.h", "*.toml")),
+    (VERIF / "mutation" / "exact_core", ("*.sv", "*.cpp")),
     (VERIF / "sequences", ("*.py",)),
     (VERIF / "sva", ("*.sv", "*.vlt")),
     (VERIF / "sva" / "mesh", ("*.sv", "*.vlt")),

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -125,9 +125,9 @@ def _built(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Ki
     with mutated(setting.dut, mutant) as folder:
         if mutant.file == _PACKAGE and (killed := latency_table(folder)):
             return killed
-        smallest = _where(mutant, (SMALLEST,), setting) if mutant.kind == ELABORATION else []
+        quick = _quick(targets, mutant, setting) if mutant.kind == ELABORATION else []
         for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
-            for target in (*targets,) if assertions else (*smallest, *targets):
+            for target in (*targets,) if assertions else (*quick, *targets):
                 if not (assertions and _told_before(mutant, target, targets)):
                     killed = _alone(target, folder, setting.plays[target.name], assertions)
                     if killed:
@@ -137,6 +137,12 @@ def _built(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Ki
             if killed:
                 return killed
     return None
+
+
+def _quick(targets: Sequence[AnyTarget], mutant: Mutant, setting: Setting) -> list[AnyTarget]:
+    """Return what a mutant is built as first, for it takes least: the smallest core, engines without one."""
+    engines = [replace(target, exact_core=True) for target in targets if isinstance(target, EngineTarget)]
+    return [*_where(mutant, (SMALLEST,), setting), *engines]
 
 
 def _told_before(mutant: Mutant, target: AnyTarget, targets: Sequence[AnyTarget]) -> bool:

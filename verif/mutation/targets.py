@@ -10,6 +10,8 @@ from triaxis.verif.mesh_configuration import MeshConfiguration
 from triaxis.verif.paths import VERIF, mesh_sources, rtl_sources
 
 _SVA = VERIF / "sva"
+EXACT_CORE = VERIF / "mutation" / "exact_core"
+_DATAPATH = "triaxis_datapath.sv"
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,13 @@ class Target:
 
 @dataclass(frozen=True)
 class EngineTarget:
-    """The mesh engine in one configuration, the core in it without mutants: that has targets of its own."""
+    """The mesh engine in one configuration, the core in it without mutants: that has targets of its own.
+
+    ``exact_core``: with the checker of golden/ for the core's data path, which is quick to build.
+    """
 
     configuration: MeshConfiguration
+    exact_core: bool = False
 
     top = "triaxis_mesh"
     harness = "engine.cpp"
@@ -71,7 +77,7 @@ class EngineTarget:
 
     @property
     def name(self) -> str:
-        """Return its name."""
+        """Return its name, that of the configuration."""
         return f"mesh_{self.configuration.name}"
 
     @property
@@ -97,7 +103,10 @@ class EngineTarget:
 
     def sources(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` in the order in which they compile."""
-        return [*(dut / source.name for source in rtl_sources()), *mesh_sources(dut)]
+        core = [dut / source.name for source in rtl_sources()]
+        if self.exact_core:
+            core = [EXACT_CORE / path.name if path.name == _DATAPATH else path for path in core]
+        return [*core, *mesh_sources(dut)]
 
     def depends_on(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` that a build depends on."""

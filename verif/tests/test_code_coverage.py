@@ -22,7 +22,7 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.build import run_tool
 from triaxis.verif.cli import main
-from triaxis.verif.code_coverage import CORES, DETECTOR_WIDTH, CodeCoverage, Run, write_json
+from triaxis.verif.code_coverage import CORES, DETECTOR_WIDTH, ENGINES, CodeCoverage, Run, write_json
 from triaxis.verif.code_coverage_stimulus import disturbed, flowing, pairs_with_margins, stimulus
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.engine import CoreError
@@ -40,7 +40,8 @@ from triaxis.verif.instrumented_core import (
     detector_model,
     elaborated,
 )
-from triaxis.verif.paths import rtl_sources
+from triaxis.verif.instrumented_engine import engine_model
+from triaxis.verif.paths import mesh_sources, rtl_sources
 from triaxis.verif.toolchain import verilator
 
 # Quick to build: its counters are shown to count here, not its coverage.
@@ -170,15 +171,17 @@ def test_verilator_leaves_it_out_unless_told_otherwise(tmp_path: Path) -> None:
 
 
 def test_the_models_elaborate_every_generate_block() -> None:
-    models = [*map(core_model, CORES), detector_model(DETECTOR_WIDTH)]
+    models = [*map(core_model, CORES), detector_model(DETECTOR_WIDTH), *map(engine_model, ENGINES)]
     found = {
         (instance.module, label)
         for model in models
         for instance in read_elaboration(elaborated(model), model.top).values()
         for label in instance.blocks
     }
-    missing = {b.label for b in generate_blocks(rtl_sources()) if (b.module, b.label) not in found}
-    assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"}
+    blocks = generate_blocks([*rtl_sources(), *mesh_sources()])
+    missing = {block.label for block in blocks if (block.module, block.label) not in found}
+    of_engine = {"g_bad_powers", "g_bad_sizes", "g_bad_cycles"}
+    assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"} | of_engine
 
 
 @pytest.mark.parametrize("width", [8, 16, 32])

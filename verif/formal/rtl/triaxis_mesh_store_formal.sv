@@ -68,8 +68,8 @@ module triaxis_mesh_store_formal #(
 
     always_comb begin
       if (u_store.write) begin
-        HoldsTriangle :
-        assert (group_low_d <= low && group_high_d >= high && mesh_low_d <= low && mesh_high_d >= high);
+        HoldsTriangle : assert (group_low_d <= low && group_high_d >= high);
+        assert (mesh_low_d <= low && mesh_high_d >= high);
         HoldsGroup :
         assert (first_in_group || (group_low_d <= group_low && group_high_d >= group_high));
         HoldsMesh : assert (first_in_mesh || (mesh_low_d <= mesh_low && mesh_high_d >= mesh_high));

@@ -156,7 +156,8 @@ module triaxis_overlap_formal
       sums_exact &= wide_t'(shift[0][k]) == wide_t'(move_q[k]) - wide_t'({4'b0, margin_q}) &&
           wide_t'(shift[1][k]) == wide_t'(move_q[k]) + wide_t'({4'b0, margin_q});
       for (int c = 0; c < 2; c++) begin
-        sums_exact &= !in_range || wide_t'(grown[0][c][k]) == wide_t'(a_q[0][c][k]) + wide_t'(shift_q[c][k]);
+        sums_exact &= !in_range ||
+            wide_t'(grown[0][c][k]) == wide_t'(a_q[0][c][k]) + wide_t'(shift_q[c][k]);
       end
       grown_apart[k] = wide_t'(boxes[0][0][k]) > wide_t'(grown[0][1][k]) ||
           wide_t'(boxes[0][1][k]) < wide_t'(grown[0][0][k]);

@@ -108,7 +108,8 @@ module triaxis_run_control_formal
       OnlyInARun :
       assert (busy_o || !(m_axis_done_tvalid_o || drain_o || start_o || (clear_o && !accept)));
       Waits :
-      assert (!waited_q || (m_axis_done_tvalid_o && status_o == status_q && cycles_o == reported_q));
+      assert (!waited_q ||
+              (m_axis_done_tvalid_o && status_o == status_q && cycles_o == reported_q));
       Cycles : assert (!running_q || cycles_o == cycles_q);
       if (m_axis_done_tvalid_o) begin
         SaysSomething : assert (status_o != StatusNone && 3'(status_o) != 3'd7);

@@ -82,6 +82,7 @@ module triaxis_stream_fifo_formal #(
       InOrder : assert (!following_q || ahead_q < count_q);
       RightWord : assert (!following_q || ahead_q != '0 || (valid_o && data_o == due_q));
       // What makes it inductive.
+      Fresh : assert (awake_q || count_q == '0);
       Counted : assert (u_queue.held_q == count_q);
       Pointers : assert (u_queue.u_words.write_q - u_queue.u_words.read_q == count_q);
       Waited : assert (!waited_q || data_o == word_q);

@@ -1,0 +1,51 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A stand-in for the core's data path where single mutants of the mesh engine are built: the exact
+// checker of golden/ decides, as long after a pair as the data path does. It is compiled once, the
+// data path would be each time. Whatever survives here is played with the real one as well.
+
+module triaxis_datapath
+  import triaxis_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 0,
+    parameter bit EdgeBox = 1'b1,
+    parameter bit Gating = 1'b1,
+    parameter bit Comb = 1'b0
+) (
+    input logic clk_i,
+    input logic valid_i,
+    input logic signed [W-1:0] a_i[3][3],
+    input logic signed [W-1:0] b_i[3][3],
+    input logic [margin_width(M)-1:0] margin_i,
+    output verdict_t verdict_o
+);
+
+  import "DPI-C" function bit triaxis_is_near(
+    input bit [18*32-1:0] pair,
+    input int unsigned margin
+  );
+
+  localparam int unsigned Latency = datapath_latency(W, M);
+
+  bit [18*32-1:0] pair;
+  for (genvar v = 0; v < 3; v++) begin : g_vertex
+    for (genvar k = 0; k < 3; k++) begin : g_axis
+      assign pair[32*(3*v+k)+:32]   = 32'(a_i[v][k]);
+      assign pair[32*(9+3*v+k)+:32] = 32'(b_i[v][k]);
+    end
+  end
+
+  logic near_q[Latency];
+  always_ff @(posedge clk_i) begin
+    near_q[0] <= valid_i && triaxis_is_near(pair, 32'(margin_i));
+    for (int i = 1; i < int'(Latency); i++) near_q[i] <= near_q[i-1];
+  end
+
+  always_comb begin
+    verdict_o = '0;
+    verdict_o.is_near = near_q[Latency-1];
+  end
+
+endmodule
