@@ -125,19 +125,19 @@ def _core(name: str, latency: int) -> Target:
 
 
 # Narrow where possible: extremes are as likely as anything else, and a simulation is fast.
-MAIN = _core("w8_m8", 22)
+MAIN = _core("w8_m8", 24)
 # Without margins; multipliers that are split and swapped; padding above the coordinates.
-PLAIN = _core("w18_m0_t1", 24)
+PLAIN = _core("w18_m0_t1", 26)
 # Both operands of multipliers split; no edge x box axes, no gating.
-WIDE = _core("w32_m0_no_edge_box_ungated", 26)
+WIDE = _core("w32_m0_no_edge_box_ungated", 28)
 WRAPPER = Target("detector_w8", "CollisionDetector", Configuration(8, 0), 0)
 
 # The smallest: what a mutant that needs a build of its own is built as first.
-SMALLEST = _core("w8_m0_no_edge_box", 21)
+SMALLEST = _core("w8_m0_no_edge_box", 23)
 
 # Where the top piece of a multiplier's operand fills the 25-bit port, and the 18-bit one. For what survives
 # everywhere else.
-FULL_PIECES = (_core("w23_m17_t1", 25), _core("w24_m24_t1", 25))
+FULL_PIECES = (_core("w23_m17_t1", 27), _core("w24_m24_t1", 27))
 
 # Several words of lanes in a group, and of groups in a mesh.
 ENGINE = EngineTarget(MeshConfiguration(8, 8, depth=64, group=8, lanes=2, cycle_bits=9))
