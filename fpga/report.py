@@ -8,6 +8,7 @@ from pathlib import Path
 
 from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga.board_build import TOP
+from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.fpga.part import BOARD_LIMITS, NO_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
 
 CORE = "triaxis_core"
@@ -61,6 +62,7 @@ class Row:
     build: Build
     used: Resources
     memories: Mapping[str, str] = field(default_factory=dict)
+    depth: LogicDepth | None = None
 
     @property
     def problems(self) -> list[str]:
@@ -95,6 +97,7 @@ def write_report(path: Path, rows: Sequence[Row], rtl_hash: str, tool: str) -> N
                 **asdict(row.used),
                 "limits": asdict(row.build.limits),
                 "memories": dict(row.memories),
+                "logic_depth": asdict(row.depth) if row.depth else None,
                 "problems": row.problems,
                 "within_limit": row.within_limit,
             }

@@ -22,10 +22,11 @@ _KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
 
 @dataclass(frozen=True)
 class Synthesis:
-    """What a build takes, and what each memory in it was made of: block or look-up tables."""
+    """What a build takes, what each memory in it was made of, block or look-up tables, and its netlist."""
 
     used: Resources
     memories: Mapping[str, str]
+    netlist: Path
 
 
 def _script(
@@ -34,6 +35,7 @@ def _script(
     top: str,
     parameters: Mapping[str, int],
     statistics: Path,
+    netlist: Path,
 ) -> str:
     """Return the yosys script: read with slang, map out of context, count cells."""
     options = " ".join(f"-G {name}={value}" for name, value in parameters.items())
@@ -43,6 +45,7 @@ def _script(
             # One thread: WebAssembly has no more.
             f"read_slang --threads 1 -I {include} {options} --top {top} {files}",
             f"synth_xilinx -family xc7 -flatten -noiopad -top {top}",
+            f"write_json {netlist}",
             f"tee -q -o {statistics} stat -json -tech xilinx",
         ]
     )
@@ -72,9 +75,9 @@ def synthesise(
     Raises InputError where the tool fails or ends without an answer.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    statistics, log = folder / "statistics.json", folder / "yosys.log"
+    statistics, netlist, log = folder / "statistics.json", folder / "netlist.json", folder / "yosys.log"
     statistics.unlink(missing_ok=True)
-    script = _script(sources, include, top, parameters, statistics)
+    script = _script(sources, include, top, parameters, statistics, netlist)
     with log.open("w") as output:
         status = subprocess.run(
             [str(yosys()), "-p", script],
@@ -88,7 +91,7 @@ def synthesise(
         reason = errors[0] if errors else f"no result, exit status {status}"
         raise InputError(f"yosys: {reason} (log: {log})")
     used = count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
-    return Synthesis(used, memories(log.read_text(errors="replace")))
+    return Synthesis(used, memories(log.read_text(errors="replace")), netlist)
 
 
 def memories(log: str) -> dict[str, str]:

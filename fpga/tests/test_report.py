@@ -5,6 +5,7 @@ from argparse import Namespace
 import pytest
 
 from triaxis.fpga.board_build import TOP
+from triaxis.fpga.logic_depth import LogicDepth, LogicPath
 from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.report import BUILDS, Build, Row, write_report
 from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
@@ -98,9 +99,11 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
 
     def synthesise_nothing(sources, _include, top, parameters, _folder):
         made.append((top, parameters["W"], len(sources)))
-        return Synthesis(Resources(dsps, 10, 20, 30), memories(LOG))
+        return Synthesis(Resources(dsps, 10, 20, 30), memories(LOG), tmp_path / "netlist.json")
 
+    path = LogicPath("from_q", "to_q", ("LUT6", "CARRY4"), 2)
     monkeypatch.setattr(fpga_report, "synthesise", synthesise_nothing)
+    monkeypatch.setattr(fpga_report, "logic_depth", lambda netlist: LogicDepth(path, path))
     monkeypatch.setattr(fpga_report, "yosys_version", lambda: "Yosys 0")
     monkeypatch.setattr(fpga_report, "board_sources", lambda _: [])
     monkeypatch.setattr(fpga_report, "BUILD", tmp_path)

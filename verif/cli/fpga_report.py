@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from triaxis.fpga.board_build import board_sources
+from triaxis.fpga.logic_depth import logic_depth
 from triaxis.fpga.part import XC7A100T
 from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
 from triaxis.fpga.synthesis import synthesise, yosys_version
@@ -46,8 +47,9 @@ def run(_options: argparse.Namespace) -> int:
         def job(build: Build) -> Row:
             folder = BUILD / "fpga" / build.name
             made = synthesise(sources[build.top], DUT, build.top, build.parameters, folder)
+            depth = logic_depth(made.netlist)
             progress(1)
-            return Row(build, made.used, made.memories)
+            return Row(build, made.used, made.memories, depth)
 
         with ThreadPoolExecutor(_JOBS) as pool:
             rows = list(pool.map(job, BUILDS))
@@ -70,6 +72,10 @@ def _print(rows: list[Row], tool: str) -> None:
     table.add_row("available", *(f"{value:,}" for value in vars(XC7A100T).values()))
     Console(width=120).print(table)
     for row in rows:
+        if row.depth:
+            path = row.depth.most_levels
+            levels = f"{path.levels} levels of logic between registers, {path.summary()}"
+            print(f"{row.build.name}: {levels}: {path.start} to {path.end}")
         for problem in row.problems:
             print(f"{row.build.name}: EXCEEDED: {problem}")
 
