@@ -100,7 +100,7 @@ bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report
 
-fpga-timing: $(ROUTE) ## route the core on an ECP5 as a proxy for its timing: most of an hour
+fpga-timing: $(ROUTE) ## route the core on an ECP5 as a proxy for its timing: an hour or more
 	@$(BIN)/triaxis fpga-timing
 
 activity: $(READY) ## count multiplier toggles with and without operand gating

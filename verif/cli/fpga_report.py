@@ -47,7 +47,7 @@ def run(_options: argparse.Namespace) -> int:
         def job(build: Build) -> Row:
             folder = BUILD / "fpga" / build.name
             made = synthesise(sources[build.top], DUT, build.top, build.parameters, folder)
-            depth = logic_depth(made.netlist)
+            depth = logic_depth(made.netlist) if build.top == CORE else None
             progress(1)
             return Row(build, made.used, made.memories, depth)
 
