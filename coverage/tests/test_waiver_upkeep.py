@@ -173,7 +173,7 @@ def test_what_is_recorded_of_a_waiver() -> None:
         (lambda r: r[0].pop("step"), "waiver 1 (toggle, triaxis_core): recorded without step"),
         (lambda r: r[0].clear(), "waiver 1 (toggle, triaxis_core): recorded without number, category"),
         (lambda r: r.__setitem__(0, 7), "waiver 1 (toggle, triaxis_core): recorded without number"),
-        (lambda r: r[1].update(bins=0), "waiver 2 (toggle, triaxis_verdict): covers no bin"),
+        (lambda r: r[1].update(bins=0), "waiver 2 (toggle, triaxis_mesh): covers no bin"),
     ],
 )
 def test_waivers_that_are_not_those_measured_are_a_problem(

@@ -7,7 +7,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import content_hash, rtl_files, rtl_hash
-from triaxis.verif.paths import DUT, rtl_sources
+from triaxis.verif.paths import DUT, mesh_sources, rtl_sources
 
 
 @pytest.fixture
@@ -18,8 +18,9 @@ def dut(tmp_path: Path) -> Path:
 
 def test_all_of_the_rtl_counts(dut: Path) -> None:
     names = {path.name for path in rtl_files()}
-    assert names >= {"triaxis.f", "triaxis_stage.svh", *(path.name for path in rtl_sources())}
-    assert rtl_hash(dut) == rtl_hash() == content_hash(sorted(DUT.glob("*.*")))
+    listed = [*rtl_sources(), *mesh_sources()]
+    assert names == {"triaxis.f", "triaxis_mesh.f", "triaxis_stage.svh", *(path.name for path in listed)}
+    assert rtl_hash(dut) == rtl_hash() == content_hash(sorted(DUT.rglob("*.*")))
 
 
 @pytest.mark.parametrize("name", ["new.sv", "new.svh", "new.v", "new.vh", "new.f", "sub/new.svh"])
