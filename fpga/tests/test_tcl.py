@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import time
 from itertools import pairwise
 from pathlib import Path
 
@@ -129,9 +130,19 @@ def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         run_vivado(slow, Inputs((), ()), tmp_path / "out", interrupt)
-    state = Path(f"/proc/{int(started.read_text())}/stat")
-    # Gone, or dead and not yet collected.
-    assert not state.exists() or state.read_text().split()[2] == "Z"
+    child = Path(f"/proc/{int(started.read_text())}")
+    end = time.monotonic() + 10
+    while time.monotonic() < end and not _ended(child):
+        time.sleep(0.05)
+    assert _ended(child)
+
+
+def _ended(process: Path) -> bool:
+    """Return whether a process is gone, or dead and not yet collected."""
+    try:
+        return (process / "stat").read_text().split()[2] == "Z"
+    except OSError:
+        return True
 
 
 def test_a_tool_that_does_nothing_is_an_error(tmp_path):

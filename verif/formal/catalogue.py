@@ -121,8 +121,8 @@ _MULTIPLY = SbyProof(
         "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
         "split",
     ),
-    depth=4,
-    cover_depth=5,
+    depth=5,
+    cover_depth=6,
     edits={"triaxis_pkg.sv": (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))},
 )
 
@@ -169,9 +169,9 @@ def proofs() -> tuple[Proof, ...]:
         _intervals(0),
         _box(_WIDTH),
         _box(0),
-        _threshold("threshold_space", 3, 34, _WIDTH, 6, exact=False),
-        _threshold("threshold_plane", 2, 17, _WIDTH, 4, exact=False),
-        _threshold("threshold_small", 3, 5, 3, 5, exact=True),
+        _threshold("threshold_space", 3, 34, _WIDTH, 7, exact=False),
+        _threshold("threshold_plane", 2, 17, _WIDTH, 5, exact=False),
+        _threshold("threshold_small", 3, 5, 3, 6, exact=True),
         *engine_proofs(),
         _verdict("verdict_m0", 9, 6),
         _CROSS,

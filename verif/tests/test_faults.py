@@ -47,7 +47,9 @@ EXPECTED = (
 
 
 def test_no_further_fault_is_left_out():
-    further = [fault.name for fault in FAULTS if not fault.replaced]
+    # Those of the mesh engine have tests of their own, in test_fault_catalogue.py.
+    core = [fault for fault in FAULTS if not fault.config.startswith("mesh_")]
+    further = [fault.name for fault in core if not fault.replaced]
     assert sorted(further) == sorted(expected.fault for expected in EXPECTED)
 
 
