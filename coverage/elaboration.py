@@ -110,7 +110,7 @@ class _Reader:
                     yield name, _range(node["range"])
                 else:
                     yield name, range(_KEYWORD_WIDTHS.get(node["keyword"], 0))
-            case "UNPACKARRAYDTYPE":
+            case "UNPACKARRAYDTYPE" | "PACKARRAYDTYPE":
                 for index in _range(node["declRange"]):
                     yield from self.elements(f"{name}[{index}]", node["refDTypep"])
             case "STRUCTDTYPE":

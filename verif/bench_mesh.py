@@ -17,8 +17,8 @@ from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.quantise import centred_grid, margin_for, quantise
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.machine_scenes import machine_scenes
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine_scene import MeshEngineScene
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine_scene import MeshEngineScene
 from triaxis.verif.paths import BUILD
 from triaxis.verif.scene_engines import DecidingEngine, Integers, SceneRun
 from triaxis.verif.scenes import Scene, scenes

@@ -16,7 +16,7 @@ from triaxis.verif.board.parameters import BoardParameters
 from triaxis.verif.board.sources import BOARD_RTL, board_sources
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
 from triaxis.verif.toolchain import verilator
 
@@ -197,16 +197,16 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
 
 
 def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
-    """Return the shared library of the mesh engine; see mesh_engine.py. ``dut``: as `library`."""
+    """Return the shared library of the mesh engine; see mesh/engine.py. ``dut``: as `library`."""
     defines = [
         f"-DWIDTH={configuration.width}",
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DINDEX_BITS={configuration.index_bits}",
     ]
-    harness = Path(__file__).with_name("mesh_harness.cpp")
-    above = [*mesh_sources(dut), Path(__file__).with_name("mesh_public.vlt")]
+    folder = VERIF / "mesh"
+    above = [*mesh_sources(dut), folder / "public.vlt"]
     name, parameters = f"mesh_{configuration.name}", configuration.parameters
-    return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above)
+    return _library(name, "triaxis_mesh", "Vmesh", parameters, folder / "harness.cpp", defines, dut, above)
 
 
 def board_library(parameters: BoardParameters, rtl: Path = BOARD_RTL) -> Path:

@@ -44,7 +44,7 @@ from triaxis.verif.instrumented_core import (
     elaborated,
 )
 from triaxis.verif.instrumented_engine import InstrumentedEngine, engine_model
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mutation.engine_play import RUN
 from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_extremes
 from triaxis.verif.mutation.targets import EngineTarget

@@ -7,11 +7,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from triaxis.fpga.ecp5_flow import HARNESS as TIMING_HARNESS
+from triaxis.fpga.ecp5_flow import TOP as TIMING_TOP
 from triaxis.golden.errors import InputError
 from triaxis.verif.board.parameters import BoardParameters
 from triaxis.verif.board.sources import board_sources
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, mesh_sources, rtl_sources
 from triaxis.verif.plan_check import check_plan
 from triaxis.verif.toolchain import verilator
@@ -121,6 +123,8 @@ def lint(fix: bool) -> bool:
     for board in _BOARD_BUILDS:
         command = _verilator("nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()])
         good &= _run(f"verilator -Wall nexys4ddr_top {board.name}", command)
+    command = _verilator(TIMING_TOP, {"W": 16}, [TIMING_HARNESS])
+    good &= _run(f"verilator -Wall {TIMING_TOP}", command)
     good &= _run("verilator -Wall CollisionDetector", _verilator("CollisionDetector", {"W": 16}))
     good &= _run("verible lint", [_bin("verible-verilog-lint"), *systemverilog])
     good &= _run(

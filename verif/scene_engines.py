@@ -80,7 +80,7 @@ def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine
     if name == GOLDEN:
         return DecidingEngine(a, b, judge_in_parallel)
     # Only who asks for the simulated engine pays for building it.
-    from triaxis.verif.mesh_configuration import MeshConfiguration
-    from triaxis.verif.mesh_engine_scene import MeshEngineScene
+    from triaxis.verif.mesh.configuration import MeshConfiguration
+    from triaxis.verif.mesh.engine_scene import MeshEngineScene
 
     return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width))

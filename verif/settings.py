@@ -7,7 +7,7 @@ from pathlib import Path
 
 from triaxis.verif.configuration import Configuration, parse_configuration
 from triaxis.verif.golden_sample import Share
-from triaxis.verif.mesh_configuration import (
+from triaxis.verif.mesh.configuration import (
     MeshConfiguration,
     is_mesh_configuration,
     parse_mesh_configuration,

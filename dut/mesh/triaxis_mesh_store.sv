@@ -52,6 +52,7 @@ module triaxis_mesh_store
 
   typedef logic signed [W-1:0] coord_t;
   typedef logic [9*W-1:0] triangle_t;
+  typedef logic [1:0][2:0][W-1:0] box_t;
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
 
@@ -171,13 +172,13 @@ module triaxis_mesh_store
       .read_data_o(triangle_o)
   );
 
-  logic [BoxWidth-1:0] box_flat, group_flat;
+  box_t box_flat, group_flat;
   logic [WordWidth-1:0] box_write_word;
   logic [GroupWordWidth-1:0] group_write_word;
   for (genvar c = 0; c < 2; c++) begin : g_flat_corner
     for (genvar k = 0; k < 3; k++) begin : g_flat
-      assign box_flat[(3*c+k)*W+:W]   = box[c][k];
-      assign group_flat[(3*c+k)*W+:W] = group_d[c][k];
+      assign box_flat[c][k]   = box[c][k];
+      assign group_flat[c][k] = group_d[c][k];
     end
   end
   assign box_write_word   = WordWidth'(index >> LaneBits);
@@ -185,7 +186,7 @@ module triaxis_mesh_store
 
   for (genvar l = 0; l < Lanes; l++) begin : g_lane
     logic write_box, write_group;
-    logic [BoxWidth-1:0] box_read, group_read;
+    box_t box_read, group_read;
 
     assign write_box   = write && (index & LastLane) == index_t'(l);
     assign write_group = write && ((index >> GroupBits) & LastLane) == index_t'(l);
@@ -218,8 +219,8 @@ module triaxis_mesh_store
 
     for (genvar c = 0; c < 2; c++) begin : g_corner
       for (genvar k = 0; k < 3; k++) begin : g_axis
-        assign boxes_o[l][c][k] = box_read[(3*c+k)*W+:W];
-        assign group_boxes_o[l][c][k] = group_read[(3*c+k)*W+:W];
+        assign boxes_o[l][c][k] = box_read[c][k];
+        assign group_boxes_o[l][c][k] = group_read[c][k];
       end
     end
   end

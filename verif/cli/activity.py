@@ -6,8 +6,8 @@ import time
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.activity import BOUND, SAIF, SAIF_SCENE, Row, measure, trace_scene, write_result
-from triaxis.verif.activity_streams import streams
+from triaxis.verif.activity.measuring import BOUND, SAIF, SAIF_SCENE, Row, measure, trace_scene, write_result
+from triaxis.verif.activity.streams import streams
 from triaxis.verif.cli.progress import progress_bar
 
 WITHIN, BEYOND = 0, 1

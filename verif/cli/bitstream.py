@@ -17,7 +17,7 @@ from triaxis.fpga.bitstream import (
 )
 from triaxis.fpga.board_build import BoardParameters, Inputs, board_sources
 from triaxis.fpga.vivado_run import STAGES, TimingError, find_vivado, run_vivado
-from triaxis.verif.activity import SAIF
+from triaxis.verif.activity.measuring import SAIF
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.paths import BUILD, DUT

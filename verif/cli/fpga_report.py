@@ -12,7 +12,7 @@ from triaxis.fpga.logic_depth import logic_depth
 from triaxis.fpga.part import XC7A100T
 from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
 from triaxis.fpga.synthesis import synthesise, yosys_version
-from triaxis.verif import activity
+from triaxis.verif.activity import measuring
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.cli.progress import progress_bar
 from triaxis.verif.evidence import read_evidence
@@ -87,7 +87,7 @@ def _cell(used: float, available: float, limit: float | None) -> str:
 
 def _activity(rtl: str) -> str:
     """Return what the stored measurement of operand gating says, if it is of this RTL."""
-    measured = read_evidence(activity.RESULT)
+    measured = read_evidence(measuring.RESULT)
     if measured is None or measured["rtl_hash"] != rtl:
         return "operand gating: not measured on this RTL: run `make activity`"
     return f"operand gating: {measured['summary']}"

@@ -10,7 +10,7 @@ from triaxis.verif.failing_pairs import read_failing_pairs
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import fault_of
 from triaxis.verif.golden_sample import MOST_SELDOM
-from triaxis.verif.mesh_configuration import parse_mesh_configuration
+from triaxis.verif.mesh.configuration import parse_mesh_configuration
 from triaxis.verif.paths import DUT
 from triaxis.verif.sequences.seed_vectors import seed_vectors
 from triaxis.verif.settings import BURST, PIN

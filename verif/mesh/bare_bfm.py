@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from triaxis.verif.agents.items import Pace
+from triaxis.verif.mesh.engine import MeshEngine, Traffic
 from triaxis.verif.mesh.items import LoadItem, RunItem
 from triaxis.verif.mesh.observed import AbortAsked, CorePairs, Loaded, NearTaken, RunAccepted, Summary
-from triaxis.verif.mesh_engine import MeshEngine, Traffic
 
 LOAD, RUN, NEAR, CORE, SUMMARY = "load", "run", "near", "core", "summary"
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from triaxis.verif.build import cocotb_build
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import DUT, VERIF, mesh_sources, rtl_sources
 
 TOP = "triaxis_mesh"

@@ -7,10 +7,10 @@ from random import Random
 from triaxis.verif.mesh import bare_bfm
 from triaxis.verif.mesh.bare_bfm import BareBfm
 from triaxis.verif.mesh.checking import SceneChecker
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import MeshEngine
 from triaxis.verif.mesh.items import LoadItem, RunItem, Scene
 from triaxis.verif.mesh.matching import RunMatcher
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import MeshEngine
 from triaxis.verif.paths import DUT
 
 

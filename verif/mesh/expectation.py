@@ -3,9 +3,9 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import Mode, Move, Status
 from triaxis.verif.mesh.observed import Integers, ObservedRun
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import Mode, Move, Status
 
 
 def moved(triangles: Integers, translation: Move) -> Integers:

@@ -6,7 +6,7 @@ from pyuvm import ConfigDB, uvm_component
 
 from triaxis.verif.handles import settings_of
 from triaxis.verif.mesh.bare_bfm import BareBfm
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 
 _BARE = "BARE_MESH"
 

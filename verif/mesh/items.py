@@ -8,7 +8,7 @@ import numpy.typing as npt
 from pyuvm import uvm_sequence_item
 
 from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.mesh_engine import Mode, Move
+from triaxis.verif.mesh.engine import Mode, Move
 
 
 class LoadItem(uvm_sequence_item):

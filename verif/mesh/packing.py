@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.items import RunRequest
 from triaxis.verif.mesh.observed import Integers
-from triaxis.verif.mesh_configuration import MeshConfiguration
 
 
 def _packed(values: Iterable[int], bits: int) -> int:

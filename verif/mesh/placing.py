@@ -3,9 +3,9 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import Move
 from triaxis.verif.mesh.shapes import Integers
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import Move
 
 
 def as_move(values: Integers) -> Move:

@@ -7,11 +7,11 @@ import numpy as np
 
 from triaxis.golden.spatial_order import spatial_order
 from triaxis.verif.agents.items import FULL_SPEED, Pace
+from triaxis.verif.mesh.engine import Mode, Move
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import as_move, placed, random_margin
 from triaxis.verif.mesh.scene_kinds import KINDS
 from triaxis.verif.mesh.shapes import Integers, Shapes
-from triaxis.verif.mesh_engine import Mode, Move
 
 PACES = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(3, 30))
 _MODES = (*Mode, Mode.ALL, 3)

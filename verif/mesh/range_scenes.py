@@ -6,10 +6,10 @@ from itertools import product
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.mesh.engine import Mode
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import as_move, random_margin
 from triaxis.verif.mesh.shapes import Shapes
-from triaxis.verif.mesh_engine import Mode
 
 
 def range_scenes(shapes: Shapes) -> Iterator[Scene]:

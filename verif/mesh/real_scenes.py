@@ -7,8 +7,8 @@ import numpy as np
 
 from triaxis.golden.quantise import centred_grid, quantise
 from triaxis.verif.machine_scenes import machine_scenes
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.shapes import Integers
-from triaxis.verif.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh_data import mesh_data
 from triaxis.verif.scenes import scenes
 

@@ -5,10 +5,10 @@ import numpy as np
 from triaxis.coverage.mesh_sample import UNKNOWN, AbortSeen, MeshBuild, MeshRow
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import SceneAnswer, boxes_of, boxes_of_groups
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import Status
 from triaxis.verif.mesh.expectation import moved
 from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import Status
 
 # Larger scenes are not searched for gaps: small ones have them all.
 _LARGEST = 1 << 14

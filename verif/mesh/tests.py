@@ -12,13 +12,13 @@ from triaxis.golden.spatial_order import spatial_order
 from triaxis.verif.agents.items import FULL_SPEED, Pace
 from triaxis.verif.clocking import PERIOD_NS
 from triaxis.verif.mesh.base_test import MeshEngineTest
+from triaxis.verif.mesh.engine import Mode
 from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import random_margin
 from triaxis.verif.mesh.random_scenes import PACES, random_scene, too_many
 from triaxis.verif.mesh.range_scenes import range_scenes
 from triaxis.verif.mesh.real_scenes import real_scenes
-from triaxis.verif.mesh_engine import Mode
 
 # Scenes that are sent at least, whatever number of pairs was asked for.
 _LEAST_SCENES = 40

@@ -98,12 +98,19 @@ def _parameter(source: SourceFile, node: Node) -> Iterator[_Change]:
         return
     elif name == "M":
         yield "parameter", context, _at(node.expr, f"({value}) == 0 ? 1 : 0")
-    elif name in ("Cycles", "NormalWait", "DetWait", "Depth"):
+    elif name in ("Cycles", "NormalWait", "DetWait") or (name == "Depth" and _of_queue(source, node)):
         yield "parameter", context, _at(node.expr, f"({value}) + 1")
         yield "parameter", context, _at(node.expr, f"({value}) == 0 ? 1 : ({value}) - 1")
     elif name != "T":
         # A width, or a number of terms.
         yield "parameter", context, _at(node.expr, f"({value}) - 1")
+
+
+def _of_queue(source: SourceFile, node: Node) -> bool:
+    """Return whether a parameter is one of a queue. The depth of a memory is a width of its addresses."""
+    while kind(node) != "HierarchyInstantiation":
+        node = node.parent
+    return "fifo" in base_name(source.of(node))
 
 
 def _constant(source: SourceFile, node: Node) -> Iterator[_Change]:

@@ -1,6 +1,6 @@
 """Mutants that no test can kill, each with evidence that a machine checks again.
 
-`equivalents.toml` lists them, with one of four kinds of evidence.
+`equivalents.toml` lists them, with one of five kinds of evidence.
 
 - "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
   by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
@@ -10,6 +10,8 @@
   is held against the width for every W.
 - "contract": of a module of the mesh engine: all that its users rely on is proved for all time, by the proofs
   of verif/formal/ that are of that module, and holds of the mutant as well.
+- "model": of the mesh engine with these parameters, and in every target, Verilator makes the same model of
+  the mutant as of the original: what differs in the text is folded away.
 """
 
 import shutil
@@ -31,20 +33,22 @@ from triaxis.verif.build import content_hash, rtl_files
 from triaxis.verif.code_coverage_stimulus import flowing
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.formal.engine_proofs import engine_proofs
-from triaxis.verif.mutation.builds import FAST, ElaborationError, with_mutant_library
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mutation.builds import FAST, ElaborationError, elaboration_hash, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.folder import FOLDER, temporary
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.models import Killed, Library
 from triaxis.verif.mutation.mutant import Mutant, applied
 from triaxis.verif.mutation.stimulus import Play
-from triaxis.verif.mutation.targets import Target
+from triaxis.verif.mutation.targets import EngineTarget, Target
 from triaxis.verif.packing import COORDINATES
 from triaxis.verif.paths import DUT, rtl_sources
 from triaxis.verif.sequences.corners import all_corners, orientations, spans
 
 FILE = Path(__file__).with_name("equivalents.toml")
-PROOF, EXHAUSTIVE, CORNERS, CONTRACT = "proof", "exhaustive", "corners", "contract"
+PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
+CONTRACT, MODEL = "contract", "model"
 
 # Seconds for one entry.
 _PATIENCE = 300
@@ -52,6 +56,8 @@ _PATIENCE = 300
 _EXHAUSTIBLE = 22
 # How an edit ends that drops a top bit; see operators.py.
 _DROPPED = "<<< 1}) >>> 1)"
+# Parameters of an engine whose model is compared.
+_SIZES = frozenset({"W", "M", "Depth", "Group", "Lanes"})
 _KEYS = {"mutants", "reason", "evidence", "module", "parameters", "proves"}
 # The core's widths start at 8; proofs are made below, where they take no time.
 _GUARD = ("W < 8 ||", "W < 1 ||")
@@ -275,11 +281,36 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
     return None
 
 
+def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Compare the models of the engine with each mutant and without; return what is wrong, None if nothing.
+
+    With the stand-in for the core's data path. That the models of the targets are the same, with the core, is
+    seen where the mutants are played: none is built.
+    """
+    if entry.module != "triaxis_mesh" or set(entry.parameters) != _SIZES:
+        return f"{entry.mutants[0]}: model: needs triaxis_mesh with {', '.join(sorted(_SIZES))}"
+    sizes = entry.parameters
+    configuration = MeshConfiguration(sizes["W"], sizes["M"], sizes["Depth"], sizes["Group"], sizes["Lanes"])
+    target = EngineTarget(configuration, exact_core=True)
+    original = elaboration_hash(target, dut, False)
+    for mutant in mutants:
+        with temporary("proof-") as folder:
+            _copy(dut, folder / "dut", mutant)
+            try:
+                same = elaboration_hash(target, folder / "dut", False) == original
+            except ElaborationError as error:
+                return f"{mutant.id}: not equivalent in {target.name}: {error}"
+        if not same:
+            return f"{mutant.id}: another model in {target.name}"
+    return None
+
+
 _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] = {
     PROOF: prove,
     EXHAUSTIVE: exhaust,
     CORNERS: bound,
     CONTRACT: keep_contract,
+    MODEL: same_model,
 }
 
 

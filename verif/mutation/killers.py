@@ -13,7 +13,7 @@ _PATTERNS = (
     (VERIF / "sequences", ("*.py",)),
     (VERIF / "sva", ("*.sv", "*.vlt")),
     (VERIF / "sva" / "mesh", ("*.sv", "*.vlt")),
-    (VERIF / "mesh", ("expectation.py",)),
+    (VERIF / "mesh", ("configuration.py", "engine.py", "expectation.py")),
     (VERIF / "regressions", ("*.json",)),
     (VERIF / "formal", ("engine_proofs.py", "sby_proof.py")),
     (VERIF / "formal" / "rtl", ("*.sv",)),

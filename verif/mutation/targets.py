@@ -6,7 +6,7 @@ from pathlib import Path
 
 from triaxis.verif.build import core_files, rtl_files
 from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import VERIF, mesh_sources, rtl_sources
 
 _SVA = VERIF / "sva"

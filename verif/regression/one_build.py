@@ -10,7 +10,7 @@ from pathlib import Path
 from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh_configuration import parse_mesh_configuration
+from triaxis.verif.mesh.configuration import parse_mesh_configuration
 from triaxis.verif.settings import BURST, PIN
 from triaxis.verif.simulation import build_for, run_settings
 

@@ -11,8 +11,8 @@ import pytest
 from triaxis.fpga.board_build import BOARD_RTL, ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.verif import activity
-from triaxis.verif.activity import (
+from triaxis.verif.activity import measuring
+from triaxis.verif.activity.measuring import (
     BOUND,
     MultiplierToggles,
     Row,
@@ -21,13 +21,13 @@ from triaxis.verif.activity import (
     trace,
     write_result,
 )
-from triaxis.verif.activity_streams import UNDECIDED, box_gaps, random_stream, streams
+from triaxis.verif.activity.saif import Activity, read_saif
+from triaxis.verif.activity.streams import UNDECIDED, box_gaps, random_stream, streams
+from triaxis.verif.activity.traced_mesh import TracedMeshEngine
 from triaxis.verif.cli import activity as command
 from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import DUT
-from triaxis.verif.saif import Activity, read_saif
-from triaxis.verif.traced_mesh import TracedMeshEngine
 
 # The smallest core: what it shows of gating holds for all.
 GATED = Configuration(8, 0, edge_box=False)
@@ -103,7 +103,7 @@ def test_streams_have_one_undecided_pair_in_a_hundred():
     assert len(every) == 6
     for stream in every:
         assert UNDECIDED <= stream.share < 1.2 * float(UNDECIDED)
-        assert stream.margin < 1 << activity.GATED.margin_bits
+        assert stream.margin < 1 << measuring.GATED.margin_bits
 
 
 def test_box_gaps():
@@ -150,7 +150,7 @@ def test_the_board_has_the_engine_where_its_activity_says():
 @pytest.mark.parametrize(("gated", "status"), [(3, 0), (4, 1)])
 def test_command(tmp_path, monkeypatch, capsys, gated, status):
     row = Row("pairs", 1000, 10, 5, MultiplierToggles(1, gated, 0, 0), MultiplierToggles(1, 50, 30, 20))
-    monkeypatch.setattr(activity, "RESULT", tmp_path / "activity.json")
+    monkeypatch.setattr(measuring, "RESULT", tmp_path / "activity.json")
     monkeypatch.setattr(command, "measure", lambda _, progress: [row])
     monkeypatch.setattr(command, "trace_scene", lambda _: row.gated)
     assert command.run(Namespace(seed=1)) == status
@@ -175,14 +175,14 @@ def test_wrong_answers_are_no_measurement(tmp_path, stream, monkeypatch):
         def run(self, pairs, _margins, _file):
             return np.zeros(len(pairs), np.uint16)
 
-    monkeypatch.setattr(activity, "TracedCore", Broken)
+    monkeypatch.setattr(measuring, "TracedCore", Broken)
     with pytest.raises(InputError, match="answers wrong"):
         trace(stream, GATED, tmp_path / "core.saif")
 
 
 @pytest.mark.parametrize(("gated", "passed"), [(3, True), (4, False)])
 def test_result_file(tmp_path, monkeypatch, gated, passed):
-    monkeypatch.setattr(activity, "RESULT", tmp_path / "activity.json")
+    monkeypatch.setattr(measuring, "RESULT", tmp_path / "activity.json")
     counted = MultiplierToggles(1, gated, 0, 0)
     row = Row("pairs", 1000, 10, 5, counted, MultiplierToggles(1, 50, 30, 20))
     content = json.loads(write_result([row], counted, 1, 2.0).read_text())

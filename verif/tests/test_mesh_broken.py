@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from triaxis.verif.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.direct import check_directly
 from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.random_scenes import random_scene
 from triaxis.verif.mesh.shapes import Shapes
-from triaxis.verif.mesh_configuration import MeshConfiguration
 from triaxis.verif.paths import BUILD, DUT
 from triaxis.verif.settings import PIN
 from triaxis.verif.simulation import run, run_settings

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.mesh_engine import Mode, Status
+from triaxis.verif.mesh.engine import Mode, Status
 from triaxis.verif.mutation import killing, outcomes
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.engine_play import LOAD, RUN, STEP, Script, Traffic

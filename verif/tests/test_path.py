@@ -14,8 +14,8 @@ from triaxis.golden.judge import judge
 from triaxis.golden.stl import StlMesh
 from triaxis.verif import scenes
 from triaxis.verif.cli import main
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine_scene import MeshEngineScene
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine_scene import MeshEngineScene
 from triaxis.verif.motion import path_check
 from triaxis.verif.motion.clearance import clearances
 from triaxis.verif.motion.path_check import Effort, check_path

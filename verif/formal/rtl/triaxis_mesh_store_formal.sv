@@ -59,8 +59,8 @@ module triaxis_mesh_store_formal #(
     assign high = u_store.box[1][k];
     assign group_low = u_store.group_q[0][k];
     assign group_high = u_store.group_q[1][k];
-    assign group_low_d = u_store.group_flat[k*W+:W];
-    assign group_high_d = u_store.group_flat[(3+k)*W+:W];
+    assign group_low_d = u_store.group_flat[0][k];
+    assign group_high_d = u_store.group_flat[1][k];
     assign mesh_low = object_o[0][k];
     assign mesh_high = object_o[1][k];
     assign mesh_low_d = u_store.object_d[0][k];

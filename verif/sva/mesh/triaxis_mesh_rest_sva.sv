@@ -10,7 +10,8 @@ module triaxis_mesh_rest_sva (
     input logic idle,
     input logic settled,
     input logic first,
-    input logic reads
+    input logic reads,
+    input logic core_as_asked
 );
 
   NoReadAtRest :
@@ -25,6 +26,10 @@ module triaxis_mesh_rest_sva (
   assert property (@(posedge clk_i) $rose(rst_ni) |-> settled && !first)
   else $error("something of before a reset is left after it");
 
+  CoreAsAsked :
+  assert property (@(posedge clk_i) core_as_asked)
+  else $error("the core in the engine has other options than the engine was asked for");
+
 endmodule
 
 bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
@@ -34,5 +39,6 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
     .idle,
     .settled,
     .first,
-    .reads(row_read || word_read || box_a_read || box_b_read || triangle_read)
+    .reads(row_read || word_read || box_a_read || box_b_read || triangle_read),
+    .core_as_asked(u_core.Gating == Gating && u_core.EdgeBox == EdgeBox)
 );

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs
+from triaxis.verif.activity.traced_build import FOLDER, TracedBuild, traced_library
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.engine import CoreError
 from triaxis.verif.paths import DUT, VERIF
-from triaxis.verif.traced_build import FOLDER, TracedBuild, traced_library
 
 
 class TracedCore:

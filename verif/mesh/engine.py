@@ -13,7 +13,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.build import mesh_library
 from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import DUT
 
 CLOCK_HZ = 100_000_000

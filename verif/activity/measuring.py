@@ -17,16 +17,16 @@ from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.activity_streams import WIDTH, Stream, scene_meshes, scene_stream
+from triaxis.verif.activity.saif import Activity, read_saif
+from triaxis.verif.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
+from triaxis.verif.activity.traced_core import TracedCore
+from triaxis.verif.activity.traced_mesh import TracedMeshEngine
 from triaxis.verif.configuration import Configuration
 from triaxis.verif.evidence import write_evidence
 from triaxis.verif.expectation import expected_words
-from triaxis.verif.mesh_configuration import MeshConfiguration
+from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.saif import Activity, read_saif
 from triaxis.verif.scenes import Scene, scenes
-from triaxis.verif.traced_core import TracedCore
-from triaxis.verif.traced_mesh import TracedMeshEngine
 
 RESULT = BUILD / "fpga" / "activity.json"
 SAIF = BUILD / "fpga" / "activity.saif"

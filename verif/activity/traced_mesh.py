@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.verif.activity.traced_build import FOLDER, TracedBuild, traced_library
 from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import Mode, Status
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import Mode, Status
 from triaxis.verif.paths import DUT, VERIF, mesh_sources
-from triaxis.verif.traced_build import FOLDER, TracedBuild, traced_library
 
-# Fields of the summary in mesh_harness.cpp.
+# Fields of the summary in verif/mesh/harness.cpp.
 _STATUS, _NEAR, _FIELDS = 0, 6, 7
 
 
@@ -30,8 +30,8 @@ class TracedMeshEngine:
                 "MARGIN_BITS": configuration.margin_bits,
                 "INDEX_BITS": configuration.index_bits,
             },
-            (FOLDER / "mesh.cpp", VERIF / "mesh_harness.cpp"),
-            (*mesh_sources(dut), VERIF / "mesh_public.vlt"),
+            (FOLDER / "mesh.cpp", VERIF / "mesh" / "harness.cpp"),
+            (*mesh_sources(dut), VERIF / "mesh" / "public.vlt"),
         )  # fmt: skip
         library = ctypes.CDLL(str(traced_library(build, dut)))
         pointer, number, small = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int

@@ -10,7 +10,7 @@ from triaxis.verif.build import built, content_hash, core_files, run_tool
 from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
 from triaxis.verif.toolchain import verilator
 
-FOLDER = VERIF / "traced"
+FOLDER = VERIF / "activity"
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class TracedBuild:
     """A module and the harness around it.
 
     ``above``: what compiles after the files of the core. ``prefix``: Verilator's name for the model.
-    ``harnesses``: the harness in verif/traced/, then the files that it includes.
+    ``harnesses``: the harness in verif/activity/, then the files that it includes.
     """
 
     name: str

@@ -7,8 +7,8 @@ import numpy as np
 
 from triaxis.golden.spatial_order import spatial_order
 from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh_configuration import MeshConfiguration
-from triaxis.verif.mesh_engine import MeshEngine, Mode, Status
+from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.mesh.engine import MeshEngine, Mode, Status
 from triaxis.verif.meshcheck import in_order
 from triaxis.verif.scene_engines import Integers, SceneRun, Translation
 

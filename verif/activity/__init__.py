@@ -1,0 +1,1 @@
+"""Switching activity of the multipliers and of the whole top, counted in simulation."""
