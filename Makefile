@@ -58,7 +58,7 @@ regress: $(READY) $(DVSIM) ## every test and every configuration at least once, 
 nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
 	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
 
-mutate: $(READY) $(YOSYS) ## change dut/ in 1,800 ways; see each mutant killed, or shown equivalent
+mutate: $(READY) $(YOSYS) ## change dut/ in 3,600 ways; see each mutant killed, or shown equivalent
 	@$(BIN)/triaxis mutate --seed $(SEED)
 
 faults: $(READY) ## build every fault of the catalogue and see it caught

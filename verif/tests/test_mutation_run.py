@@ -245,6 +245,9 @@ def test_the_hash_of_the_killers_changes_with_each_of_them(tmp_path, monkeypatch
     wanted = {"equivalents.toml", "core.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp", "packing.py"}
     assert wanted < names
     assert "result.json" not in names
+    # Reached only through others: none of them is in the folder of the mutation.
+    assert {"certificate.py", "toolchain.py", "near_miss.py", "sby_proof.py"} < names
+    assert "meshcheck.py" not in names
     before = killers.killers_hash()
     monkeypatch.setattr(killers, "latency_section", lambda: "another table")
     assert killers.killers_hash() != before
