@@ -1,0 +1,154 @@
+"""Exact distances of pairs of float32 triangles as they are, rounded to no grid: what verdicts are held to.
+
+The golden model solves each pair over the rationals and checks its own certificate (DESIGN, section 5); a
+float32 is a rational. The answers are kept in build/bench/truth/ under a hash of the triangles and of the
+model's sources.
+"""
+
+import hashlib
+import json
+import os
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.coverage.whole_files import write_whole
+from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Triangle
+from triaxis.golden.judge import default_solver, judge
+from triaxis.golden.rational import Rational
+from triaxis.verif.build import content_hash
+from triaxis.verif.paths import BUILD, ROOT
+
+# (N, 3, 3): triangle, vertex, coordinate.
+Triangles = npt.NDArray[np.float32]
+
+FOLDER = BUILD / "bench" / "truth"
+_MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "rational.py", "solver.py")
+# Pairs that a process takes at a time.
+_CHUNK = 500
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Exact Chebyshev distances of pairs (N,), in the unit of the coordinates."""
+
+    distances: tuple[Fraction, ...]
+
+    def __len__(self) -> int:
+        """Return the number of pairs."""
+        return len(self.distances)
+
+    def near(self, clearance: Fraction | int = 0) -> npt.NDArray[np.bool_]:
+        """Return whether each pair comes within the clearance: (N,). 0: collides, touching included."""
+        return np.array([distance <= clearance for distance in self.distances], np.bool_)
+
+
+def exact_triangle(triangle: npt.NDArray[np.floating[Any]]) -> Triangle:
+    """Return a triangle (3, 3) of floats as the rationals that they are."""
+    return [[Rational(x) for x in vertex] for vertex in triangle.tolist()]
+
+
+def check_triangles(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> None:
+    """Raise InputError unless both are finite float32 of one shape (N, 3, 3)."""
+    for name, triangles in (("A", a), ("B", b)):
+        if triangles.dtype != np.float32 or triangles.shape != (len(a), 3, 3):
+            found = f"{triangles.dtype} of shape {triangles.shape}"
+            raise InputError(f"triangles {name}: {found}: must be float32 of shape ({len(a)}, 3, 3)")
+        wrong = ~np.isfinite(triangles)
+        if wrong.any():
+            pair, vertex, coordinate = (int(i) for i in np.argwhere(wrong)[0])
+            place = f"pair {pair}, vertex {vertex}, coordinate {'xyz'[coordinate]}"
+            raise InputError(f"triangles {name}: {place}: not finite")
+
+
+def exact_truth(
+    a: Triangles, b: Triangles, progress: Callable[[int], None] | None = None, folder: Path = FOLDER
+) -> Truth:
+    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known.
+
+    On all cores; ``progress`` is told how many pairs were done. Raises InputError where the triangles are not
+    finite float32.
+    """
+    check_triangles(a, b)
+    report = progress or (lambda _: None)
+    path = folder / f"{_key(a, b)}.json"
+    distances = _stored(path, len(a))
+    if distances is not None:
+        report(len(a))
+        return Truth(distances)
+    found: list[Fraction] = []
+    for chunk in _solved(a, b):
+        found += chunk
+        report(len(chunk))
+    write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
+    return Truth(tuple(found))
+
+
+def _key(a: Triangles, b: Triangles) -> str:
+    digest = hashlib.sha256(_model().encode())
+    for triangles in (a, b):
+        digest.update(np.ascontiguousarray(triangles).tobytes())
+    return digest.hexdigest()[:24]
+
+
+@cache
+def _model() -> str:
+    return content_hash([ROOT / "golden" / name for name in _MODEL])
+
+
+def _stored(path: Path, count: int) -> tuple[Fraction, ...] | None:
+    try:
+        texts = json.loads(path.read_text(encoding="utf-8"))
+        distances = tuple(Fraction(text) for text in texts)
+    except FileNotFoundError:
+        return None
+    # Damaged: solve again.
+    except (OSError, ValueError, TypeError, ZeroDivisionError):
+        return None
+    return distances if len(distances) == count else None
+
+
+def _solved(a: Triangles, b: Triangles) -> Iterator[list[Fraction]]:
+    """Yield the distances chunk by chunk, in order."""
+    chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
+    workers = min(os.cpu_count() or 1, len(chunks))
+    if workers < 2:
+        yield from (_solve(*chunk) for chunk in chunks)
+        return
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
+    try:
+        for future in _submitted(pool, chunks):
+            yield future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _submitted(
+    pool: ProcessPoolExecutor, chunks: list[tuple[Triangles, Triangles]]
+) -> list[Future[list[Fraction]]]:
+    """Hand over all chunks. Workers start here, with interrupts blocked: those are for this process."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return [pool.submit(_solve, *chunk) for chunk in chunks]
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _ignore_interrupts() -> None:
+    """Let a worker finish its chunk; PPL's loader unblocks the signal and handles it itself."""
+    default_solver()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _solve(a: Triangles, b: Triangles) -> list[Fraction]:
+    return [judge(exact_triangle(x), exact_triangle(y), 0).distance for x, y in zip(a, b, strict=True)]
