@@ -5,7 +5,7 @@ g hold the lattice points closest to, or on, the plane through the origin. Every
 integers hold the results, float64 only chooses among equivalent ones, and `exact` proves each result.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -152,21 +152,48 @@ def plane_step(u: Ints, v: Ints) -> Step:
     d, s, t = bezout(rows[0], rows[1])
     g, h, e = bezout(d, rows[2])
     w = cell.to_middle(cell.to_middle(np.stack([s, t, np.zeros_like(s)])))
-    # h has up to 63 bits: Horner's scheme in chunks, back into the parallelogram after each. The part
-    # along c stays below d / g, which is small unless cx and cy share a factor that cz does not.
+    # The part along c stays below d / g, which is small unless cx and cy share a factor that cz does not.
+    x = _times(cell, w, h)
+    x[2] += e
+    return _step(c, g, cell, x, g)
+
+
+def _times(cell: _Cell, w: Ints, multiple: Ints) -> Ints:
+    """Return multiple * w, less multiples of the cell's sides: for w in its middle, multiples of 63 bits.
+
+    By Horner's scheme in chunks, back into the parallelogram after each.
+    """
     x = np.zeros_like(w)
-    digits = np.abs(h)
+    digits = np.abs(multiple)
     for shift in (2 * _CHUNK, _CHUNK, 0):
         chunk = digits >> shift & (1 << _CHUNK) - 1
         if not shift or chunk.any():
             x = cell.to_middle((x << _CHUNK) + chunk * w)
-    x *= np.sign(h)
-    x[2] += e
+    x *= np.sign(multiple)
+    return x
+
+
+def _step(c: Ints, g: Ints, cell: _Cell, x: Ints, value: Ints) -> Step:
+    """Return the step to x, brought over the parallelogram, where c.x is ``value``."""
     x = cell.to_corner(cell.to_middle(x))
     alpha, beta = cell.coordinates(x)
     inside = (np.minimum(alpha, beta) > INSIDE) & (np.maximum(alpha, beta) < 1 - INSIDE)
     over = np.ascontiguousarray(x.T)
-    return Step(c, g, over, alpha, beta, (g > 0) & inside & exact(c, over, g))
+    return Step(c, g, over, alpha, beta, (g > 0) & inside & exact(c, over, value))
+
+
+def raised(u: Ints, v: Ints, step: Step, multiple: Ints) -> Step:
+    """Return the step that is ``multiple`` (N,) times as far from the plane of u and v as theirs.
+
+    c.x = multiple * g, of at most 2^62 in size; where it is more, or x is 2^20 times as far from the plane as
+    u and v are long, nothing is found.
+    """
+    cell = _Cell(_by_coordinate(u), _by_coordinate(v), _by_coordinate(step.c))
+    small = np.abs(multiple.astype(np.float64) * step.g) < 2.0**61
+    multiple = np.where(small & step.found, multiple, 0)
+    x = _times(cell, cell.to_middle(_by_coordinate(step.x)), multiple)
+    there = _step(step.c, step.g, cell, x, multiple * step.g)
+    return replace(there, found=there.found & step.found & small)
 
 
 def line_step(u: Ints) -> tuple[Ints, Ints, Reals]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from triaxis.verif.sequences.contact import Contact
 from triaxis.verif.sequences.draws import around, sizes, up_to
-from triaxis.verif.sequences.lattice import INSIDE, LARGEST_EDGE, cross, exact, plane_step, side
+from triaxis.verif.sequences.lattice import INSIDE, LARGEST_EDGE, Step, cross, exact, plane_step, side
 from triaxis.verif.sequences.stimulus import Ints, Mask, Rng, bounds, largest_extents, largest_span
 
 
@@ -68,8 +68,15 @@ def _vertex_over(rng: Rng, a: Ints, c: Ints, x: Ints, usable: Mask) -> Contact:
 def face_vertex(rng: Rng, count: int, width: int) -> Contact:
     """Return A whose face a vertex of B misses by -g or +g on the normal: some share of ``count``."""
     a = up_to(rng, reach(rng, count, width), (count, 3, 3))
+    return vertex_above(rng, a, plane_step(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0]))
+
+
+def vertex_above(rng: Rng, a: Ints, step: Step) -> Contact:
+    """Return A with a B one vertex of which is a step above or below A's face: some share of the steps.
+
+    ``step`` is over the parallelogram of A's first edge and of the last, turned round.
+    """
     p, q = a[:, 1] - a[:, 0], a[:, 2] - a[:, 0]
-    step = plane_step(p, q)
     # Beyond the diagonal of the parallelogram: its mirror image is over A, and below it by g.
     beyond = (step.alpha + step.beta > 1)[:, None]
     x = np.where(beyond, p + q - step.x, step.x)
@@ -105,7 +112,11 @@ def _edges_over(rng: Rng, e: Ints, f: Ints, c: Ints, x: Ints, usable: Mask) -> C
 def edge_edge(rng: Rng, count: int, width: int) -> Contact:
     """Return pairs of which two edges cross but for -g or +g on their product: some share of ``count``."""
     e, f = np.moveaxis(around(rng, (reach(rng, count, width) * 3) >> 2, (count, 2, 3)), 1, 0)
-    step = plane_step(e, f)
+    return edges_above(rng, e, f, plane_step(e, f))
+
+
+def edges_above(rng: Rng, e: Ints, f: Ints, step: Step) -> Contact:
+    """Return pairs whose edges e and f cross but for a step, over their parallelogram: some share of them."""
     # x = alpha e - (1 - beta) f: both edges pass the other inside.
     return _edges_over(rng, e, f, step.c, step.x - f, step.found)
 

@@ -1,0 +1,1 @@
+"""Numerical stability: the core and published floating-point methods on ever harder pairs of triangles."""

@@ -1,0 +1,163 @@
+"""One setting of a knob, measured: the methods, the core at its own resolution, and the no-miss mode.
+
+The core takes whole numbers of its width: as they are where they fit, and rounded to a grid of 16 bits. It
+is exact on what it is given, so all that it gets wrong about the unrounded pairs is quantisation. With
+resolution R and margin m, near on the grid means at most (m + 1) R in reality (each triangle moves by at most
+R / 2), and a distance of 0 is never missed with m = 1: the no-miss mode. Its false alarms are pairs at a
+distance in (0, 2 R].
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.quantise import Grid, box_of, fits, grid_around, margin_for, quantise
+from triaxis.verif.engine import RtlEngine, configuration_for
+from triaxis.verif.result import NEAR
+from triaxis.verif.sequences.stimulus import Ints, Pairs32
+from triaxis.verif.sequences.symmetry import NUM_ORDERS, all_orders
+from triaxis.verif.stress.exact_pairs import BulkPairs, ExactPairs, JudgedPairs
+from triaxis.verif.stress.orders import METHODS, Answers, Errors, Mask, errors, method_errors, total
+
+# Widths of the simulated cores; a setting's own resolution is the first that holds its pairs as they are.
+WIDTHS = (8, 12, 16, 24, 32)
+# The core that gets the pairs rounded.
+ROUNDING_WIDTH = 16
+# No pair at this distance is missed: collision.
+CLEARANCE = Fraction(0)
+
+# From a width, pairs of it (N, 2, 3, 3) and a margin: near, (N,).
+Core = Callable[[int, Pairs32, int], Mask]
+
+
+@cache
+def _engine(width: int) -> RtlEngine:
+    return RtlEngine(configuration_for(width, 1))
+
+
+def build_cores(progress: Callable[[int], None]) -> None:
+    """Build all cores where needed; ``progress`` is told of each."""
+    for width in WIDTHS:
+        _engine(width)
+        progress(1)
+
+
+def rtl_core(width: int, pairs: Pairs32, margin: int) -> Mask:
+    """Return what the Verilated core of that width says."""
+    words, _ = _engine(width).words(pairs, np.full(len(pairs), margin, np.uint32))
+    return (words & NEAR) != 0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was found at one setting; counts are of answers in all 72 orders unless it says pairs.
+
+    pairs, near_pairs, judged_pairs: of the unrounded pairs; the last by the linear program, and
+    ``contradicted`` of them against the bulk checker. own_width: of the core that holds them as they are.
+    core: against the exact verdict on what it was given, as they are and rounded, at margins 0 and 1.
+    methods: by name. resolution: of the rounding, in units of the pairs. rounded: margin 0 on rounded pairs,
+    no_miss: margin 1, both against the unrounded. band_pairs: clear pairs within the band, which may raise
+    false alarms; beyond_band: false alarms of the no-miss mode that are not; farthest: the farthest false
+    alarm, in LSB, rounded up to a whole unit.
+    """
+
+    pairs: int
+    near_pairs: int
+    judged_pairs: int
+    contradicted: int
+    own_width: int | None
+    core: Errors
+    methods: dict[str, Errors]
+    resolution: int
+    rounded: Errors
+    no_miss: Errors
+    band_pairs: int
+    beyond_band: int
+    farthest: float
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what must not be."""
+        found: list[str] = []
+        if self.core.wrong or self.core.changing_pairs:
+            found.append(f"core: {self.core.wrong} wrong answers at its own resolution")
+        if self.no_miss.misses:
+            found.append(f"no-miss mode: {self.no_miss.misses} misses")
+        if self.beyond_band:
+            found.append(f"no-miss mode: {self.beyond_band} false alarms beyond the band")
+        if self.contradicted:
+            found.append(f"bulk checker: {self.contradicted} verdicts contradicted by the linear program")
+        return found
+
+
+def _own_width(facets: npt.NDArray[np.float64]) -> int | None:
+    """Return the first width whose grid of whole units holds the facets, placed around them."""
+    boxes = [box_of(facets)]
+    return next((w for w in WIDTHS if fits(boxes, grid_around(boxes, Fraction(1), w))), None)
+
+
+def _rounding_grid(facets: npt.NDArray[np.float64]) -> Grid:
+    """Return the finest grid of ROUNDING_WIDTH around the facets whose resolution is a power of 2."""
+    boxes, exponent = [box_of(facets)], 0
+    while not fits(boxes, grid_around(boxes, Fraction(1 << exponent), ROUNDING_WIDTH)):
+        exponent += 1
+    return grid_around(boxes, Fraction(1 << exponent), ROUNDING_WIDTH)
+
+
+def _on(grid: Grid, facets: npt.NDArray[np.float64]) -> Pairs32:
+    return quantise(facets, grid, "pairs").reshape(-1, 2, 3, 3).astype(np.int32)
+
+
+def _asked(core: Core, width: int, pairs: Pairs32, margin: int) -> Answers:
+    """Return the core's answers in all orders: (72, N)."""
+    return core(width, all_orders(pairs), margin).reshape(-1, NUM_ORDERS).T
+
+
+def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Measured:
+    """Measure everything on pairs (N, 2, 3, 3) of whole numbers below 2^53.
+
+    ``margin``: of the no-miss mode, in LSB, where it shall not be what the theorem says.
+    """
+    facets = pairs.reshape(-1, 3, 3).astype(np.float64)
+    width, grid = _own_width(facets), _rounding_grid(facets)
+    wanted = margin_for(CLEARANCE, grid) if margin is None else margin
+    rounded = _on(grid, facets)
+    at_zero, at_margin = (_asked(core, ROUNDING_WIDTH, rounded, m) for m in (0, wanted))
+    own = [
+        errors(at_zero, bulk_facts(rounded, 0).near),
+        errors(at_margin, bulk_facts(rounded, wanted).near),
+    ]
+    exact: ExactPairs
+    if width is None:
+        exact = JudgedPairs(pairs)
+        near = exact.within(0)
+    else:
+        whole = _on(grid_around([box_of(facets)], Fraction(1), width), facets)
+        exact = BulkPairs(whole.astype(np.int64))
+        near = exact.within(0)
+        own.append(errors(_asked(core, width, whole, 0), near))
+    resolution = int(grid.resolution)
+    limit = (margin_for(CLEARANCE, grid) + 1) * resolution
+    in_band = exact.within(limit) & ~near
+    alarms = at_margin & ~near
+    farthest = exact.reach(alarms.any(0) & in_band, limit)
+    return Measured(
+        pairs=len(pairs),
+        near_pairs=int(near.sum()),
+        judged_pairs=exact.judged,
+        contradicted=exact.contradicted,
+        own_width=width,
+        core=total(own),
+        methods={method.name: method_errors(method, pairs, near) for method in METHODS},
+        resolution=resolution,
+        rounded=errors(at_zero, near),
+        no_miss=errors(at_margin, near),
+        band_pairs=int(in_band.sum()),
+        beyond_band=int((alarms & ~in_band).sum()),
+        farthest=(farthest or 0) / resolution,
+    )

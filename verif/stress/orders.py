@@ -1,0 +1,121 @@
+"""A method's answers in all 72 orders of each pair, and what is wrong with them."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import astuple, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.verif.sequences.stimulus import Ints
+from triaxis.verif.sequences.symmetry import NUM_ORDERS, VERTICES
+from triaxis.verif.stress.published.guigue_devillers import guigue_devillers
+from triaxis.verif.stress.published.moller import moller
+from triaxis.verif.stress.published.separating_axes import separating_axes
+from triaxis.verif.stress.published.vectors import Triangles
+
+Mask = npt.NDArray[np.bool_]
+# Answers "near" in each order of each pair: (orders, N).
+Answers = npt.NDArray[np.bool_]
+# From two arrays of triangles (3, 3, N), which pairs it takes for near: (N,).
+Test = Callable[[Triangles, Triangles], Mask]
+
+# Bits of the largest coordinate after scaling. Products of six coordinates stay far from the largest float32,
+# and those of the smallest triangles from the smallest.
+_SCALED_BITS = 20
+
+
+@dataclass(frozen=True)
+class Method:
+    """A published test, in a floating-point type."""
+
+    test: Test
+    title: str
+    dtype: type[np.floating[Any]]
+
+    @property
+    def name(self) -> str:
+        """Return a name for tables: ``float32 SAT``, .."""
+        return f"{np.dtype(self.dtype).name} {self.title}"
+
+
+METHODS = tuple(
+    Method(test, title, dtype)
+    for test, title in ((separating_axes, "SAT"), (moller, "Moller"), (guigue_devillers, "Guigue-Devillers"))
+    for dtype in (np.float32, np.float64)
+)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Of the answers on N pairs in all orders: how many there are, and how many of them are wrong.
+
+    misses: "clear" of a near pair; false_alarms: "near" of a clear one. pairs: N; wrong_pairs: pairs that
+    are answered wrong in some order; changing_pairs: pairs whose answer is not the same in all orders.
+    """
+
+    answers: int
+    misses: int
+    false_alarms: int
+    pairs: int
+    wrong_pairs: int
+    changing_pairs: int
+
+    @property
+    def wrong(self) -> int:
+        """Return the number of wrong answers."""
+        return self.misses + self.false_alarms
+
+    @property
+    def rate(self) -> float:
+        """Return the share of wrong answers."""
+        return self.wrong / self.answers
+
+    @property
+    def changing_rate(self) -> float:
+        """Return the share of pairs whose answer hangs on the order."""
+        return self.changing_pairs / self.pairs
+
+
+def total(parts: Iterable[Errors]) -> Errors:
+    """Return the errors of all parts together."""
+    return Errors(*(sum(counts) for counts in zip(*(astuple(part) for part in parts), strict=True)))
+
+
+def errors(answers: Answers, near: Mask) -> Errors:
+    """Compare answers (orders, N) with the exact verdicts (N,)."""
+    wrong, some = answers != near, answers.any(0)
+    return Errors(
+        answers.size,
+        int((wrong & near).sum()),
+        int((wrong & ~near).sum()),
+        len(near),
+        int(wrong.any(0).sum()),
+        int((some & ~answers.all(0)).sum()),
+    )
+
+
+def scaled(pairs: Ints) -> npt.NDArray[np.float64]:
+    """Return pairs (N, 2, 3, 3) below 2^53 in size as vertex, coordinate, pair: (6, 3, N), exactly.
+
+    All are divided by the same power of 2, so that no method overflows.
+    """
+    points = np.ascontiguousarray(pairs.reshape(-1, 6, 3).transpose(1, 2, 0)).astype(np.float64)
+    exponent = int(np.frexp(np.abs(points).max(initial=1.0))[1])
+    return np.ldexp(points, _SCALED_BITS - exponent)
+
+
+def in_all_orders(test: Test, points: npt.NDArray[Any]) -> Answers:
+    """Return the answers of a test on points (6, 3, N), computed in their type: (72, N)."""
+    answers = np.empty((NUM_ORDERS, points.shape[2]), np.bool_)
+    # A number divided by 0, or too large, is what the method would meet in its own program.
+    with np.errstate(all="ignore"):
+        for number, order in enumerate(VERTICES):
+            ordered = points[order]
+            answers[number] = test(ordered[:3], ordered[3:])
+    return answers
+
+
+def method_errors(method: Method, pairs: Ints, near: Mask) -> Errors:
+    """Return what a method gets wrong on pairs below 2^53, in all orders, against exact verdicts."""
+    return errors(in_all_orders(method.test, scaled(pairs).astype(method.dtype)), near)
