@@ -19,7 +19,7 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim bench-mesh fpga-report fpga-timing activity bitstream lock clean
+.PHONY: code-coverage bench-sim bench-mesh stress fpga-report fpga-timing activity bitstream lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -96,6 +96,9 @@ bench-sim: $(READY) ## measure the speed of the simulations against the bare cor
 
 bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
 	@$(BIN)/triaxis bench-mesh
+
+stress: $(READY) ## turn inputs from easy to impossible; count wrong answers of the core and of others
+	@$(BIN)/triaxis stress --seed $(SEED)
 
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report

@@ -35,6 +35,7 @@ from triaxis.verif.cli import (
     shrink,
     signoff,
     sim,
+    stress,
     testplan,
     verdict,
 )
@@ -62,6 +63,7 @@ _COMMANDS = (
     shrink,
     bench_sim,
     bench_mesh,
+    stress,
     fpga_report,
     fpga_timing,
     activity,
