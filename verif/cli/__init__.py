@@ -15,6 +15,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.verif.cli import (
     activity,
+    advise,
     bench_mesh,
     bench_sim,
     bitstream,
@@ -47,6 +48,7 @@ _COMMANDS = (
     verdict,
     check,
     path,
+    advise,
     board,
     scenes,
     sim,
