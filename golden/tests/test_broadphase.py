@@ -1,24 +1,258 @@
+"""The broad phase against trying all pairs: nothing lost, nothing more, in order, and in near-linear time."""
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from triaxis.golden import broadphase
+from triaxis.golden import box_tree, broadphase
+from triaxis.golden.box_tree import BoxTree, Work, overlapping
 from triaxis.golden.broadphase import candidates
+from triaxis.golden.scene import apart, boxes_of
+
+REPEATABLE = settings(deadline=None, derandomize=True, database=None)
+MARGINS = [0, 1, 50]
 
 
-@pytest.mark.parametrize("margin", [0, 1, 50])
+def by_trying_all(a, b, margin):
+    return np.argwhere(~apart(boxes_of(a), boxes_of(b), margin))
+
+
+def found(a, b, margin):
+    blocks = [np.stack(block, 1) for block in candidates(a, b, margin)]
+    assert all(len(block) for block in blocks)
+    return np.concatenate([np.empty((0, 2), np.int64), *blocks])
+
+
+def assert_same(a, b, margin):
+    np.testing.assert_array_equal(found(a, b, margin), by_trying_all(a, b, margin))
+
+
+def spread(rng, count, place=300, size=40):
+    return rng.integers(-place, place, (count, 1, 3)) + rng.integers(-size, size + 1, (count, 3, 3))
+
+
+def points(rng, count):
+    return np.repeat(rng.integers(-6, 6, (count, 1, 3)), 3, 1)
+
+
+def segments(rng, count):
+    return spread(rng, count, 20, 8)[:, [0, 1, 1]]
+
+
+def identical(rng, count):
+    return np.repeat(spread(rng, 1), count, 0)
+
+
+def huge_among_small(rng, count):
+    facets = spread(rng, count, 300, 3)
+    facets[:: max(1, count // 4)] *= 100
+    return facets
+
+
+def needles(rng, count):
+    return spread(rng, count, 300, 1) + rng.integers(-400, 401, (count, 3, 1)) * np.array([0, 0, 1])
+
+
+def clustered(rng, count):
+    """All within a few steps of each other, but for one far away: more bits than one key of the order."""
+    facets = spread(rng, count, 3, 1)
+    facets[0] += (1 << 31) - 8
+    return facets
+
+
+def in_one_plane(rng, count):
+    return spread(rng, count) * np.array([1, 1, 0]) + np.array([0, 0, 7])
+
+
+def at_the_ends(rng, count):
+    return rng.choice([-(1 << 31), -(1 << 31) + 1, 0, (1 << 31) - 1], (count, 3, 3))
+
+
+KINDS = [spread, points, segments, identical, huge_among_small, needles, clustered, in_one_plane, at_the_ends]
+
+
+@pytest.mark.parametrize("margin", MARGINS)
 @pytest.mark.parametrize("block", [1, 7, 1 << 20])
 def test_same_as_trying_all(rng, monkeypatch, margin, block):
     monkeypatch.setattr(broadphase, "_BLOCK", block)
-    a = rng.integers(-300, 300, (60, 1, 3)) + rng.integers(-40, 40, (60, 3, 3))
-    b = rng.integers(-300, 300, (45, 1, 3)) + rng.integers(-90, 90, (45, 3, 3))
-    found = {pair for i, j in candidates(a, b, margin) for pair in zip(i.tolist(), j.tolist(), strict=True)}
-    low, high = np.stack([a.min(1), a.max(1)]), np.stack([b.min(1), b.max(1)])
-    expected = {
-        (i, j)
-        for i in range(60)
-        for j in range(45)
-        if (low[0, i] - margin <= high[1, j]).all() and (high[0, j] - margin <= low[1, i]).all()
-    }
-    assert found == expected
-    assert expected
-    assert len(expected) < 60 * 45
+    a, b = spread(rng, 60), spread(rng, 45, size=90)
+    expected = by_trying_all(a, b, margin)
+    assert 0 < len(expected) < 60 * 45
+    assert_same(a, b, margin)
+
+
+@pytest.mark.parametrize("other", KINDS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_against_every_kind(rng, kind, other):
+    a, b = kind(rng, 37), other(rng, 70)
+    for margin in (*MARGINS, 1 << 16, (1 << 32) - 1):
+        assert_same(a, b, margin)
+    assert_same(b, a, 1)
+
+
+@pytest.mark.parametrize(
+    "sizes", [(0, 0), (0, 5), (5, 0), (1, 1), (1, 300), (300, 1), (4, 4), (5, 17), (64, 65)]
+)
+def test_every_shape_of_tree(rng, sizes):
+    a, b = (spread(rng, size, 30, 10) for size in sizes)
+    for margin in (0, 3):
+        assert_same(a, b, margin)
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_margin_ends_at_a_step(axis, side):
+    """Boxes at a distance of the margin are within it, one step further they are not: on all six sides."""
+    rng = np.random.default_rng(3)
+    a = rng.integers(-20, 21, (40, 3, 3))
+    a[0] = [[-20, -20, -20], [20, 20, 20], [0, 0, 0]]
+    b = a.copy()
+    b[:, :, axis] += side * (40 + 9)
+    assert len(found(a, b, 9)) > 0
+    assert_same(a, b, 9)
+    assert len(found(a, b, 8)) == 0
+
+
+@REPEATABLE
+@given(st.data())
+def test_small_numbers_of_any_kind(data):
+    """Coordinates at all scales, of few values, so that boxes touch, coincide and vanish."""
+    scale = data.draw(st.sampled_from([1, 5, 1000, (1 << 29)]))
+    coordinates = st.integers(-4, 4).map(lambda x: x * scale)
+
+    def mesh(name):
+        numbers = data.draw(st.lists(st.lists(coordinates, min_size=9, max_size=9), max_size=12), label=name)
+        return np.array(numbers, np.int64).reshape(-1, 3, 3)
+
+    a, b = mesh("a"), mesh("b")
+    assert_same(a, b, data.draw(st.integers(0, 3)) * data.draw(st.sampled_from([1, scale])))
+
+
+def test_blocks_are_bounded(rng, monkeypatch):
+    """No block is larger than allowed, unless it is that of a single facet of A."""
+    monkeypatch.setattr(broadphase, "_BLOCK", 100)
+    monkeypatch.setattr(broadphase, "_FACETS", 64)
+    a, b = np.concatenate([spread(rng, 500), identical(rng, 90)]), np.concatenate([spread(rng, 300)] * 3)
+    for i, _ in candidates(a, b, 5):
+        assert len(i) <= 100 or i[0] == i[-1]
+    assert_same(a, b, 5)
+
+
+@pytest.mark.parametrize(
+    "order", [lambda n: np.arange(n), lambda n: np.arange(n)[::-1], lambda n: np.arange(n) * 7 % n]
+)
+def test_no_order_loses_a_pair(rng, monkeypatch, order):
+    monkeypatch.setattr(box_tree, "morton_order", lambda boxes: order(len(boxes)))
+    assert_same(spread(rng, 103), spread(rng, 211), 4)
+
+
+def margin_short_by_one(monkeypatch):
+    real = broadphase._boxes
+    monkeypatch.setattr(broadphase, "_boxes", lambda facets, margin: real(facets, max(0, margin - 1)))
+
+
+def margin_on_one_side_only(monkeypatch):
+    monkeypatch.setattr(
+        broadphase,
+        "_boxes",
+        lambda facets, margin: np.stack([facets.min(1) - margin, facets.max(1)], 1),
+    )
+
+
+def nodes_a_step_too_small(monkeypatch):
+    def shrunk(tree, boxes):
+        original(tree, boxes)
+        for level in tree.levels[1:]:
+            level[:, :3] += 1
+
+    original = BoxTree.__init__
+    monkeypatch.setattr(BoxTree, "__init__", shrunk)
+
+
+def touching_left_out(monkeypatch):
+    real = broadphase._boxes
+    # Half a step less, in doubled coordinates: "less than" where "at most" is meant.
+    monkeypatch.setattr(
+        broadphase, "_boxes", lambda facets, margin: 2 * real(facets, margin) + np.array([[1], [0]])
+    )
+
+
+def a_facet_too_few_in_a_chunk(monkeypatch):
+    class Short(BoxTree):
+        def __init__(self, boxes):
+            super().__init__(boxes[: max(1, len(boxes) - 1)])
+
+    monkeypatch.setattr(broadphase, "BoxTree", Short)
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        margin_short_by_one,
+        margin_on_one_side_only,
+        nodes_a_step_too_small,
+        touching_left_out,
+        a_facet_too_few_in_a_chunk,
+    ],
+)
+def test_a_broken_search_is_found_out(rng, monkeypatch, broken):
+    a, b = spread(rng, 200, 150), spread(rng, 300, 150)
+    assert_same(a, b, 5)
+    broken(monkeypatch)
+    with pytest.raises(AssertionError):
+        assert_same(a, b, 5)
+
+
+def test_roots_that_are_apart(rng):
+    """Trees of a single box, and of many, that have nothing in common."""
+    near, far = boxes_of(spread(rng, 30)), boxes_of(spread(rng, 1) + 10_000)
+    for a, b in ((near, far), (far, near), (far, far + 1000)):
+        i, j = overlapping(BoxTree(a), BoxTree(b), None, Work()) or (None, None)
+        assert i is not None
+        assert len(i) == len(j) == 0
+
+
+def rough_surface(rng, side):
+    """Return a surface of 2 side^2 facets over a square, with a roughness as large as its facets."""
+    x, y = np.meshgrid(np.arange(side + 1), np.arange(side + 1), indexing="ij")
+    vertex = 16 * np.stack([x, y, np.zeros_like(x)], -1) + rng.integers(-8, 9, (side + 1, side + 1, 3))
+    corners = vertex[:-1, :-1], vertex[1:, :-1], vertex[1:, 1:], vertex[:-1, 1:]
+    quads = [np.stack([corners[0], corners[k], corners[k + 1]], 2) for k in (1, 2)]
+    return np.concatenate([quad.reshape(-1, 3, 3) for quad in quads])
+
+
+def growth(rng, shuffled=False, sides=(16, 128)):
+    """Return the exponent with which comparisons grow with the number of facets, 2 side^2."""
+    compared = []
+    for side in sides:
+        a, b = rough_surface(rng, side), rough_surface(rng, side) + np.array([5, 5, 12])
+        if shuffled:
+            a, b = rng.permutation(a), rng.permutation(b)
+        work = Work()
+        pairs = sum(len(i) for i, _ in candidates(a, b, 0, work))
+        assert pairs > len(a)
+        compared.append(work.compared)
+    return np.log(compared[1] / compared[0]) / np.log((sides[1] / sides[0]) ** 2)
+
+
+def test_comparisons_grow_like_the_facets(rng):
+    assert growth(rng) < 1.1
+    assert growth(rng, shuffled=True) < 1.1
+
+
+def test_growth_is_seen_where_neighbours_are_not_side_by_side(rng, monkeypatch):
+    """The measure of growth can fail: without the order, comparisons grow far faster than the facets."""
+    monkeypatch.setattr(box_tree, "morton_order", lambda boxes: np.arange(len(boxes)))
+    assert growth(rng, shuffled=True, sides=(8, 40)) > 1.4
+
+
+def test_facets_in_any_order_of_size(rng):
+    """Few large facets against many small ones, both ways round: the larger nodes are opened first."""
+    small, large = rough_surface(rng, 60), 20 * rough_surface(rng, 3)
+    brute = len(small) * len(large)
+    for a, b in ((small, large), (large, small)):
+        work = Work()
+        pairs = sum(len(i) for i, _ in candidates(a, b, 0, work))
+        assert pairs == len(by_trying_all(a, b, 0))
+        assert work.compared < brute
