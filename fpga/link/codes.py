@@ -3,7 +3,7 @@
 from enum import IntEnum, IntFlag
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 1
+PROTOCOL = 2
 REPLY = 0x80
 
 

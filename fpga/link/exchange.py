@@ -33,11 +33,11 @@ class Exchange:
         """Begin another session, so that no frame of the last one counts."""
         # Session 0 is none.
         self._session = secrets.randbelow(2**32 - 1) + 1
-        self._sequence = secrets.randbelow(256)
+        self._sequence = secrets.randbelow(2**32)
 
     def next_frame(self, command: Command, payload: bytes) -> bytes:
         """Return the frame of the next sequence number."""
-        self._sequence = (self._sequence + 1) % 256
+        self._sequence = (self._sequence + 1) % 2**32
         return encode(RequestHead(command, self._sequence, self._session).pack() + payload)
 
     def ask(self, command: Command, request: Record | bytes = b"", tries: int = _TRIES) -> Reply:

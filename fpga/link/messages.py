@@ -17,7 +17,7 @@ class RequestHead(Record):
     """The beginning of every request."""
 
     command: U8
-    sequence: U8
+    sequence: U32
     session: U32
 
 
@@ -26,7 +26,7 @@ class ReplyHead(Record):
     """The beginning of every reply; sequence and session are those of the request."""
 
     command: U8
-    sequence: U8
+    sequence: U32
     session: U32
     code: U8
 

@@ -19,6 +19,7 @@ triaxis_answer.sv
 triaxis_reply.sv
 triaxis_transmitter.sv
 triaxis_safety.sv
+triaxis_beat.sv
 triaxis_decimal.sv
 triaxis_display.sv
 nexys4ddr_top.sv

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The board Nexys 4 DDR (XC7A100T-1CSG324C): the mesh engine behind a serial line, and the outputs
-// go and stop. See triaxis_board_pkg for the line and triaxis_safety for the outputs.
+// go, stop and beat. See triaxis_board_pkg for the line, triaxis_safety and triaxis_beat for the outputs.
 // LEDs, from the right: 0 go, 1 stop, 2 a run is going on, 3 a host is there, 4 near pairs are
 // waiting, 5 the ring of near pairs is full, 6 the watchdog has run out, 7 something went wrong
 // since the last HELLO or RUN, 8..15 errors on the link, low bits.
@@ -19,8 +19,9 @@ module nexys4ddr_top
     parameter int unsigned Lanes = 8,
     parameter int unsigned ClocksPerBit = 50,  // 2,000,000 baud
     parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
+    parameter int unsigned BeatClocks = 50_000,  // 1 kHz
     parameter int unsigned DigitClocks = 12_500,  // the displays are scanned in 1 ms
-    parameter logic [31:0] BuildId = '0  // first bits of the hash of the RTL
+    parameter logic [31:0] BuildId = '0  // first bits of a hash of everything in the bitstream
 ) (
     input logic clk_100mhz_i,
     input logic cpu_reset_ni,
@@ -30,13 +31,15 @@ module nexys4ddr_top
     output logic [7:0] seg_no,
     output logic [7:0] an_no,
     output logic go_o,
-    output logic stop_o
+    output logic stop_o,
+    output logic beat_o
 );
 
   localparam int unsigned IndexWidth = $clog2(Depth);
   localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1;
   localparam int unsigned PairCountWidth = 2 * IndexWidth + 1;
   localparam int unsigned ClocksPerMs = 100_000;
+  localparam int unsigned WatchdogMs = (WatchdogClocks + ClocksPerMs - 1) / ClocksPerMs;
   localparam hello_block_t Hello = '{
       version: ProtocolVersion,
       w: 8'(W),
@@ -45,7 +48,7 @@ module nexys4ddr_top
       group: 8'(Group),
       lanes: 8'(Lanes),
       build_id: BuildId,
-      watchdog_ms: 16'(WatchdogClocks / ClocksPerMs)
+      watchdog_ms: 16'(WatchdogMs)
   };
 
   if (Depth > 32768) begin : g_bad_depth
@@ -54,7 +57,7 @@ module nexys4ddr_top
   if (Group > 255) begin : g_bad_group
     $fatal(1, "Group must be at most 128: it has 8 bits on the link");
   end
-  if (WatchdogClocks == 0 || WatchdogClocks / ClocksPerMs > 65535) begin : g_bad_watchdog
+  if (WatchdogClocks == 0 || WatchdogMs > 65535) begin : g_bad_watchdog
     $fatal(1, "WatchdogClocks must be 1 .. 65,535 ms");
   end
 
@@ -94,7 +97,7 @@ module nexys4ddr_top
   logic [31:0] ring_freed, ring_written;
   request_t request;
   code_e code;
-  byte_t expected;
+  sequence_t expected;
   logic load_tvalid, load_tready;
   logic [9*W-1:0] load_tdata;
   logic [1:0] load_tuser;
@@ -348,6 +351,15 @@ module nexys4ddr_top
       .near_i(near_count),
       .go_o,
       .stop_o
+  );
+
+  triaxis_beat #(
+      .Clocks(BeatClocks)
+  ) u_beat (
+      .clk_i (clk),
+      .rst_ni(rst_n),
+      .go_i  (go_o),
+      .beat_o
   );
 
   logic wrong_q;

@@ -11,7 +11,7 @@ module triaxis_answer
 ) (
     input request_t request_i,
     input code_e code_i,
-    input byte_t expected_i,
+    input sequence_t expected_i,
     input status_block_t status_i,
     input pose_t pose_i,
     input logic [31:0] written_i,
@@ -64,7 +64,7 @@ module triaxis_answer
       body_bytes = body_bytes_t'(2);
     end else if (code_i == CodeSequence) begin
       body = body_t'(expected_i);
-      body_bytes = body_bytes_t'(1);
+      body_bytes = body_bytes_t'(4);
     end else if (code_i != CodeOk) begin
       body_bytes = '0;
     end

@@ -5,21 +5,21 @@
 //
 // A frame on the line is SLIP (RFC 1055), with an END before and after. Unstuffed, numbers little
 // endian, at most 256 bytes:
-//   command u8 | sequence number u8 | session u32 | payload | CRC-32 over all before it
+//   command u8 | sequence number u32 | session u32 | payload | CRC-32 over all before it
 // A reply: command + 0x80, sequence number and session as in the frame, code u8, payload, CRC-32.
 //
 // Frames are judged in this order: session (3), command (1), sequence number (4), length (2), a run
 // that is going on (5), values (6), place (7, 8, 9, 10). The sequence number counts commands that
 // were executed: one that is refused does not use it up. A refusal has no payload, but for code 4
-// (u8: the number expected) and code 7 (u16: triangles held).
+// (u32: the number expected) and code 7 (u16: triangles held).
 //
-// The error counter counts frames with a bad CRC, bad stuffing, fewer than 10 or more than 256
+// The error counter counts frames with a bad CRC, bad stuffing, fewer than 13 or more than 256
 // bytes; framing errors of the line; frames that arrive before the last one was taken; and frames
 // of another session. It stays at 65,535. HELLO does not clear it.
 
 package triaxis_board_pkg;
 
-  localparam logic [7:0] ProtocolVersion = 8'd1;
+  localparam logic [7:0] ProtocolVersion = 8'd2;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -29,7 +29,7 @@ package triaxis_board_pkg;
   localparam logic [7:0] SlipEscEsc = 8'hDD;
 
   localparam int unsigned MaxFrameBytes = 256;
-  localparam int unsigned HeaderBytes = 6;
+  localparam int unsigned HeaderBytes = 9;
   localparam int unsigned CrcBytes = 4;
 
   // CRC-32 of IEEE 802.3, reflected: what the register holds after a frame and its own CRC.
@@ -73,11 +73,13 @@ package triaxis_board_pkg;
   localparam int unsigned NearMax = 40;  // near pairs a reply
 
   typedef logic [7:0] byte_t;
+  // So wide that no frame which a line keeps back can be one of the numbers that are due again.
+  typedef logic [31:0] sequence_t;
 
   typedef struct packed {
     logic [8*FieldBytes-1:0] fields;  // payload, zeros after its end
     logic [31:0] session;
-    byte_t sequence_number;
+    sequence_t sequence_number;
     byte_t command;
   } request_t;
 
@@ -147,7 +149,7 @@ package triaxis_board_pkg;
     logic [8*BodyBytes-1:0] body;
     code_e code;
     logic [31:0] session;
-    byte_t sequence_number;
+    sequence_t sequence_number;
     byte_t command;
   } reply_t;
   typedef logic [$clog2(BodyBytes+1)-1:0] body_bytes_t;

@@ -38,14 +38,14 @@ module triaxis_command
     output logic abort_o,
     output logic refused_o,
     output logic foreign_o,  // refused, as of another session
-    output logic kick_o,  // a frame of the board's session
+    output logic kick_o,  // executed: a repeat, or what is refused, is no sign of life
     output logic forget_o,  // HELLO: the engine is idle, its meshes are empty
     output request_t request_o,
     // The reply.
     input logic reply_ready_i,
     output logic reply_o,
     output code_e code_o,
-    output byte_t expected_o,
+    output sequence_t expected_o,
     // The engine's load stream.
     output logic load_tvalid_o,
     input logic load_tready_i,
@@ -74,7 +74,7 @@ module triaxis_command
   request_t request_q;
 
   code_e judged;
-  logic nobody, mine, next, repeated, ok, execute;
+  logic nobody, mine, next, repeated, execute, done;
   logic load_start, load_done, load_bad, load_accepted, empty_both;
   address_t load_address;
 
@@ -103,7 +103,7 @@ module triaxis_command
       .sequence_number_i(request_q.sequence_number),
       .command_i(request_q.command),
       .take_i(hello_o),
-      .executed_i(state_q == Reply && code_q == CodeOk),
+      .executed_i(done),
       .nobody_o(nobody),
       .mine_o(mine),
       .next_o(next),
@@ -132,16 +132,17 @@ module triaxis_command
       .code_o(judged)
   );
 
-  assign ok = state_q == Act && code_q == CodeOk;
-  assign hello_o = ok && request_q.command == CmdHello;
-  assign execute = ok && !repeated;
+  assign execute = state_q == Act && code_q == CodeOk && !repeated;
+  assign done = state_q == Reply && code_q == CodeOk;
+  assign hello_o = execute && request_q.command == CmdHello;
   assign load_start = execute && request_q.command == CmdLoad;
   assign load_o = load_accepted;
   assign move_o = execute && request_q.command == CmdMove;
   assign run_o = execute && request_q.command == CmdRun;
   assign free_o = execute && request_q.command == CmdResults;
   assign abort_o = execute && request_q.command == CmdAbort;
-  assign kick_o = hello_o || (state_q == Act && mine);
+  // A HELLO is a repeat of itself as soon as it has taken the board.
+  assign kick_o = hello_o || (done && !repeated);
   assign reply_o = state_q == Reply;
   assign release_o = reply_o;
   assign refused_o = reply_o && code_q != CodeOk;

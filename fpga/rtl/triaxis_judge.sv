@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: what a frame is answered with, in the order that triaxis_board_pkg gives, all but the
-// range of LOAD's coordinates. A repeat is not judged again, but must still be of the right length;
+// range of LOAD's coordinates. The HELLO of the board's own session is a command like others: an old
+// one that comes again is refused. A repeat is not judged again, but must still be of the right length;
 // what RESULTS asks for must be in the ring.
 // Widths: a LOAD of 255 triangles of 36 bytes and its fields have 9,184 bytes: 14 bits. Counts up to
 // Depth <= 32,768: 16 bits; with another LoadMax triangles 17 bits.
@@ -107,7 +108,7 @@ module triaxis_judge
     if (is_hello && nobody_i) code_o = CodeValue;
     else if (!mine_i && (!is_hello || alive_i)) code_o = CodeSession;
     else if (!is_known) code_o = CodeUnknown;
-    else if (!is_hello && !next_i && !repeat_i) code_o = CodeSequence;
+    else if (mine_i && !next_i && !repeat_i) code_o = CodeSequence;
     else if (14'(payload_bytes_i) != wanted_bytes) code_o = CodeLength;
     else if (command_i == CmdResults && !results_value) code_o = CodeValue;
     else if (is_hello || repeat_i) code_o = CodeOk;

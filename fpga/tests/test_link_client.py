@@ -171,9 +171,9 @@ def test_refusals_are_said(command, code, what):
         (Command.MOVE, bytes(11) + b"\x01", "pose: Pose(x=0, y=0, z=16777216), expected Pose(x=0, y=0, z=0)"),
         (Command.RUN, b"\x02", "run number: 2, expected 1"),
         (Command.RESULTS, bytes(7), "must be 50: not this protocol"),
-        (Command.HELLO, b"\x02" + bytes(20), "speaks protocol 02, this program 01: load the bitstream"),
-        (Command.HELLO, b"", "speaks protocol none, this program 01"),
-        (Command.HELLO, b"\x01", "Description: 1 bytes, must be 13: not this protocol"),
+        (Command.HELLO, b"\x01" + bytes(20), "speaks protocol 01, this program 02: load the bitstream"),
+        (Command.HELLO, b"", "speaks protocol none, this program 02"),
+        (Command.HELLO, b"\x02", "Description: 1 bytes, must be 13: not this protocol"),
     ],
 )
 def test_answers_to_another_question_are_said(command, payload, what):
@@ -212,7 +212,7 @@ def test_sessions_differ_and_are_never_0():
         line = ScriptedLine()
         Board(line).hello()
         (body,) = Deframer().feed(line.frames[0])
-        sessions.add(body[2:6])
+        sessions.add(body[5:9])
     assert len(sessions) == 20
     assert bytes(4) not in sessions
 

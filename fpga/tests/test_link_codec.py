@@ -106,7 +106,7 @@ def test_lengths_are_bounded():
 
 @pytest.mark.parametrize(
     ("record", "size"),
-    [(RequestHead, 6), (ReplyHead, 7), (Description, 13), (LoadHead, 4), (Status, 50), (ResultsHead, 5)],
+    [(RequestHead, 9), (ReplyHead, 10), (Description, 13), (LoadHead, 4), (Status, 50), (ResultsHead, 5)],
 )
 def test_layouts_have_the_sizes_of_the_protocol(record, size):
     assert record.size() == size

@@ -14,8 +14,8 @@ def test_what_is_published():
     assert board.pins["CLK100MHZ"] == "E3"
     assert board.pins["LED[15]"] == "V11"
     assert board.ports["seg_no[7]"] == board.pins["DP"]
-    assert {"led_o[15]", "an_no[7]", "go_o", "stop_o"} <= board.ports.keys()
-    assert len(board.ports) == 1 + 1 + 2 + 16 + 8 + 8 + 2
+    assert {"led_o[15]", "an_no[7]", "go_o", "stop_o", "beat_o"} <= board.ports.keys()
+    assert len(board.ports) == 1 + 1 + 2 + 16 + 8 + 8 + 3
     assert all(re.fullmatch(r"[A-HJ-NPRT-V]\d{1,2}", pin) for pin in board.pins.values())
 
 

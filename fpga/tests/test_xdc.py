@@ -51,7 +51,7 @@ def test_every_port_has_the_standard_of_its_bank():
 
 def test_go_falls_and_stop_rises_where_nothing_drives_them():
     pulls = {port: value for port, name, value in port_properties(constrained()) if name == "PULLTYPE"}
-    assert pulls == {"go_o": "PULLDOWN", "stop_o": "PULLUP", "uart_rx_i": "PULLUP"}
+    assert pulls == {"go_o": "PULLDOWN", "stop_o": "PULLUP", "beat_o": "PULLDOWN", "uart_rx_i": "PULLUP"}
 
 
 def test_clock_and_configuration_voltage():

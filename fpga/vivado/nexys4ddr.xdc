@@ -57,7 +57,7 @@ set_property -dict {PACKAGE_PIN T14 IOSTANDARD LVCMOS33} [get_ports {an_no[5]}]
 set_property -dict {PACKAGE_PIN K2 IOSTANDARD LVCMOS33} [get_ports {an_no[6]}]
 set_property -dict {PACKAGE_PIN U13 IOSTANDARD LVCMOS33} [get_ports {an_no[7]}]
 
-# --- Collision output: Pmod JA, pin 1 go, pin 2 stop ---------------------------------------------
+# --- Collision output: Pmod JA, pin 1 go, pin 2 stop, pin 3 beat ----------------------------------
 #
 # Go is go high together with stop low; anything else means stop. The resistors in the FPGA hold both
 # pins at stop while a configured device does not drive them. They do nothing before configuration: an
@@ -67,12 +67,16 @@ set_property -dict {PACKAGE_PIN U13 IOSTANDARD LVCMOS33} [get_ports {an_no[7]}]
 #     FPGA's weak pull-ups (1 kilohm): an open wire, a cable that is cut or not plugged, and a board
 #     without power or design are then all stop;
 #   - to look at both wires: a short between them, or of one of them to a supply, is then stop too, and
-#     both alike for longer than a change takes is a fault to be reported.
+#     both alike for longer than a change takes is a fault to be reported;
+#   - where the board's oscillator may fail: a retriggerable monostable on beat, of some milliseconds,
+#     without which go does not count.
 
 set_property -dict {PACKAGE_PIN C17 IOSTANDARD LVCMOS33} [get_ports {go_o}]
 set_property -dict {PACKAGE_PIN D18 IOSTANDARD LVCMOS33} [get_ports {stop_o}]
+set_property -dict {PACKAGE_PIN E18 IOSTANDARD LVCMOS33} [get_ports {beat_o}]
 set_property PULLTYPE PULLDOWN [get_ports go_o]
 set_property PULLTYPE PULLUP [get_ports stop_o]
+set_property PULLTYPE PULLDOWN [get_ports beat_o]
 
 # --- Asynchronous pins ---------------------------------------------------------------------------
 #
@@ -81,4 +85,4 @@ set_property PULLTYPE PULLUP [get_ports stop_o]
 # waits until they differ, so their skew of some nanoseconds does not matter.
 
 set_false_path -from [get_ports {cpu_reset_ni uart_rx_i}]
-set_false_path -to [get_ports {uart_tx_o led_o[*] seg_no[*] an_no[*] go_o stop_o}]
+set_false_path -to [get_ports {uart_tx_o led_o[*] seg_no[*] an_no[*] go_o stop_o beat_o}]

@@ -105,6 +105,7 @@ struct BoardPins {
     int64_t go_clocks;       // of them, those after which the go pin said go
     int64_t bad_clocks;      // those after which go and stop were not opposite
     int64_t framing_errors;  // of what the board has sent
+    int64_t beats;           // edges of the beat pin
     uint16_t leds;
     uint8_t go;
     uint8_t stop;
@@ -124,6 +125,7 @@ struct Board {
 static bool Clock(Board& board) {
     Vboard& top = board.top;
     const bool was_go = top.go_o;
+    const bool was_beat = top.beat_o;
     bool level = board.sender.Next();
     if (board.inverted > 0) {
         --board.inverted;
@@ -141,6 +143,7 @@ static bool Clock(Board& board) {
     BoardPins& pins = board.pins;
     ++pins.clocks;
     pins.go_clocks += top.go_o;
+    pins.beats += top.beat_o != was_beat;
     pins.bad_clocks += top.go_o == top.stop_o;
     for (int digit = 0; digit < kDigits; ++digit) {
         if (!(top.an_no >> digit & 1)) pins.segments[digit] = static_cast<uint8_t>(~top.seg_no);

@@ -23,6 +23,7 @@ class BoardParameters:
     watchdog_clocks: int = 10_000_000
     build_id: int = 0
     digit_clocks: int = 16
+    beat_clocks: int = 64
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""
@@ -52,4 +53,5 @@ class BoardParameters:
             "WatchdogClocks": self.watchdog_clocks,
             "BuildId": self.build_id,
             "DigitClocks": self.digit_clocks,
+            "BeatClocks": self.beat_clocks,
         }

@@ -25,6 +25,7 @@ class _Pins(ctypes.Structure):
         ("go_clocks", ctypes.c_int64),
         ("bad_clocks", ctypes.c_int64),
         ("framing_errors", ctypes.c_int64),
+        ("beats", ctypes.c_int64),
         ("leds", ctypes.c_uint16),
         ("go", ctypes.c_uint8),
         ("stop", ctypes.c_uint8),
@@ -153,6 +154,11 @@ class SimulatedTop:
     def bad_clocks(self) -> int:
         """Return in how many clocks since power-up the go and stop pins were not opposite."""
         return self._pins().bad_clocks
+
+    @property
+    def beats(self) -> int:
+        """Return how many edges the beat pin has made since power-up."""
+        return self._pins().beats
 
     @property
     def framing_errors(self) -> int:

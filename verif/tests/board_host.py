@@ -106,7 +106,7 @@ class BoardHost:
         """Return a frame; without a number, that of the next command."""
         number = self.sequence + 1 if sequence is None else sequence
         whose = self.session if session is None else session
-        return struct.pack("<BBI", command, number % 256, whose) + payload
+        return struct.pack("<BII", command, number % 2**32, whose) + payload
 
     def replies(self, clocks: int, count: int | None = None) -> list[Reply]:
         """Run so many clocks, less when ``count`` replies have come; return those that have."""
@@ -115,7 +115,7 @@ class BoardHost:
             clocks -= self.top.step(clocks, until_event=True)
             *frames, self._heard = (self._heard + self.top.receive()).split(b"\xc0")
             bodies = [unstuffed(frame) for frame in frames if frame]
-            found += [Reply(*struct.unpack("<BBIB", body[:7]), body[7:]) for body in bodies]
+            found += [Reply(*struct.unpack("<BIIB", body[:10]), body[10:]) for body in bodies]
         return found
 
     def exchange(self, line: bytes) -> Reply:
@@ -135,10 +135,11 @@ class BoardHost:
         """Send a command and return its reply; an executed one counts."""
         body = self.frame(command, payload, sequence, session)
         reply = self.exchange(on_line(body))
-        assert (reply.command, reply.sequence) == (command | 0x80, body[1])
+        (number,) = struct.unpack_from("<I", body, 1)
+        assert (reply.command, reply.sequence) == (command | 0x80, number)
         assert reply.session == (self.session if session is None else session)
         if reply.code == OK:
-            self.sequence = body[1]
+            self.sequence = number
         return reply
 
     def hello(self) -> bytes:
@@ -156,7 +157,7 @@ class BoardHost:
 
     def load(self, mesh: int, triangles: np.ndarray) -> None:
         """Replace a mesh by triangles (N, 3, 3)."""
-        step = min(12, 242 // len(packed(triangles[:1], self.top.parameters.width)))
+        step = min(12, 239 // len(packed(triangles[:1], self.top.parameters.width)))
         for first in range(0, len(triangles), step):
             count = self.good(LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
             assert count == struct.pack("<H", min(first + step, len(triangles)))

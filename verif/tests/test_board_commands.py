@@ -112,7 +112,6 @@ def test_hello_of_the_same_session_starts_afresh(host):
     clear_scene(host)
     host.move(1, 2, 3)
     clear_run(host)
-    host.sequence = 77
     host.hello()
     status = host.status()
     assert (status.run, status.state, status.end, status.cycles) == (0, NEVER, 0, 0)
@@ -122,19 +121,38 @@ def test_hello_of_the_same_session_starts_afresh(host):
     assert (status.run, status.x, status.y, status.z) == (1, 0, 0, 0)
 
 
-@pytest.mark.parametrize("ahead", [2, 3, 128, 255, 0])
+@pytest.mark.parametrize("ahead", [2, 3, 128, 256, 257, 1 << 31, 0])
 def test_bad_sequence(host, ahead):
     host.status()
     # 0 ahead is the number of the last command, but another command.
     reply = host.ask(ABORT, sequence=host.sequence + ahead)
-    assert (reply.code, reply.payload) == (SEQUENCE, bytes([host.sequence + 1]))
+    assert (reply.code, reply.payload) == (SEQUENCE, struct.pack("<I", host.sequence + 1))
     host.status()
 
 
-def test_the_sequence_wraps(host):
-    for number in range(260):
+def test_the_sequence_wraps():
+    host = BoardHost(SimulatedTop(PARAMETERS))
+    host.sequence = 2**32 - 3
+    host.hello()
+    for number in range(5):
         host.move(number, 0, 0)
-    assert host.sequence < 256
+    assert host.sequence == 3
+
+
+def test_an_old_hello_of_the_same_session_is_refused(host):
+    first = host.sequence
+    clear_scene(host)
+    clear_run(host)
+    reply = host.ask(HELLO, sequence=first)
+    assert (reply.code, reply.payload) == (SEQUENCE, struct.pack("<I", host.sequence + 1))
+    assert host.status().count_a == 1
+
+
+def test_a_repeated_hello_is_answered_once_more(host):
+    first = host.hello()
+    assert host.exchange(on_line(host.frame(HELLO, sequence=host.sequence))).payload == first
+    host.load(0, flat(0))
+    assert host.status().count_a == 1
 
 
 def test_unknown_commands(host):

@@ -39,7 +39,7 @@ def good_again(host: BoardHost, errors: int) -> None:
 def test_hello_describes_the_board(host):
     is_ = PARAMETERS
     assert host.hello() == struct.pack(
-        "<BBBHBBIH", 1, is_.width, is_.margin_bits, is_.depth, is_.group, is_.lanes, is_.build_id, 1
+        "<BBBHBBIH", 2, is_.width, is_.margin_bits, is_.depth, is_.group, is_.lanes, is_.build_id, 1
     )
 
 
@@ -80,18 +80,18 @@ def test_every_damaged_byte_is_seen(host, rng):
 
 def test_too_short(host):
     # Ends with a good CRC, and yet is none.
-    for errors, length in enumerate(range(6), 1):
+    for errors, length in enumerate(range(9), 1):
         host.silent(on_line(bytes(range(length))))
         good_again(host, errors)
 
 
 def test_the_longest_frame_is_taken_and_a_longer_one_is_not(host):
-    body = host.frame(STATUS, bytes(246))
+    body = host.frame(STATUS, bytes(243))
     assert len(body) + 4 == 256
     assert host.exchange(on_line(body)).code == LENGTH
-    assert host.exchange(on_line(host.frame(0x55, bytes(246)))).code == UNKNOWN
+    assert host.exchange(on_line(host.frame(0x55, bytes(243)))).code == UNKNOWN
     good_again(host, 0)
-    host.silent(on_line(host.frame(STATUS, bytes(247))))
+    host.silent(on_line(host.frame(STATUS, bytes(244))))
     good_again(host, 1)
     host.silent(on_line(host.frame(STATUS, bytes(1000))))
     good_again(host, 2)
@@ -162,7 +162,7 @@ def test_a_frame_during_a_reply_waits_and_a_third_is_an_error(host):
 def test_no_flood_of_frames_stops_the_board(host, rng):
     clear_scene(host)
     clear_run(host)
-    frames = [on_line(host.frame(STATUS, sequence=int(number))) for number in rng.integers(0, 256, 200)]
+    frames = [on_line(host.frame(STATUS, sequence=int(number))) for number in rng.integers(0, 2**32, 200)]
     host.top.send(b"".join(frames))
     assert host.replies(150_000)
     assert not says_go(host.top)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
+from triaxis.verif.board.parameters import BoardParameters
 from triaxis.verif.board.simulated_top import SimulatedTop
 from triaxis.verif.tests.board_host import (
     ABORT,
@@ -212,6 +213,68 @@ def test_another_master_keeps_no_watchdog_alive(host):
         other.ask(STATUS)
         host.top.step(4000)
     assert host.status().expired
+
+
+ALIVE_LED = 1 << 3
+
+
+def sent_for_ever(host: BoardHost, frame: bytes) -> None:
+    """Deliver one frame again and again, twice in each of some watchdog times; nobody else speaks."""
+    for _ in range(6):
+        host.exchange(on_line(frame))
+        host.top.step(PARAMETERS.watchdog_clocks // 2)
+
+
+def test_a_line_that_repeats_one_frame_keeps_no_go(host):
+    clear_run(host)
+    host.status()
+    sent_for_ever(host, host.frame(STATUS, sequence=host.sequence))
+    assert not says_go(host.top)
+    assert not host.top.leds & ALIVE_LED
+
+
+@pytest.mark.parametrize(
+    ("command", "payload", "ahead"),
+    [
+        (STATUS, b"", 77),
+        (STATUS, b"\0", 1),
+        (RUN, struct.pack("<BIHH", ALL, 0, 9, 9), 1),
+        (LOAD, struct.pack("<BHB", 0, 9, 1) + bytes(18), 1),
+        # Older ones of the board's own master: its HELLO, too, must not keep the board from others.
+        (STATUS, b"", -1),
+        (HELLO, b"", -5),
+    ],
+)
+def test_what_is_not_executed_keeps_no_watchdog_alive(host, command, payload, ahead):
+    for _ in range(5):
+        host.status()
+    sent_for_ever(host, host.frame(command, payload, host.sequence + ahead))
+    assert not host.top.leds & ALIVE_LED
+    BoardHost(host.top, 99).hello()
+
+
+def test_a_load_of_bad_coordinates_keeps_no_watchdog_alive():
+    host = BoardHost(SimulatedTop(BoardParameters(width=20, margin_bits=12, watchdog_clocks=100_000)))
+    host.hello()
+    sent_for_ever(host, host.frame(LOAD, struct.pack("<BHB", 0, 0, 1) + b"\xff\xff\x0f" * 9))
+    assert not host.top.leds & ALIVE_LED
+
+
+def test_the_beat_is_there_while_go_is_and_no_longer(host):
+    clear_run(host)
+    host.status()
+    host.top.step(PARAMETERS.beat_clocks)
+    beats = host.top.beats
+    host.top.step(10 * PARAMETERS.beat_clocks)
+    assert host.top.beats == beats + 10
+    host.good(ABORT)
+    beats = host.top.beats
+    host.top.step(10 * PARAMETERS.beat_clocks)
+    assert host.top.beats == beats
+
+
+def test_no_beat_before_go(host):
+    assert host.top.beats == 0
 
 
 def test_stop_from_power_up():

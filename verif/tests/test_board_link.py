@@ -207,6 +207,31 @@ def test_a_stale_clear_is_not_believed(top, rng):
     assert attempt(Board(SimulatedLine(wire)), a, b) == (Verdict.NEAR, [list(pair)])
 
 
+@pytest.mark.parametrize("ago", [128, 256, 512])
+def test_a_frame_of_long_ago_is_not_taken_for_the_next(ago, top, rng):
+    """A line that keeps frames back delivers one with the low bits of the number that is due."""
+    sent = []
+    replaying = False
+
+    def keep(data):
+        sent.extend([data] if data else [])
+        old = sent[-1 - ago] if replaying and data else b""
+        return old + data
+
+    wire = SimulatedWire(top, CLOCKS_PER_SECOND, Wire(to_board=keep))
+    board = Board(SimulatedLine(wire))
+    a, b, pair = one_near_pair(rng)
+    board.hello()
+    loaded = len(sent)
+    assert check_on_board(board, a, b + 30_000, 2, Pose(0, 0, 0), Mode.ALL).verdict == Verdict.CLEAR
+    for _ in range(ago - (len(sent) - loaded)):
+        board.status()
+    replaying = True
+    found = check_on_board(board, a, b, 2, Pose(0, 0, 0), Mode.ALL)
+    assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
+    assert top.stop
+
+
 def test_a_bad_line_through_the_serial_port(top, rng):
     faults = [LineFaults(rng, 0.1), LineFaults(rng, 0.1)]
     a, b, pair = one_near_pair(rng)

@@ -1,0 +1,37 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: a square wave while go is said, low otherwise. The watchdog runs on the clock that it would
+// have to guard: where the clock stands still, go stays as it is, and only the edges here end.
+// Latency: Clocks clocks from go_i to the first edge; 1 clock from the end of go_i.
+
+module triaxis_beat #(
+    parameter int unsigned Clocks = 50_000  // between two edges
+) (
+    input  logic clk_i,
+    input  logic rst_ni,
+    input  logic go_i,
+    output logic beat_o
+);
+
+  typedef logic [$clog2(Clocks+1)-1:0] count_t;
+  count_t count_q;
+  logic   beat_q;
+  assign beat_o = beat_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      count_q <= '0;
+      beat_q  <= 1'b0;
+    end else if (!go_i) begin
+      count_q <= '0;
+      beat_q  <= 1'b0;
+    end else if (count_q == count_t'(Clocks - 1)) begin
+      count_q <= '0;
+      beat_q  <= !beat_q;
+    end else begin
+      count_q <= count_q + count_t'(1);
+    end
+  end
+
+endmodule
