@@ -25,7 +25,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         description="Decide whether any facet of A comes within the clearance (Chebyshev distance) of any "
         "facet of B. Surfaces only: a mesh wholly inside the other touches none of its facets. The "
         "margin covers the rounding to the grid, so a pair within the clearance is never missed; "
-        "a false alarm is less than four steps of the resolution beyond it.",
+        "a false alarm is less than four steps of the resolution, plus twice what reading and turning "
+        "rounded, beyond it.",
         epilog="Exit codes: 0 clear, 1 near, 2 error.",
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
@@ -60,11 +61,14 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Check the meshes and print what was found."""
+    check_written(options.json, (options.a, options.b))
+    if options.json is not None:
+        # Whatever happens now, no older verdict is left there.
+        write_report(options.json, {"verdict": "unknown"})
     if options.width is not None:
         check_width(options.width)
     if options.clearance < 0:
         raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
-    check_written(options.json, (options.a, options.b))
     pose = Pose(tuple(_turn(*words) for words in options.rotate), tuple(options.move))
     meshes = prepare(
         read_stl(options.a),

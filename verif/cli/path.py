@@ -50,8 +50,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("moves", type=Path, metavar="MOVES.nc", help="the program")
     parser.add_argument(
-        "--start", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
-        help="where the tool is before the first move (0 0 0)",
+        "--start", nargs=3, type=number, metavar=("X", "Y", "Z"),
+        help="where the tool is before the first move; 0 0 0 is assumed, and said, where it is not given",
     )  # fmt: skip
     parser.add_argument(
         "--clearance", type=number, default=Fraction(1, 2), metavar="C", help="wanted clearance (0.5)"
@@ -97,8 +97,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Check the path and print what was found."""
+    _forget_results(options)
     _check_options(options)
-    program = read_program(options.moves, tuple(options.start), options.block_delete)
+    start = None if options.start is None else tuple(options.start)
+    program = read_program(options.moves, start, options.block_delete)
     step = _STEPS * options.resolution if options.step is None else options.step
     wanted = Wanted(options.clearance, options.resolution, step, options.scale, options.width)
     names = (str(options.tool), str(options.work))
@@ -117,16 +119,30 @@ def run(options: argparse.Namespace) -> int:
     return NEAR if result.near else CLEAR
 
 
+def _forget_results(options: argparse.Namespace) -> None:
+    """Leave no older verdict, whatever happens now."""
+    inputs = (options.tool, options.work, options.moves)
+    check_written(options.json, inputs)
+    if options.json is not None:
+        write_report(options.json, {"verdict": "unknown"})
+    picture = options.picture
+    if picture is None:
+        return
+    if picture.suffix not in (".png", ".svg"):
+        raise InputError(f"{picture}: must end in .png or .svg")
+    check_written(picture, inputs)
+    try:
+        picture.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"{picture}: cannot remove the older one: {error.strerror}") from error
+
+
 def _check_options(options: argparse.Namespace) -> None:
     """Raise InputError at what no later check names as well."""
     if options.width is not None:
         check_width(options.width)
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
-    if options.picture is not None and options.picture.suffix not in (".png", ".svg"):
-        raise InputError(f"{options.picture}: must end in .png or .svg")
-    for written in (options.json, options.picture):
-        check_written(written, (options.tool, options.work, options.moves))
 
 
 def _profile(

@@ -13,6 +13,9 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 
+# What follows a program could be run by a control: nothing of a file is passed over.
+AFTER_THE_END = "stands after the end of the program: remove it, or split the file"
+
 # Digits of a number: more than any control takes, few enough to keep exact sums small.
 _DIGITS = 15
 
@@ -58,22 +61,24 @@ class Block:
 
 
 def read_blocks(path: Path) -> Iterator[Block]:
-    """Yield the lines with words, in order, to the end or to the second line of a single %.
+    """Yield the lines with words, in order. A single % stands before the first, and after the last.
 
-    Raises InputError where the file cannot be read, or a line is not made of words, comments and blanks.
+    Raises InputError where the file cannot be read, a line is not made of words, comments and blanks, or
+    anything follows the closing %.
     """
     try:
         text = path.read_bytes().removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
     except OSError as error:
         raise InputError(f"{path}: cannot read: {error.strerror}") from error
-    started = False
+    started = closed = False
     for number, line in enumerate(_LINE_END.split(text), 1):
         place = Place(path, number)
         body = _without_comments(place, line).strip()
         if body == "%":
-            if started:
-                return
+            closed = started
             started = True
+        elif body and closed:
+            raise place.error(body.split()[0], AFTER_THE_END)
         elif body:
             started = True
             yield _block(place, body)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.quantise import Vector
-from triaxis.verif.motion.gcode import Block, Place, Word, read_blocks
+from triaxis.verif.motion.gcode import AFTER_THE_END, Block, Place, Word, read_blocks
 from triaxis.verif.motion.refused_words import WHY_REFUSED
 
 _AXES = "XYZ"
@@ -67,24 +67,31 @@ class _State:
     notes: dict[str, str] = field(default_factory=dict)
 
 
-def read_program(path: Path, start: Vector, skip_optional: bool = False) -> Program:
-    """Read the moves of a program that begins at ``start``, in millimetres.
+def read_program(path: Path, start: Vector | None, skip_optional: bool = False) -> Program:
+    """Read the moves of a program that begins at ``start``, in millimetres; None: nobody has said where.
 
     ``skip_optional`` leaves out lines that begin with /. Raises InputError, naming file, line and word, at
-    whatever is not understood, and where there is no move.
+    whatever is not understood or stands after the program's end, and where there is no move.
     """
-    state = _State(start)
+    state = _State(start or (Fraction(0),) * 3)
+    ended = False
     for block in read_blocks(path):
+        if ended and block.words:
+            raise block.place.error(block.words[0].text, AFTER_THE_END)
         if block.optional:
             done = "left out" if skip_optional else "run"
             state.notes.setdefault("optional", f"lines that begin with / are {done}")
         if block.optional and skip_optional:
             continue
         if _run(block, state):
-            state.notes["end"] = f"the program ends in line {block.place.line}"
-            break
+            ended = True
     if not state.moves:
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
+    if start is None:
+        line = state.moves[0].line
+        state.notes["start"] = (
+            f"line {line}: the first move starts at X0 Y0 Z0, which is assumed: give --start"
+        )
     return Program(path, tuple(state.moves), tuple(state.notes.values()))
 
 

@@ -74,6 +74,19 @@ def test_check_in_a_pose(check, meshes, tmp_path):
     check(*there, "--clearance", "1.99")
 
 
+def test_errors_leave_no_older_verdict(check, meshes, tmp_path):
+    report = tmp_path / "report.json"
+    for options in (
+        ("--rotate", "w", "90"),
+        ("--width", "40"),
+        ("--clearance", "-1"),
+        ("--width", "16", "--move", "0", "0", "90"),
+    ):
+        report.write_text('{"verdict": "clear"}')
+        check("--json", report, *options, status=2)
+        assert json.loads(report.read_text()) == {"verdict": "unknown"}
+
+
 def test_check_refuses_bad_poses(check, meshes):
     assert "--rotate w: must be x, y or z" in check("--rotate", "w", "90", status=2)
     assert "--rotate xy: must be x, y or z" in check("--rotate", "xy", "90", status=2)

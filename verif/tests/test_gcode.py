@@ -39,10 +39,11 @@ ACCEPTED = [
     ("G20 G0 X1\nG21 X1", [(Fraction(254, 10), 0, 0), (1, 0, 0)]),
     ("X1 G0 G20", [(Fraction(254, 10), 0, 0)]),
     ("G20\nG91 G0 X.001\nX.001", [(Fraction(254, 10**4), 0, 0), (Fraction(508, 10**4), 0, 0)]),
-    ("%\nO1001\n(NAME; G0 X9)\nN10 G0 X1 (G0 X8) Y2 ; X7\n%\nG0 X5", [(1, 2, 0)]),
+    ("%\nO1001\n(NAME; G0 X9)\nN10 G0 X1 (G0 X8) Y2 ; X7\n%\n(end)\n \n%\n", [(1, 2, 0)]),
+    ("G0 X1\n%\n", [(1, 0, 0)]),
     ("/G0 X3\nG0 X1", [(3, 0, 0), (1, 0, 0)]),
     ("N5 G17 G40 G49 G54 G80 G90 G94 G61 G21\nT1 M6\nS1000 M3 M8\nG0 X1\nG4 P0.5\nM9 M5", [(1, 0, 0)]),
-    ("G0 X1 M30\nG0 X2\nnonsense", [(1, 0, 0)]),
+    ("%\nG0 X1 M30\n(end)\n%\n", [(1, 0, 0)]),
     ("G0 X1\r\nX2\rX3\n", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
     ("G0 X1\nG80 G1 F5\nX2", [(1, 0, 0), (2, 0, 0)]),
     ("\ufeffG0\tX 1", [(1, 0, 0)]),
@@ -65,9 +66,12 @@ def test_moves_know_line_start_and_feed(read):
 
 def test_what_was_assumed_is_said(read):
     assert read("G21 G0 X1").notes == ()
+    assert read("G21\nG0 X1 Y2 Z3", None).notes == (
+        "line 2: the first move starts at X0 Y0 Z0, which is assumed: give --start",
+    )
+    assert read("G21 G0 X1", None).moves[0].start == ORIGIN
     assert read("G0 X1").notes == ("line 1: no G20 or G21 before it: millimetres assumed",)
     assert "taken to be the one given" in read("G21\nT3 M6\nG0 X1").notes[0]
-    assert read("G21 G0 X1\nM2").notes == ("the program ends in line 2",)
     assert ends(read("/G0 X3\nG0 X1", skip_optional=True)) == [(1, 0, 0)]
     assert "lines that begin with / are left out" in read("/G0 X3\nG0 X1", skip_optional=True).notes
     assert "lines that begin with / are run" in read("/G0 X3\nG0 X1").notes
@@ -126,6 +130,13 @@ REFUSED = [
     ("G0 X1 %", 1, "%", "alone on its line"),
     ("G0 X1234567890123456", 1, "X1234567890123456", "more than 15 digits"),
     ("G0 X0.1234567890123456", 1, "X0.1234567890123456"[:20], "more than 15 digits"),
+    ("G0 X0\n%\nG1 Z-50 F9", 3, "G1", "after the end of the program"),
+    ("%\nG0 Z1\n%\nG1 Z-50 F9", 4, "G1", "after the end of the program"),
+    ("%\nG0 Z1\nM30\n%\n%\nO2\nG0 Z-50\n%", 6, "O2", "after the end of the program"),
+    ("G0 X1 M30\nG0 X2\n%", 2, "G0", "after the end of the program"),
+    ("%\n%\nG0 Z1", 3, "G0", "after the end of the program"),
+    ("%\nG0 Z1\n%\nnonsense", 4, "nonsense", "after the end of the program"),
+    ("G0 Z1\nM2\n/G0 Z-50", 3, "G0", "after the end of the program"),
     ("G0 X- 1", 1, "X-", "no decimal number"),
     ("G0 X\u0661", 1, "X\u0661", "no decimal number"),
 ]

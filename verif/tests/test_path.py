@@ -245,22 +245,42 @@ def test_a_dive_is_found(files, tmp_path, capsys):
     assert main([*command[:3], str(tmp_path / "no.nc")]) == 2
 
 
-def test_errors_leave_no_files(files, tmp_path, capsys):
-    moves = tmp_path / "moves.nc"
+def test_errors_leave_no_older_verdict(files, tmp_path, capsys):
+    moves, report, picture = (tmp_path / name for name in ("moves.nc", "report.json", "picture.png"))
     moves.write_text("G21 G0 Z50\nG2 X5 I1\n")
-    command = ["path", *files, str(moves), "--engine", "bulk", "--json", str(tmp_path / "report.json")]
-    before = sorted(tmp_path.iterdir())
-    assert main(command) == 2
-    assert f"{moves}: line 2: word 'G2': arcs are not supported" in capsys.readouterr().err
+    unrelated = tmp_path / "x.gif"
+    unrelated.write_text("")
+    command = ["path", *files, str(moves), "--engine", "bulk", "--json", str(report)]
+    before = sorted([*tmp_path.iterdir(), report])
     for option, why in (
-        (["--picture", "x.gif"], "must end in .png or .svg"),
+        ([], f"{moves}: line 2: word 'G2': arcs are not supported"),
+        (["--picture", str(picture)], "arcs are not supported"),
+        (["--picture", str(unrelated)], "must end in .png or .svg"),
+        (["--picture", str(tmp_path / "report.json" / "x.png")], "cannot remove"),
         (["--profile", "1"], "at least 2 places"),
-        (["--json", files[0]], "is an input file"),
         (["--width", "40"], "8..32"),
     ):
+        report.write_text('{"verdict": "clear"}')
+        if str(picture) in option:
+            picture.write_text("of an older path")
         assert main([*command, *option]) == 2
         assert why in capsys.readouterr().err
-    assert sorted(tmp_path.iterdir()) == before
+        assert json.loads(report.read_text()) == {"verdict": "unknown"}
+        assert sorted(tmp_path.iterdir()) == before
+    for option in ("--json", "--picture"):
+        assert main([*command, option, files[0]]) == 2
+    assert "is an input file" in capsys.readouterr().err
+
+
+def test_a_start_that_nobody_gave_is_said(files, tmp_path, capsys):
+    moves = tmp_path / "moves.nc"
+    moves.write_text("G21 G0 Z500")
+    command = ["path", *files, str(moves), "--engine", "bulk"]
+    note = "note: line 1: the first move starts at X0 Y0 Z0, which is assumed: give --start"
+    main(command)
+    assert note in capsys.readouterr().out
+    assert main([*command, "--start", "0", "0", "60"]) == 0
+    assert "assumed" not in capsys.readouterr().out
 
 
 def test_a_tool_that_starts_within_the_work_is_noted(files, tmp_path, capsys):
