@@ -18,6 +18,8 @@ from triaxis.golden.errors import InputError
 
 _HEADER_BYTES = 84
 _FACET_BYTES = 50
+# More than any length, and its quotients by any resolution are far from overflow.
+_LARGEST = 1e30
 
 Facets = npt.NDArray[np.floating]
 
@@ -56,17 +58,17 @@ def read_stl(path: Path) -> StlMesh:
     if not data:
         raise InputError(f"{path}: empty file: an STL with at least one facet is needed")
     text = data.removeprefix(b"\xef\xbb\xbf").lstrip()
-    # Binary files whose header begins with "solid" exist, so the size has the last word.
-    is_ascii = text[:5].lower() == b"solid" and len(data) != _binary_size(data)
+    # Binary files whose header begins with "solid" exist: the size has the last word, and text has no zeros.
+    is_ascii = text[:5].lower() == b"solid" and len(data) != _binary_size(data) and b"\0" not in data
     facets = _read_ascii(path, text) if is_ascii else _read_binary(path, data)
     if len(facets) == 0:
         raise InputError(f"{path}: no facets: an STL with at least one is needed")
-    wrong = ~np.isfinite(facets)
+    wrong = ~(np.abs(facets) <= _LARGEST)
     if wrong.any():
         facet, vertex, coordinate = (int(i) for i in np.argwhere(wrong)[0])
         raise InputError(
             f"{path}: facet {facet}, vertex {vertex}, coordinate {'xyz'[coordinate]}: "
-            f"{facets[facet, vertex, coordinate]} is not a finite number"
+            f"{facets[facet, vertex, coordinate]}: must be a number of at most {_LARGEST:g}; export it again"
         )
     # Rounding to nearest is off by at most 2^-53 of the number, or 2^-1075 for the tiniest.
     largest = Fraction(float(np.abs(facets).max()))
@@ -112,8 +114,8 @@ def _read_ascii(path: Path, data: bytes) -> Facets:
         _check_facet(path, position // size, words[position : position + size])
     if begins != ends:
         raise InputError(
-            f"{path}: after facet {len(words) // size - 1}: {begins} solids begin, {ends} end; truncated, "
-            "export it again"
+            f"{path}: {len(words) // size} facets, then the end: {begins} solids begin, {ends} end; "
+            "truncated, export it again"
         )
     table = np.array(words, np.str_).reshape(-1, size)
     return table[:, _COORDINATES].astype(np.float64).reshape(-1, 3, 3)

@@ -118,7 +118,7 @@ def _made_cases() -> Iterator[Case]:
 
 
 def _close_case(scene: Scene) -> Case:
-    """Return two solids on a grid that they fill, with a clearance of a hundredth of their extent."""
+    """Return two solids on a grid that they fill, with a clearance of a four-hundredth of their extent."""
     extent = max(float(np.ptp(np.concatenate([scene.a, scene.b]).reshape(-1, 3), 0).max()), 1e-6)
     resolution = Fraction(ceil(extent * 10_000 / _STEPS), 10_000)
     grid = centred_grid([scene.a, scene.b], resolution, CONFIGURATION.width)

@@ -16,12 +16,13 @@
 //   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {mode, margin}, only the mode
 //                 where M = 0
 //   m_axis_near   {index in B, index in A}, in the order of the scan
-//   m_axis_done   one summary a run, after its last near pair was taken; its values stay until the
-//                 next run is accepted. A reset clears them, and empties both meshes.
+//   m_axis_done   one summary a run, after its last near pair was taken. Its values stay until the
+//                 next run is accepted; during a run the status is none. A reset clears them, and
+//                 empties both meshes: a run of empty meshes is complete, and nothing in it is near.
 // A complete run accounts for all pairs: skipped and opened pairs of groups are all there are, and
 // the pairs within those opened are skipped by their boxes, or tested.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
-// Latency: cycles_o tells; where nothing can be skipped, one clock a pair and some 60 more.
+// Latency: cycles_o tells; where nothing can be skipped, one clock a pair and some 50 more.
 
 module triaxis_mesh
   import triaxis_pkg::*;

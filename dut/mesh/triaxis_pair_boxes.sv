@@ -6,7 +6,7 @@
 // which some overlap leave as (triangle of A, word of triangles of B, mask); skipped_o is the
 // number of pairs that their boxes decide in this clock.
 // Widths: see triaxis_mesh_pkg; a number of lanes has log2(Lanes)+1 bits.
-// Latency: 4 from a pair of groups to its first word. A pair of groups takes a clock for each
+// Latency: 3 from a pair of groups to its first word. A pair of groups takes a clock for each
 // triangle of A and word of B that it has.
 
 module triaxis_pair_boxes

@@ -6,7 +6,7 @@
 // the scan.
 // Widths: A moved is compared in W+2 bits signed: |object + move| <= 2^(W-1) + 2^W. Cycles are
 // counted from the accepting edge until the summary is offered, and stay at the largest number.
-// Latency: 4 from the accepting edge to start_o, or to the summary of a run that is refused.
+// Latency: 3 from the accepting edge to start_o, or to the summary of a run that is refused.
 
 module triaxis_run_control
   import triaxis_mesh_pkg::*;
@@ -105,7 +105,10 @@ module triaxis_run_control
     status_d = status_o;
     unique case (state_q)
       StateIdle: begin
-        if (accept) state_d = StateSettle;
+        if (accept) begin
+          state_d  = StateSettle;
+          status_d = StatusNone;
+        end
       end
       StateSettle: begin
         if (settled_i) state_d = StateCheck;
@@ -140,7 +143,8 @@ module triaxis_run_control
     endcase
     // Refused or aborted: whatever else was to come next does not.
     if (abort_i && state_q inside {StateSettle, StateCheck, StateStart, StateScan}) begin
-      state_d = StateDrain;
+      state_d  = StateDrain;
+      status_d = status_o;
     end
   end
 
@@ -154,8 +158,9 @@ module triaxis_run_control
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (accept) cycles_o <= cycles_t'(1);
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) cycles_o <= '0;
+    else if (accept) cycles_o <= cycles_t'(1);
     else if (busy_o && state_q != StateReport && cycles_o != '1)
       cycles_o <= cycles_o + cycles_t'(1);
   end

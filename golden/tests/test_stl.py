@@ -41,7 +41,9 @@ def test_binary_and_ascii(tmp_path):
         (binary(FACETS)[:60], "60 bytes"),
         (binary(FACETS) + b"x", "185 bytes"),
         (binary(FACETS[:0]), "no facets"),
+        (binary(FACETS, b"solid cube")[:-1], "183 bytes, but its header announces 2 facets, 184"),
         (b"solid\nendsolid\n", "no facets"),
+        (b"solid x", "0 facets, then the end: 1 solids begin, 0 end"),
         (ascii_text(FACETS).split("endloop")[0].encode(), "the file ends within it"),
         (ascii_text(FACETS).replace("endsolid made by a test", "").encode(), "1 solids begin, 0 end"),
         (
@@ -78,10 +80,13 @@ def test_malformed_numbers_name_the_facet(tmp_path, number):
         read_stl(path)
 
 
-def test_overflowing_decimals_are_not_finite(tmp_path):
+@pytest.mark.parametrize(("number", "read"), [("1e999", "inf"), ("1e308", r"1e\+308")])
+def test_numbers_beyond_any_length(tmp_path, number, read):
     path = tmp_path / "huge.stl"
-    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", "vertex 1e999 0 1"))
-    with pytest.raises(InputError, match="facet 1, vertex 1, coordinate x: inf"):
+    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
+    with pytest.raises(
+        InputError, match=f"facet 1, vertex 1, coordinate x: {read}: must be a number of at most"
+    ):
         read_stl(path)
 
 

@@ -14,7 +14,7 @@ from triaxis.verif.mesh.engine import Mode, Status
 from triaxis.verif.paths import DUT, VERIF, mesh_sources
 
 # Fields of the summary in verif/mesh/harness.cpp.
-_STATUS, _NEAR, _FIELDS = 0, 6, 7
+_STATUS, _NEAR, _FIELDS = 0, 6, 8
 
 
 class TracedMeshEngine:

@@ -79,6 +79,7 @@ class _Summary(ctypes.Structure):
             "pairs_skipped",
             "tested",
             "near_count",
+            "reached",
         )
     ]
 
@@ -130,7 +131,10 @@ class MeshEngine:
                     f"mesh {'AB'[mesh]}: {len(triangles)} triangles: the engine holds "
                     f"{self.configuration.depth}; split the mesh, or build the engine with a greater depth"
                 )
-            self.load_unchecked(mesh, triangles, traffic)
+            held = self.load_unchecked(mesh, triangles, traffic)
+            if held != len(triangles):
+                what = f"holds {held} of the {len(triangles)} triangles of {'AB'[mesh]}"
+                raise CoreError(f"mesh engine {self.configuration.name}: {what}")
 
     def load_unchecked(
         self, mesh: int, triangles: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
@@ -182,6 +186,10 @@ class MeshEngine:
             raise CoreError(f"mesh engine {self.configuration.name}: it hangs")
         if streamed > len(near):
             raise CoreError(f"mesh engine {self.configuration.name}: {streamed} near pairs of {pairs}")
+        if reached and summary.reached > len(tested):
+            raise CoreError(
+                f"mesh engine {self.configuration.name}: tested {summary.reached} of {pairs} pairs"
+            )
         return MeshRun(
             Status(summary.status),
             summary.cycles,
@@ -191,5 +199,5 @@ class MeshEngine:
             summary.tested,
             summary.near_count,
             near[:streamed].astype(np.int64),
-            tested[: summary.tested].astype(np.int64) if reached else None,
+            tested[: summary.reached].astype(np.int64) if reached else None,
         )

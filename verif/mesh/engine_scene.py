@@ -52,6 +52,10 @@ class MeshEngineScene:
         complete = run.status == Status.COMPLETE
         if not complete and not (stop_at_first and run.status == Status.FIRST):
             raise CoreError(f"mesh engine: status {run.status.name} at translation {translation}")
+        groups_a, groups_b = (-(-len(part.facets) // self._engine.configuration.group) for part in (a, b))
+        decided = run.group_pairs_skipped + run.group_pairs_opened
+        if complete and decided != groups_a * groups_b:
+            raise CoreError(f"mesh engine: {decided} of {groups_a * groups_b} pairs of groups decided")
         near = np.stack([a.numbers[run.near[:, 0]], b.numbers[run.near[:, 1]]], 1)
         opened = run.pairs_skipped + run.tested
         return SceneRun(

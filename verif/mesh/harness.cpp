@@ -19,9 +19,9 @@ constexpr uint64_t kCoordinateMask = (uint64_t{1} << WIDTH) - 1;
 constexpr int kMoveBits = WIDTH + 1;
 constexpr uint64_t kIndexMask = (uint64_t{1} << INDEX_BITS) - 1;
 
-// Clocks without any near pair, tested pair or summary after which the engine is taken to hang: more than the
-// largest mesh can spend on skipping, 2^26 words.
-constexpr uint64_t kPatience = uint64_t{1} << 27;
+// Clocks without any near pair, tested pair or summary after which the engine is taken to hang: skipping takes at
+// most one for each pair of triangles.
+constexpr uint64_t kPatience = (uint64_t{1} << (2 * INDEX_BITS)) + 1024;
 
 // Chance of a stall in 256 for each stream, decided by a generator of our own so that runs repeat.
 struct Stalls {
@@ -79,6 +79,8 @@ extern "C" {
 
 struct Summary {
     int64_t status, cycles, group_pairs_skipped, group_pairs_opened, pairs_skipped, tested, near_count;
+    // Pairs that reached the core, counted here.
+    int64_t reached;
 };
 
 void* triaxis_mesh_new() {
@@ -174,7 +176,8 @@ int64_t triaxis_mesh_run(void* handle, const int64_t* move, uint64_t margin, int
                         static_cast<int64_t>(model.group_pairs_skipped_o),
                         static_cast<int64_t>(model.group_pairs_opened_o),
                         static_cast<int64_t>(model.pairs_skipped_o),
-                        static_cast<int64_t>(model.tested_o), static_cast<int64_t>(model.near_o)};
+                        static_cast<int64_t>(model.tested_o), static_cast<int64_t>(model.near_o),
+                        tested_count};
             engine.Clock();
             model.abort_i = 0;
             return near_count;

@@ -108,7 +108,7 @@ class MeshLimitsTest(MeshEngineTest):
 
 
 class MeshAbortTest(MeshEngineTest):
-    """An abort at every clock of a run, from its acceptance to its summary, and the next run undisturbed."""
+    """An abort at every clock of short runs, and at places all over long ones; the next run is whole."""
 
     # Those in which the scan has something to do everywhere.
     kinds = ("in_one_place", "clusters", "cloud", "one_contact")

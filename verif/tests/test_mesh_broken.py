@@ -1,15 +1,18 @@
 """Broken engines are caught: by the account of pairs on the bare engine, by assertions on the pins."""
 
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 import pytest
 
 from triaxis.verif.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.verif.engine import CoreError
 from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.direct import check_directly
+from triaxis.verif.mesh.engine import MeshEngine
+from triaxis.verif.mesh.engine_scene import MeshEngineScene
 from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.random_scenes import random_scene
 from triaxis.verif.mesh.shapes import Shapes
@@ -49,6 +52,9 @@ ASSERTED = {
     "summary before the last near pair": Fault(
         "triaxis_near_pairs.sv", "in_flight_q == '0 && !m_axis_near_tvalid_o", "in_flight_q == '0",
         "before the last near pair was taken",
+    ),
+    "status of the run before": Fault(
+        "triaxis_run_control.sv", "status_d = StatusNone;", "status_d = status_o;", "a status during a run"
     ),
 }  # fmt: skip
 
@@ -93,3 +99,32 @@ def test_a_broken_rule_is_caught_on_the_pins(tmp_path, seed, name):
     result = run(settings, broken(ASSERTED[name]))
     assert not result.passed
     assert any(ASSERTED[name].said in line for line in result.errors), result.explain()
+
+
+def _few_facets():
+    return np.arange(45).reshape(5, 3, 3)
+
+
+def test_an_engine_that_loses_triangles_is_not_believed(monkeypatch):
+    kept = MeshEngine.load_unchecked
+    monkeypatch.setattr(
+        MeshEngine,
+        "load_unchecked",
+        lambda engine, mesh, facets, traffic: kept(engine, mesh, facets[1:], traffic),
+    )
+    scene = MeshEngineScene(_few_facets(), _few_facets(), CONFIGURATION)
+    with pytest.raises(CoreError, match="holds 4 of the 5 triangles of A"):
+        scene.run((0, 0, 0), 0)
+
+
+def test_an_account_that_leaves_groups_out_is_not_believed(monkeypatch):
+    kept = MeshEngine.run
+
+    def with_one_less(engine, *options):
+        run = kept(engine, *options)
+        return replace(run, group_pairs_opened=run.group_pairs_opened - 1)
+
+    monkeypatch.setattr(MeshEngine, "run", with_one_less)
+    scene = MeshEngineScene(_few_facets(), _few_facets(), CONFIGURATION)
+    with pytest.raises(CoreError, match="3 of 4 pairs of groups decided"):
+        scene.run((0, 0, 0), 0)

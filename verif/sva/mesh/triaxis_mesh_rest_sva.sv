@@ -10,6 +10,7 @@ module triaxis_mesh_rest_sva (
     input logic idle,
     input logic settled,
     input logic first,
+    input logic summary,
     input logic reads,
     input logic core_as_asked
 );
@@ -23,7 +24,7 @@ module triaxis_mesh_rest_sva (
   else $error("something is under way although no run is");
 
   NothingAfterReset :
-  assert property (@(posedge clk_i) $rose(rst_ni) |-> settled && !first)
+  assert property (@(posedge clk_i) $rose(rst_ni) |-> settled && !first && !summary)
   else $error("something of before a reset is left after it");
 
   CoreAsAsked :
@@ -39,6 +40,9 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
     .idle,
     .settled,
     .first,
+    .summary(status_o != triaxis_mesh_pkg::StatusNone || {
+      cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
+    } != '0),
     .reads(row_read || word_read || box_a_read || box_b_read || triangle_read),
     .core_as_asked(u_core.Gating == Gating && u_core.EdgeBox == EdgeBox)
 );

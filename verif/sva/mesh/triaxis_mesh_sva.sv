@@ -108,11 +108,22 @@ module triaxis_mesh_sva
       m_axis_done_tvalid_o && status_o == StatusComplete |-> group_pairs_decided == group_pairs)
   else $error("a complete run leaves pairs of groups out");
 
-  // A run that is aborted before its summary is offered is not complete.
+  // What looks at the status without its handshake must not read that of another run.
+  StatusWithSummaryOnly :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      busy_o && !m_axis_done_tvalid_o |-> status_o == StatusNone)
+  else $error("a status during a run");
+
+  // A run that is aborted before its summary is offered is not complete, whenever the summary comes.
+  logic abort_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) abort_q <= 1'b0;
+    else abort_q <= busy_o && (abort_q || abort_i && !m_axis_done_tvalid_o);
+  end
+
   AbortedWhenAsked :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
-      abort_i && busy_o && !m_axis_done_tvalid_o |=>
-      !m_axis_done_tvalid_o || status_o != StatusComplete)
+      m_axis_done_tvalid_o && abort_q |-> status_o != StatusComplete)
   else $error("a run was complete although it was aborted");
 
 endmodule

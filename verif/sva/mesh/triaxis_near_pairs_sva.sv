@@ -25,6 +25,7 @@ module triaxis_near_pairs_sva #(
   assert property (@(posedge clk_i) disable iff (!rst_ni) take |-> in_flight_q != '0)
   else $error("a verdict without a pair in flight");
 
+  // One gate sees to this, in triaxis_mesh: it must not be lost.
   NothingIssuedWhileDraining :
   assert property (@(posedge clk_i) disable iff (!rst_ni) drain_i |-> !issue_i)
   else $error("a pair went to the core although the run is over");
