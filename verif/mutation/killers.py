@@ -17,7 +17,7 @@ _OTHER_THAN_PYTHON = (
     (VERIF / "sva" / "mesh", ("*.sv", "*.vlt")),
     (VERIF / "regressions", ("*.json",)),
     (VERIF / "formal" / "rtl", ("*.sv",)),
-    (ROOT / "golden", ("*.cpp", "*.h")),
+    (ROOT / "golden", ("bulk.cpp", "*.h")),
 )
 
 
