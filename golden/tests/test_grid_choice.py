@@ -13,7 +13,7 @@ from triaxis.golden.grid_choice import (
     widest_extent,
 )
 from triaxis.golden.judge import judge
-from triaxis.golden.quantise import Box, Vector, fits, grid_around, margin_for
+from triaxis.golden.quantise import Box, Grid, Vector, fits, grid_around, margin_for
 
 WIDTHS = (8, 9, 13, 16, 24, 32)
 
@@ -72,7 +72,7 @@ def test_the_band_holds_for_triangles_rounded_in_any_way(rng: np.random.Generato
     for _ in range(150):
         clearance = Fraction(int(rng.integers(0, 400)), 100)
         reading = resolution / 2
-        grid = grid_around([((Fraction(-9),) * 3, (Fraction(9),) * 3)], resolution, 8)
+        grid = Grid(resolution, (Fraction(0), Fraction(0), Fraction(0)), 8)
         margin = margin_for(clearance, grid, reading)
         band = false_alarm_band(clearance, resolution, margin, reading)
         assert 2 * resolution + 2 * reading <= band < 3 * resolution + 2 * reading
@@ -105,5 +105,5 @@ def test_an_extent_of_which_every_volume_meets_the_band(rng: np.random.Generator
         clearance = min(extent, Fraction(int(rng.integers(0, 10**4)), 777))
         margin = margin_for(clearance, grid, reading)
         assert false_alarm_band(clearance, resolution, margin, reading) <= band
+        assert extent_of([(corner, (x, y, z))]) == extent
     assert widest_extent(Fraction(1), 16, Fraction(1)) == 0
-    assert extent_of([(corner, (x, y, z))]) == extent
