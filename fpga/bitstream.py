@@ -42,9 +42,9 @@ def board_hash() -> str:
     return digest.hexdigest()
 
 
-def build_id(rtl_hash: str) -> int:
-    """Return the 32 bits by which a board tells what it was built from."""
-    return int(rtl_hash[:8], 16)
+def build_id(rtl_hash: str, board_hash: str) -> int:
+    """Return the 32 bits by which a board tells what it was built from: all that a bitstream holds."""
+    return int(hashlib.sha256(f"{rtl_hash}{board_hash}".encode()).hexdigest()[:8], 16)
 
 
 def remove_bitstream(bitstream: Path) -> None:
@@ -59,7 +59,7 @@ def manifest_path(bitstream: Path) -> Path:
 
 
 def write_bitstream(bitstream: Path, built: VivadoResult, inputs: Inputs, provenance: Provenance) -> None:
-    """Write a bitstream and its manifest."""
+    """Write a bitstream and its manifest, the manifest first: no bitstream is ever without one."""
     content = built.bitstream.read_bytes()
     manifest: Mapping[str, object] = {
         "bitstream": bitstream.name,
@@ -74,5 +74,5 @@ def write_bitstream(bitstream: Path, built: VivadoResult, inputs: Inputs, proven
         "figures": dict(built.figures),
         "reports": str(built.bitstream.parent),
     }
-    write_whole(bitstream, content)
     write_whole(manifest_path(bitstream), json.dumps(manifest, indent=2) + "\n")
+    write_whole(bitstream, content)

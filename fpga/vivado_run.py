@@ -20,8 +20,8 @@ _REFUSED = 3
 _SAYS = re.compile(r"triaxis: (stage|refused|figure): (.*)")
 
 
-class TimingError(RuntimeError):
-    """Vivado worked, and the result must not be used: timing or routing."""
+class RefusedError(RuntimeError):
+    """Vivado worked, and the result must not be used: timing, routing, critical warnings."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def run_vivado(
 ) -> VivadoResult:
     """Build a bitstream into ``out``; ``progress`` is told of each of `STAGES` that begins.
 
-    Raises TimingError where the result is refused, InputError where Vivado fails or leaves no bitstream.
+    Raises RefusedError where the result is refused, InputError where Vivado fails or leaves no bitstream.
     """
     out.mkdir(parents=True, exist_ok=True)
     log, bitstream = out / "vivado.log", out / f"{TOP}.bit"
@@ -76,7 +76,7 @@ def run_vivado(
     ]  # fmt: skip
     refused, figures, status = _watch(command, out, log, progress)
     if status == _REFUSED:
-        raise TimingError(refused or f"refused without a reason (log: {log})")
+        raise RefusedError(refused or f"refused without a reason (log: {log})")
     if status or not bitstream.is_file() or not bitstream.stat().st_size:
         raise InputError(f"vivado: {_reason(log, status)} (log: {log})")
     return VivadoResult(bitstream, figures)

@@ -34,7 +34,7 @@ class Recorder:
     def __init__(self, answers: Answers | None = None) -> None:
         self.calls: list[tuple[str, ...]] = []
         self.tcl = tkinter.Tcl()
-        self._answers = answers or {}
+        self.answers = answers or {}
         self._status: int | None = None
         for command in VIVADO_COMMANDS:
             self.tcl.createcommand(command, lambda *a, command=command: self._record(command, *a))
@@ -63,8 +63,8 @@ class Recorder:
     def _record(self, command: str, *arguments: str) -> str:
         call = tuple(map(str, arguments))
         self.calls.append((command, *call))
-        if command in self._answers:
-            return self._answers[command](call)
+        if command in self.answers:
+            return self.answers[command](call)
         return call[-1] if command.startswith("get_") and call else ""
 
     def _exit(self, status: str = "0") -> None:

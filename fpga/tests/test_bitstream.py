@@ -1,6 +1,8 @@
 """`triaxis bitstream`: the gate first; a bitstream and its manifest only where all is well."""
 
+import hashlib
 import json
+import shutil
 from argparse import Namespace
 from functools import partial
 
@@ -8,12 +10,15 @@ import pytest
 
 from triaxis.coverage.gate import PARTS, refusals
 from triaxis.coverage.tests.test_gate import LAST_DAY, signed
+from triaxis.coverage.whole_files import write_whole
+from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
 from triaxis.fpga.board_build import BoardParameters, board_sources
 from triaxis.golden.errors import InputError
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.cli import bitstream
+from triaxis.verif.cli.board_check import checkout_id
 from triaxis.verif.paths import DUT
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
@@ -32,6 +37,7 @@ def bench(tmp_path, monkeypatch):
     monkeypatch.setattr(bitstream, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
     monkeypatch.setattr(bitstream, "REPORTS", tmp_path / "fpga" / "vivado")
     monkeypatch.setattr(bitstream, "SAIF", tmp_path / "activity.saif")
+    monkeypatch.setattr(bitstream, "ACTIVITY", tmp_path / "activity.json")
     monkeypatch.setattr(bitstream, "refusals", partial(refusals, today=LAST_DAY))
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     sign(tmp_path)
@@ -55,15 +61,34 @@ def test_bitstream_and_manifest(bench, capsys):
     assert bits.read_bytes() == b"bits"
     manifest = json.loads(manifest_path(bits).read_text())
     assert manifest["rtl_hash"] == RTL
-    assert manifest["parameters"]["BuildId"] == f"32'h{RTL[:8]}"
+    assert manifest["parameters"]["BuildId"] == f"32'h{build_id(RTL, manifest['board_hash']):08x}"
     assert manifest["figures"]["wns_ns"] == 0.25
     assert manifest["activity"] is None
     assert len(manifest["sha256"]) == len(manifest["board_hash"]) == len(manifest["signoff"]["sha256"]) == 64
     assert "wns_ns: 0.25" in capsys.readouterr().out
 
 
+def activity_of(folder, rtl):
+    (folder / "activity.saif").write_text("(SAIFILE)")
+    others = dict.fromkeys(("passed", "problems", "summary", "command", "seconds"))
+    (folder / "activity.json").write_text(json.dumps({**others, "rtl_hash": rtl}))
+
+
+def test_activity_of_other_rtl_is_not_used(bench, capsys):
+    make_vivado(bench / "bin", Behaviour())
+    activity_of(bench, "b" * 64)
+    assert run(bench) == 0
+    assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
+    assert json.loads((bench / "fpga" / "nexys4ddr.json").read_text())["activity"] is None
+    assert "without simulated activity of this RTL" in capsys.readouterr().out
+    # Nor is one that says nothing of its RTL.
+    (bench / "activity.json").unlink()
+    assert run(bench) == 0
+    assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
+
+
 def test_simulated_activity_is_used_where_there_is_one(bench):
-    (bench / "activity.saif").write_text("(SAIFILE)")
+    activity_of(bench, RTL)
     make_vivado(bench / "bin", Behaviour())
     assert run(bench) == 0
     assert any(call[0] == "read_saif" for call in calls(bench / "bin"))
@@ -89,6 +114,37 @@ def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys, changes, re
     assert reason in said
     assert all(line.startswith("gate: refused: ") for line in said.splitlines())
     assert not (bench / "fpga").exists()
+
+
+@pytest.mark.parametrize("gate", ["refuses", "passes"])
+def test_a_refusal_leaves_no_older_bitstream(bench, gate):
+    make_vivado(bench / "bin", Behaviour())
+    assert run(bench) == 0
+    (bench / "bin" / "vivado").unlink()
+    if gate == "refuses":
+        sign(bench, passed=False)
+        assert run(bench) == 1
+    else:
+        with pytest.raises(InputError, match="vivado: not on PATH"):
+            run(bench)
+    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
+    assert not (bench / "fpga" / "nexys4ddr.json").exists()
+
+
+def test_no_bitstream_is_ever_without_its_manifest(bench, monkeypatch):
+    make_vivado(bench / "bin", Behaviour())
+    written = []
+
+    def only_the_first(path, content):
+        written.append(path)
+        if len(written) > 1:
+            raise KeyboardInterrupt
+        return write_whole(path, content)
+
+    monkeypatch.setattr(bitstream_module, "write_whole", only_the_first)
+    with pytest.raises(KeyboardInterrupt):
+        run(bench)
+    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
 
 
 def test_without_vivado_one_line(bench):
@@ -129,8 +185,18 @@ def test_a_board_that_changes_during_the_build_is_refused(bench, capsys, monkeyp
     assert not (bench / "fpga" / "nexys4ddr.bit").exists()
 
 
-def test_build_id_is_the_start_of_the_hash():
-    assert build_id("deadbeef" + "0" * 56) == 0xDEADBEEF
+def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
+    assert build_id("a" * 64, "b" * 64) == int(hashlib.sha256(b"a" * 64 + b"b" * 64).hexdigest()[:8], 16)
+    ids = {build_id(rtl, board) for rtl in ("a" * 64, "b" * 64) for board in ("a" * 64, "b" * 64)}
+    assert len(ids) == 4
+    # What a checkout says changes with any file of the board.
+    before = checkout_id()
+    copy = tmp_path / "rtl"
+    shutil.copytree(board_build.BOARD_RTL, copy)
+    safety = copy / "triaxis_safety.sv"
+    safety.write_text(safety.read_text().replace("assign go_o   = go_q;", "assign go_o   = 1'b1;"))
+    monkeypatch.setattr(bitstream_module, "BOARD_RTL", copy)
+    assert checkout_id() != before
     assert BoardParameters().generics(0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, VIVADO, BoardParameters, Inputs
-from triaxis.fpga.vivado_run import STAGES, TimingError, run_vivado
+from triaxis.fpga.vivado_run import STAGES, RefusedError, run_vivado
 from triaxis.golden.errors import InputError
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
@@ -102,11 +102,20 @@ def test_no_bitstream_where_timing_or_routing_is_not_met(tmp_path, behaviour, re
     old = tmp_path / "out" / f"{TOP}.bit"
     old.parent.mkdir()
     old.write_bytes(b"older")
-    with pytest.raises(TimingError, match=reason):
+    with pytest.raises(RefusedError, match=reason):
         build(tmp_path, behaviour)
     assert "write_bitstream" not in commands(tmp_path)
     assert not old.exists()
     assert (tmp_path / "out" / "timing.rpt").exists() or "no constrained" in reason
+
+
+@pytest.mark.parametrize("command", ["read_xdc", "synth_design", "place_design"])
+def test_no_bitstream_after_a_critical_warning(tmp_path, command):
+    with pytest.raises(RefusedError, match=r"1 critical warnings?: .*log"):
+        build(tmp_path, Behaviour(critical=command))
+    assert "write_bitstream" not in commands(tmp_path)
+    # A constraint that was not understood is found before hours of placement.
+    assert ("place_design" in commands(tmp_path)) == (command == "place_design")
 
 
 @pytest.mark.parametrize("command", ["synth_design", "route_design", "report_drc", "write_bitstream"])

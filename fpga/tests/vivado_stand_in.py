@@ -18,13 +18,17 @@ _SLACKS = {"max": "setup", "min": "hold"}
 
 @dataclass(frozen=True)
 class Behaviour:
-    """Slacks in ns (None: no constrained path), nets that are not routed, and what goes wrong."""
+    """Slacks in ns (None: no constrained path), nets that are not routed, and what goes wrong.
+
+    ``critical``: the command that gives a critical warning.
+    """
 
     setup: float | None = 0.25
     hold: float | None = 0.05
     met: bool = True
     unrouted: int = 0
     failing: str = ""
+    critical: str = ""
     writes_bitstream: bool = True
 
 
@@ -52,7 +56,8 @@ def calls(folder: Path) -> list[list[str]]:
 def stand_in(behaviour: Behaviour, folder: Path, arguments: list[str]) -> int:
     """Run the script named by ``-source`` with what follows ``-tclargs``; return the exit status."""
     print("****** Vivado v2023.2 (64-bit)", flush=True)
-    recorder = Recorder(_answers(behaviour))
+    recorder = Recorder()
+    recorder.answers = _answers(behaviour, recorder.calls)
     script = Path(arguments[arguments.index("-source") + 1])
     status = recorder.run(script, arguments[arguments.index("-tclargs") + 1 :])
     # Tcl has a buffer of its own.
@@ -63,7 +68,7 @@ def stand_in(behaviour: Behaviour, folder: Path, arguments: list[str]) -> int:
     os._exit(status)
 
 
-def _answers(behaviour: Behaviour):
+def _answers(behaviour: Behaviour, calls: list[tuple[str, ...]]):
     def fails(_: tuple[str, ...]) -> str:
         print(f"ERROR: [Synth 8-439] {behaviour.failing}: module 'x' not found", flush=True)
         raise RuntimeError(behaviour.failing)
@@ -89,12 +94,16 @@ def _answers(behaviour: Behaviour):
             Path(call[-1]).write_bytes(b"bits")
         return ""
 
+    def messages(call: tuple[str, ...]) -> str:
+        assert call == ("-count", "-severity", "CRITICAL WARNING")
+        return str(sum(name == behaviour.critical for name, *_ in calls))
+
     answers = {
         "get_timing_paths": slack,
         "get_property": lambda call: str(getattr(behaviour, call[-1].removeprefix("path_"), "")),
         "get_nets": lambda _: " ".join(f"net{i}" for i in range(behaviour.unrouted)),
         "get_cells": lambda _: "cell_a cell_b",
-        "get_msg_config": lambda _: "0",
+        "get_msg_config": messages,
         "report_timing_summary": summary,
         "write_bitstream": bitstream,
         "write_checkpoint": lambda call: str(Path(call[-1]).write_text("checkpoint\n") and ""),

@@ -17,7 +17,7 @@
 #   saif_strip    the path of the top in the activity
 #
 # Leaves in out/: reports, checkpoints, figures.txt (a line "name value" each), and, where all is well,
-# TOP.bit. Exit status: 0 done, 1 the tool failed, 3 refused: timing or routing.
+# TOP.bit. Exit status: 0 done, 1 the tool failed, 3 refused: timing, routing, critical warnings.
 
 proc stage {name} {
     puts "triaxis: stage: $name"
@@ -71,6 +71,14 @@ proc slack {kind} {
     return [get_property SLACK [lindex $paths 0]]
 }
 
+# Vivado goes on after a constraint that it does not understand: a port without its pin or its pull.
+proc refuse_critical_warnings {} {
+    set count [get_msg_config -count -severity {CRITICAL WARNING}]
+    if {$count > 0} {
+        refuse "$count critical warnings: see vivado.log"
+    }
+}
+
 proc synthesise {o} {
     stage synthesis
     read_verilog -sv [dict get $o source]
@@ -83,6 +91,7 @@ proc synthesise {o} {
         lappend command -generic $generic
     }
     {*}$command
+    refuse_critical_warnings
     write_checkpoint -force [file join [dict get $o out] synthesis.dcp]
     report_utilization -file [file join [dict get $o out] utilisation_synthesis.rpt]
 }
@@ -130,7 +139,7 @@ proc reports {o} {
     report_power -file [file join $out power.rpt]
 }
 
-# Refuses unless everything is routed and in time. The design rules write_bitstream checks itself.
+# Refuses unless everything is routed and in time, without critical warnings. The design rules write_bitstream checks itself.
 proc check {o} {
     set setup [slack max]
     set hold [slack min]
@@ -163,6 +172,7 @@ proc check {o} {
     if {$unrouted > 0} {
         refuse "routing: $unrouted nets are not routed: see [file join [dict get $o out] route_status.rpt]"
     }
+    refuse_critical_warnings
 }
 
 if {[llength $argv] != 1} {

@@ -16,10 +16,12 @@ from triaxis.fpga.bitstream import (
     write_bitstream,
 )
 from triaxis.fpga.board_build import BoardParameters, Inputs, board_sources
-from triaxis.fpga.vivado_run import STAGES, TimingError, find_vivado, run_vivado
+from triaxis.fpga.vivado_run import STAGES, RefusedError, find_vivado, run_vivado
+from triaxis.verif.activity.measuring import RESULT as ACTIVITY
 from triaxis.verif.activity.measuring import SAIF
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.cli.progress import progress_bar
+from triaxis.verif.evidence import read_evidence
 from triaxis.verif.paths import BUILD, DUT
 from triaxis.verif.signoff.folder import RESULT
 
@@ -35,8 +37,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="build the board's bitstream with Vivado, if the sign-off allows it",
         description="Ask the gate, then build with Vivado, which must be on PATH. Writes "
         "build/fpga/nexys4ddr.bit with a manifest; reports stay in build/fpga/vivado/. The power report "
-        "uses the simulated activity of `triaxis activity` where there is one.",
-        epilog="Exit codes: 0 written, 1 refused by the gate or timing not met, 2 error.",
+        "uses the simulated activity of `triaxis activity` where there is one of the same RTL. Whatever "
+        "happens, an older bitstream is removed first.",
+        epilog="Exit codes: 0 written, 1 refused: by the gate, or for timing, routing or critical warnings; "
+        "2 error.",
     )
     parser.add_argument(
         "--result", type=Path, default=RESULT, metavar="FILE", help="build/signoff/signoff.json"
@@ -46,6 +50,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Ask the gate, build, write."""
+    remove_bitstream(BITSTREAM)
     before = _provenance(options.result)
     if isinstance(before, list):
         return _refused(before)
@@ -53,14 +58,13 @@ def run(options: argparse.Namespace) -> int:
     inputs = Inputs(
         tuple(board_sources(DUT)),
         (DUT, DUT / "mesh"),
-        BoardParameters().generics(build_id(before.rtl_hash)),
-        SAIF if SAIF.is_file() else None,
+        BoardParameters().generics(build_id(before.rtl_hash, before.board_hash)),
+        _activity(before.rtl_hash),
     )
-    remove_bitstream(BITSTREAM)
     try:
         with progress_bar("Vivado", len(STAGES)) as progress:
             built = run_vivado(vivado, inputs, REPORTS, progress)
-    except TimingError as error:
+    except RefusedError as error:
         print(f"bitstream: refused: {error}", file=sys.stderr)
         return REFUSED
     # Hours may have passed: what was built must be what the gate saw, and still be allowed.
@@ -85,6 +89,12 @@ def _provenance(result: Path) -> Provenance | list[str]:
     return found or Provenance(rtl, board_hash(), result, file_hash(result))
 
 
+def _activity(rtl: str) -> Path | None:
+    """Return the simulated activity, where there is one of this RTL."""
+    evidence = read_evidence(ACTIVITY)
+    return SAIF if SAIF.is_file() and evidence and evidence["rtl_hash"] == rtl else None
+
+
 def _refused(lines: list[str]) -> int:
     for line in lines:
         print(f"gate: refused: {line}", file=sys.stderr)
@@ -95,5 +105,5 @@ def _print(figures: Mapping[str, float], inputs: Inputs) -> None:
     for name, value in figures.items():
         print(f"{name}: {value:g}")
     if inputs.activity is None:
-        print("power: estimated without simulated activity: run `make activity` first for a better one")
+        print("power: estimated without simulated activity of this RTL: run `make activity` first")
     print(f"written to {BITSTREAM}, {manifest_path(BITSTREAM).name}; reports in {REPORTS}")

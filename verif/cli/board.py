@@ -10,7 +10,7 @@ from triaxis.fpga.link.line import SerialLine
 from triaxis.verif.board.parameters import BoardParameters
 from triaxis.verif.board.pseudo_terminal import PseudoTerminal, Wire, serve
 from triaxis.verif.board.simulated_top import SimulatedTop
-from triaxis.verif.cli.board_check import about, check, checkout_id, output_of, warn_of_build
+from triaxis.verif.cli.board_check import about, check, checkout_id, warn_of_build
 from triaxis.verif.cli.numbers import number
 
 # Of the simulated board, some 0.2 s: it runs about 250,000 clocks a second.
@@ -74,7 +74,9 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         modes.add_argument(f"--{mode.name.lower()}", dest="mode", action="store_const", const=mode, help=what)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument(
-        "--hold", action="store_true", help="when clear, keep the board's output at go until interrupted"
+        "--hold",
+        action="store_true",
+        help="when clear, keep the board's output at go until interrupted; otherwise it says stop at the end",
     )
     parser.set_defaults(run=check, mode=Mode.ALL)
 
@@ -117,6 +119,8 @@ def _status(options: argparse.Namespace) -> int:
         description = board.hello()
         status = board.status()
     print(f"board: {about(description)}")
-    print(f"output: {output_of(status)}; {status.errors} errors on the line since its power-up")
+    print(
+        f"output: stop, as asking has taken the board; {status.errors} errors on the line since its power-up"
+    )
     warn_of_build(description)
     return 0

@@ -2,12 +2,14 @@
 
 import argparse
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.fpga.bitstream import build_id
+from triaxis.fpga.bitstream import board_hash, build_id
 from triaxis.fpga.link.audit import Verdict
 from triaxis.fpga.link.board import Board
 from triaxis.fpga.link.check import BoardCheck, check_on_board
@@ -32,28 +34,23 @@ _HOLD_SECONDS = 0.03
 
 
 def checkout_id() -> int:
-    """Return what a board built of this checkout's RTL says."""
-    return build_id(rtl_hash())
+    """Return what a board built of this checkout says: of its RTL, constraints and build script."""
+    return build_id(rtl_hash(), board_hash())
 
 
 def about(board: Description) -> str:
     """Return what the board is, in a line."""
     return (
         f"{board.width} bits, margin {board.margin_bits} bits, {board.depth} facets a mesh, groups of "
-        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, RTL {board.build:08x}"
+        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, build {board.build:08x}"
     )
 
 
-def output_of(status: Status) -> str:
-    """Return what the board's collision output says."""
-    return "go" if status.flags & Flag.GO else "stop"
-
-
 def warn_of_build(board: Description) -> None:
-    """Print a warning where the board was not built of this checkout's RTL."""
+    """Print a warning where the board was not built of this checkout."""
     ours = checkout_id()
     if board.build != ours:
-        print(f"warning: the board's RTL is {board.build:08x}, this checkout's is {ours:08x}")
+        print(f"warning: the board was built of {board.build:08x}, this checkout is {ours:08x}")
 
 
 def steps_of(meshes: MeshPair) -> npt.NDArray[np.int64]:
@@ -69,15 +66,14 @@ def steps_of(meshes: MeshPair) -> npt.NDArray[np.int64]:
 
 def check(options: argparse.Namespace) -> int:
     """Check the meshes on the board and print what was found."""
-    if options.clearance < 0:
-        raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
     check_written(options.json, (options.a, options.b))
     if options.json:
         # Whatever happens now, no older verdict is left there.
         write_report(options.json, {"verdict": "unknown"})
+    if options.clearance < 0:
+        raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
     mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
-    with Board(SerialLine(options.port)) as board:
-        description = board.hello()
+    with Board(SerialLine(options.port)) as board, _taken(board) as description:
         warn_of_build(description)
         meshes = prepare(
             mesh_a,
@@ -93,7 +89,7 @@ def check(options: argparse.Namespace) -> int:
         with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
             pose = Pose(*map(int, steps))
             found = check_on_board(board, loaded, meshes.b, meshes.margin, pose, options.mode, progress)
-        output = output_of(board.status())
+        output = _output(options, found, board.status(), description)
         _print(options, meshes, found, description)
         print(f"output: {output}")
         if options.json:
@@ -101,6 +97,34 @@ def check(options: argparse.Namespace) -> int:
         if options.hold and found.verdict == Verdict.CLEAR:
             _hold(board)
     return NEAR if found.verdict == Verdict.NEAR else CLEAR
+
+
+@contextmanager
+def _taken(board: Board) -> Iterator[Description]:
+    """Take the board; at the end it says stop at once, and not only when its watchdog has run out."""
+    broken = False
+    description = board.hello()
+    try:
+        yield description
+    except LinkError:
+        # Nobody may hear, or another master have the board: its watchdog, or that one, says stop.
+        broken = True
+        raise
+    finally:
+        if not broken:
+            with suppress(LinkError):
+                board.abort()
+
+
+def _output(options: argparse.Namespace, found: BoardCheck, status: Status, board: Description) -> str:
+    """Return what the board's output says; where it says stop although all is clear, why."""
+    if status.flags & Flag.GO:
+        return "go until interrupted" if options.hold else "go; stop when this command ends (see --hold)"
+    if found.verdict == Verdict.NEAR:
+        return "stop"
+    if status.flags & Flag.WATCHDOG_EXPIRED:
+        return f"stop: this program was silent for {board.watchdog_ms} ms after the run: check again"
+    return f"stop: the line was disturbed, or silent for {board.watchdog_ms} ms before the run: check again"
 
 
 def _hold(board: Board) -> None:

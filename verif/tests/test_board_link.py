@@ -5,8 +5,10 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,7 +92,9 @@ def test_the_scenes_through_the_serial_port(number, top, tmp_path, capsys):
     assert said["status"]["near"] == golden.near_count
     assert said["verdict"] == ("near" if scene.near else "clear")
     assert "warning" not in out
-    assert ("output: stop" if scene.near else "output: go") in out
+    assert ("output: stop\n" if scene.near else "output: go; stop when this command ends") in out
+    # At once, not only when the watchdog has run out.
+    assert top.stop
     assert (f"NEAR: {golden.near_count} facet" if scene.near else "CLEAR: no facets come within 0.5") in out
 
 
@@ -290,6 +294,60 @@ def test_unplugged_while_the_output_says_go(top, boxes, capsys):
     assert top.stop
 
 
+def until_forgotten(top):
+    """Be silent until the watchdog has run out."""
+    while top.leds & 1 << 3:
+        time.sleep(0.01)
+
+
+def test_clear_without_go_says_why(top, boxes, capsys, monkeypatch):
+    a, b, _ = boxes
+    move = Board.move
+
+    def slow(board, pose):
+        move(board, pose)
+        until_forgotten(top)
+
+    monkeypatch.setattr(Board, "move", slow)
+    with ServedBoard(top) as served:
+        status, out, error = board_check(capsys, a, b, "--port", served.path)
+    assert (status, error) == (0, "")
+    assert "CLEAR" in out
+    assert "output: stop: the line was disturbed, or silent for 1 ms before the run: check again" in out
+    assert top.go_clocks == 0
+
+
+def test_clear_and_then_silence_says_why(top, boxes, capsys, monkeypatch):
+    a, b, _ = boxes
+    run = Board.run
+
+    def slow(board, *arguments):
+        found = run(board, *arguments)
+        until_forgotten(top)
+        return found
+
+    monkeypatch.setattr(Board, "run", slow)
+    with ServedBoard(top) as served:
+        status, out, _ = board_check(capsys, a, b, "--port", served.path)
+    assert status == 0
+    assert "output: stop: this program was silent for 1 ms after the run: check again" in out
+
+
+def test_an_interrupted_hold_stops_at_once(top, boxes, capsys, monkeypatch):
+    a, b, _ = boxes
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(board_check_module, "time", SimpleNamespace(sleep=interrupt))
+    with ServedBoard(top) as served:
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
+        assert top.go_clocks
+        assert top.stop
+    assert (status, error) == (130, "triaxis: interrupted\n")
+    assert "output: go until interrupted" in out
+
+
 def test_a_port_is_for_one_program(top, capsys):
     with ServedBoard(top) as served, Board(SerialLine(served.path)) as board:
         board.hello()
@@ -346,9 +404,11 @@ def test_status_and_a_board_of_other_rtl(top, capsys, monkeypatch):
         assert main(["board", "status", "--port", served.path]) == 0
         wrong = capsys.readouterr().out
     assert "16 bits, margin 16 bits, 512 facets a mesh, groups of 8, 8 lanes" in right
-    assert "output: stop; 0 errors on the line" in right
+    # Less than 1 ms, which must not read as none.
+    assert f"watchdog 1 ms, build {PARAMETERS.build_id:08x}\n" in right
+    assert "output: stop, as asking has taken the board; 0 errors on the line" in right
     assert "warning" not in right
-    assert f"warning: the board's RTL is {PARAMETERS.build_id:08x}, this checkout's is 00facade" in wrong
+    assert f"warning: the board was built of {PARAMETERS.build_id:08x}, this checkout is 00facade" in wrong
 
 
 def test_meshes_too_large(top, boxes, tmp_path, capsys):
