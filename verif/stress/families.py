@@ -59,25 +59,25 @@ FAMILIES = (
     Family(
         "tilt",
         "tilt of the planes (radians)",
-        "nearly coplanar triangles over each other, 24-bit coordinates",
+        "nearly coplanar, one over the other; 24-bit coordinates",
         _falling(nearly_coplanar, (4, 12, 16, 18, 20, 22, 24, 32, 40, 44, 48, 50, 52, 54, 60, 66), True),
     ),
     Family(
         "gap",
-        "gap, or depth, over size",
-        "features that nearly touch, 24-bit coordinates",
+        "gap or depth / size",
+        "features that nearly touch; 24-bit coordinates",
         _falling(_gaps, (8, 12, 13, 14, 16, 18, 20, 22, 24, 32, 40, 44, 48, 50, 52, 54, 60, 66), True),
     ),
     Family(
-        "aspect",
-        "width over length of a sliver",
-        "an edge passes a sliver at half its width, 53-bit coordinates",
+        "sliver",
+        "width / length of the sliver",
+        "an edge passes at half its width; 53-bit coordinates",
         _falling(slivers, (0, 8, 12, 16, 18, 20, 22, 24, 28, 36, 44, 46, 48), True),
     ),
     Family(
         "distance",
-        "distance from the origin over range",
-        "pairs that miss or pass by 2^-18 of their range, 53-bit coordinates",
+        "distance from the origin / range",
+        "misses and hits by 2^-18 of the range; 53-bit coordinates",
         tuple(
             Knob(_power(k), lambda rng, count, k=k: far_away(rng, count, 2.0**k))
             for k in (0, 2, 4, 6, 8, 10, 12, 16, 20, 24, 28, 32, 34, 36)
@@ -86,19 +86,19 @@ FAMILIES = (
     Family(
         "ratio",
         "ratio of the triangles' sizes",
-        "a small triangle pierces or misses a large one, 53-bit coordinates",
+        "small pierces large, or misses it; 53-bit coordinates",
         _falling(of_unlike_size, (0, 8, 12, 16, 18, 20, 22, 24, 26, 28, 36, 42, 46, 48), False),
     ),
     Family(
         "near-miss",
         "bits of the coordinates",
-        "the smallest steps of the lattice: a step apart, touching, a step deep",
+        "a lattice step apart, touching, a lattice step deep",
         tuple(_width(width) for width in (8, 10, 12, 14, 16, 18, 20, 22, 24, 28, 32)),
     ),
     Family(
         "degenerate",
         "A, B: triangle (T), segment (S) or point (P)",
-        "near and clear by less than a step of a small grid",
+        "touching, or apart by a step of a small grid",
         (
             _ranks("T T", 2, 2),
             _ranks("T S", 2, 1),

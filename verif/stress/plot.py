@@ -1,5 +1,6 @@
 """Pictures of a stress test: a panel for each family, the knob from easy to impossible, errors in percent."""
 
+import re
 from io import BytesIO
 from pathlib import Path
 
@@ -43,8 +44,8 @@ def _figure(picture: Picture, result: StressResult) -> Figure:
     figure.text(0.02, 0.955, picture.title, fontsize=LARGE + 3, weight="bold")
     figure.text(0.02, 0.925, picture.about, fontsize=NORMAL + 1)
     panels = figure.subplots(
-        _ROWS, _COLUMNS, gridspec_kw={"hspace": 0.55, "wspace": 0.2, "left": 0.05, "right": 0.985,
-                                      "bottom": 0.105, "top": 0.85},
+        _ROWS, _COLUMNS, gridspec_kw={"hspace": 0.58, "wspace": 0.2, "left": 0.05, "right": 0.985,
+                                      "bottom": 0.105, "top": 0.825},
     ).reshape(-1)  # fmt: skip
     for number, (axes, family) in enumerate(zip(panels, result.families, strict=False)):
         _draw_family(axes, picture, family)
@@ -53,13 +54,14 @@ def _figure(picture: Picture, result: StressResult) -> Figure:
     legend = panels[-1]
     legend.axis("off")
     legend.legend(
-        handles=[_handle(curve) for curve in picture.curves],
+        handles=[_handle(curve, result) for curve in picture.curves],
         loc="upper left", bbox_to_anchor=(-0.06, 1.12), fontsize=NORMAL + 0.5, frameon=False,
         handlelength=3.2, labelspacing=0.75,
     )  # fmt: skip
     legend.text(
         -0.03, -0.32,
-        f"{result.pairs:,} pairs at each setting, seed {result.seed}\nbelow 0.1 % the scale is linear, down to 0",
+        f"{result.pairs:,} pairs at each setting, in 72 orders each; seed {result.seed}.\n"
+        f"Below {_LINEAR} % the scale is linear, down to 0.",
         fontsize=SMALL, transform=legend.transAxes,
     )  # fmt: skip
     return figure
@@ -89,19 +91,21 @@ def _draw_family(axes: Axes, picture: Picture, result: FamilyResult) -> None:
     axes.set_xlim(-0.3, len(places) - 0.7)
     axes.grid(alpha=0.3)
     axes.tick_params(labelsize=SMALL)
-    axes.set_title(result.family.about.replace(", ", ",\n", 1), fontsize=NORMAL, loc="left")
-    axes.set_xlabel(f"{result.family.knob}: easy → impossible", fontsize=NORMAL)
+    family = result.family
+    axes.set_title(_typeset(family.about), fontsize=NORMAL, loc="left")
+    axes.text(0, 1.13, family.name, fontsize=NORMAL + 2, weight="bold", transform=axes.transAxes, va="bottom")
+    axes.set_xlabel(family.knob, fontsize=NORMAL)
 
 
 def _typeset(label: str) -> str:
-    base, _, exponent = label.partition("^")
-    return f"${base}^{{{exponent}}}$" if exponent else label
+    return re.sub(r"(\d+)\^(-?\d+)", r"$\1^{\2}$", label)
 
 
-def _handle(curve: Curve) -> Line2D | Patch:
+def _handle(curve: Curve, result: StressResult) -> Line2D | Patch:
+    label = curve.label if curve.counted is None else f"{curve.label}: {curve.counted(result)}"
     if curve.filled:
-        return Patch(color=curve.colour, alpha=0.35, label=curve.label)
+        return Patch(color=curve.colour, alpha=0.35, label=label)
     return Line2D(
         [], [], color=curve.colour, linestyle=curve.line, linewidth=curve.width, marker=curve.marker,
-        markerfacecolor="white" if curve.hollow else curve.colour, label=curve.label,
+        markerfacecolor="white" if curve.hollow else curve.colour, label=label,
     )  # fmt: skip

@@ -72,6 +72,11 @@ class StressResult:
         return total(family.no_miss for family in self.families)
 
     @property
+    def beyond_band(self) -> int:
+        """Return the number of false alarms of the no-miss mode beyond its band."""
+        return sum(one.beyond_band for family in self.families for one in family.measured)
+
+    @property
     def problems(self) -> list[str]:
         """Return what must not be, anywhere."""
         return [problem for family in self.families for problem in family.problems]

@@ -20,6 +20,7 @@ from triaxis.verif.sequences.lattice import (
     exact,
     line_step,
     plane_step,
+    raised,
     side,
 )
 from triaxis.verif.sequences.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
@@ -86,6 +87,29 @@ def test_steps_beside_a_plane(rng, bits):
             assert 0 < at * inward < inward * inward
     if bits > 3:
         assert step.found.mean() > 0.75
+
+
+@pytest.mark.parametrize("bits", [3, 8, 16, 22, 31])
+def test_any_number_of_steps_above_a_plane(rng, bits):
+    u, v = np.minimum(_numbers(rng, bits, (2, 600, 3)), LARGEST_EDGE)
+    step = plane_step(u, v)
+    # Heights of all sizes, up to what is about as far from the plane as the edges are long.
+    limit = np.minimum(
+        np.sqrt((step.c.astype(float) ** 2).sum(1)) * 2.0**bits / np.maximum(step.g, 1), 2.0**60
+    )
+    multiple = np.rint(limit ** rng.random(600) * rng.choice([-1, 1], 600)).astype(np.int64)
+    above = raised(u, v, step, multiple)
+    rows = zip(*(x.tolist() for x in (u, v, above.x, multiple, above.found)), strict=True)
+    for p, q, x, times, found in rows:
+        normal = _cross(p, q)
+        if not found:
+            continue
+        assert dot(normal, x) == times * gcd(*normal)
+        for edge, other in ((p, q), (q, p)):
+            inward = dot(_cross(normal, edge), other)
+            assert 0 < dot(_cross(normal, edge), x) * inward < inward * inward
+    if bits > 3:
+        assert above.found.sum() > 0.6 * step.found.sum()
 
 
 def _cross(x: list[int], y: list[int]) -> list[Any]:
