@@ -96,7 +96,7 @@ def _what_larger_costs(wanted: Wanted, rows: Sequence[WidthRow], chosen: WidthRo
     )
     if more < 0:
         cost = f"takes {-more} DSP blocks fewer, {larger.dsps}"
-    lanes = "" if larger.shape == chosen.shape else f", with {larger.shape.lanes} lanes"
+    lanes = "" if larger.shape == chosen.shape else f", with Lanes = {larger.shape.lanes}"
     said = f"W = {larger.width} {cost}{lanes}, and narrows the band to {_band(larger, wanted)}"
     widest = _widest_at_no_more(rows, chosen)
     if widest is not None and widest.width > larger.width:
@@ -142,13 +142,18 @@ def _measured_reasons(measured: Measured | None) -> list[str]:
     if measured is None:
         return ["not measured on the scene: too many pairs come near"]
     places = f"at {measured.positions} position{'s' if measured.positions > 1 else ''}"
+    cycles = (
+        f"the mesh engine takes {measured.least_cycles:,} to {measured.most_cycles:,} cycles, at most "
+        f"{milliseconds(measured.most_cycles):.3g} ms at 100 MHz, for the position that takes most"
+    )
+    if not measured.tested:
+        return [f"{places}: boxes decide all facet pairs: false alarms show at closer positions", cycles]
     undecided = f", {measured.undecided:,} more were not judged" if measured.undecided else ""
     return [
         f"{places}: of {measured.tested:,} facet pairs that no box decides {measured.alarms:,} give an "
         f"alarm, {measured.false_alarms:,} of them falsely ({measured.false_share:.2%} of the pairs"
         f"{undecided}); none within the clearance was missed",
-        f"the mesh engine takes {measured.least_cycles:,} to {measured.most_cycles:,} cycles, at most "
-        f"{milliseconds(measured.most_cycles):.3g} ms at 100 MHz, for the position that takes most",
+        cycles,
     ]
 
 

@@ -25,6 +25,7 @@ from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.engine_scene import MeshEngineScene
 from triaxis.verif.mesh_data import mesh_data
 from triaxis.verif.meshcheck import distance_of
+from triaxis.verif.paths import ROOT
 from triaxis.verif.scenes import box, tool, vise, write_stl
 
 BOARD = Board(dsps=240, depth=4096, group=8)
@@ -395,3 +396,19 @@ def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert chosen["measured"]["alarms"] >= 1
     assert chosen["measured"]["undecided"] == 0
     assert "do not fit the engine's 4,096" in capsys.readouterr().out
+
+
+def test_the_page_shows_what_the_command_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """Run the commands of docs/choosing-w.md; each line shown must be a line said."""
+    blocks_shown = (ROOT / "docs" / "choosing-w.md").read_text(encoding="utf-8").split("```\n")
+    commands, shown = blocks_shown[1].splitlines(), blocks_shown[3].splitlines()
+    monkeypatch.chdir(tmp_path)
+    for command in commands:
+        program, *words = command.split()
+        assert program == ".venv/bin/triaxis"
+        assert main(words) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert len(shown) > 5
+    assert [line for line in shown if line not in said] == []
