@@ -4,7 +4,7 @@ Each scene's near pairs are compared with those of the bulk checker behind the b
 """
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from math import ceil
@@ -15,6 +15,7 @@ import numpy as np
 from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.quantise import centred_grid, margin_for, quantise
+from triaxis.golden.stl import Facets
 from triaxis.verif.build import rtl_hash
 from triaxis.verif.machine_scenes import machine_scenes
 from triaxis.verif.mesh.configuration import MeshConfiguration
@@ -117,13 +118,17 @@ def _made_cases() -> Iterator[Case]:
     )
 
 
-def _close_case(scene: Scene) -> Case:
-    """Return two solids on a grid that they fill, with a clearance of a four-hundredth of their extent."""
-    extent = max(float(np.ptp(np.concatenate([scene.a, scene.b]).reshape(-1, 3), 0).max()), 1e-6)
+def on_filled_grid(name: str, solids: Sequence[Facets]) -> tuple[list[Integers], int]:
+    """Return solids on the engine's grid, which they fill, and a margin, in LSB, of 1/400 of their extent."""
+    extent = max(float(np.ptp(np.concatenate(solids).reshape(-1, 3), 0).max()), 1e-6)
     resolution = Fraction(ceil(extent * 10_000 / _STEPS), 10_000)
-    grid = centred_grid([scene.a, scene.b], resolution, CONFIGURATION.width)
-    a, b = quantise(scene.a, grid, scene.name), quantise(scene.b, grid, scene.name)
+    grid = centred_grid(list(solids), resolution, CONFIGURATION.width)
     margin = margin_for(Fraction(extent / 400).limit_denominator(1000), grid)
+    return [quantise(solid, grid, name) for solid in solids], margin
+
+
+def _close_case(scene: Scene) -> Case:
+    (a, b), margin = on_filled_grid(scene.name, [scene.a, scene.b])
     return Case(scene.name, a, b, margin, Bound(least_pairs_a_cycle=_LEAST_RATIO))
 
 

@@ -19,20 +19,23 @@ _PARTS = (
 )
 
 
+def machine_solids(data: Path, z_mm: float) -> dict[str, Facets]:
+    """Return the machine's solids by name, where they stand, with the head at a position of its Z axis in mm."""
+    solids = {path.stem: read_stl(path).facets for path in sorted((data / "vmc").glob("*.stl"))}
+    places = {"head": (0, 0, 4 + 0.1 * z_mm), "saddle": (0, 7, 0), "table": (0, 8, 0)}
+    return {name: facets + np.array(places.get(name, (0, 0, 0))) for name, facets in solids.items()}
+
+
 def machine_scenes(data: Path) -> list[Scene]:
     """Return close scenes from the folder of real meshes; see `triaxis.verif.mesh_data`."""
-    machine = {path.stem: read_stl(path).facets for path in sorted((data / "vmc").glob("*.stl"))}
-
-    def head(z_mm: float) -> Facets:
-        return machine["head"] + np.array([0, 0, 4 + 0.1 * z_mm])
-
-    saddle, table = machine["saddle"] + np.array([0, 7, 0]), machine["table"] + np.array([0, 8, 0])
+    machine, lowered = machine_solids(data, -250), machine_solids(data, -200)
+    carousel, base, saddle = machine["carousel"], machine["base"], machine["saddle"]
     scenes = [
-        Scene("carousel against arm", machine["carousel"], machine["arm"], True),
-        Scene("carousel against head at Z = -250 mm", machine["carousel"], head(-250), True),
-        Scene("head against base at Z = -200 mm", head(-200), machine["base"], True),
-        Scene("table against saddle", table, saddle, True),
-        Scene("saddle against base", saddle, machine["base"], True),
+        Scene("carousel against arm", carousel, machine["arm"], True),
+        Scene("carousel against head at Z = -250 mm", carousel, machine["head"], True),
+        Scene("head against base at Z = -200 mm", lowered["head"], base, True),
+        Scene("table against saddle", machine["table"], saddle, True),
+        Scene("saddle against base", saddle, base, True),
     ]
     return scenes + [_parts(data / "parts", *names) for names in _PARTS]
 
