@@ -20,7 +20,7 @@ _PARTS = (
 
 
 def machine_solids(data: Path, z_mm: float) -> dict[str, Facets]:
-    """Return the machine's solids by name, where they stand, with the head at a position of its Z axis in mm."""
+    """Return the machine's solids by name, where they stand, the head at a position of its Z axis in mm."""
     solids = {path.stem: read_stl(path).facets for path in sorted((data / "vmc").glob("*.stl"))}
     places = {"head": (0, 0, 4 + 0.1 * z_mm), "saddle": (0, 7, 0), "table": (0, 8, 0)}
     return {name: facets + np.array(places.get(name, (0, 0, 0))) for name, facets in solids.items()}
