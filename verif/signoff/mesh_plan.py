@@ -4,11 +4,12 @@ from triaxis.verif.settings import BURST, PIN, RunSettings
 from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.simulation import run_settings
 
-# A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; one
-# lane; the engine as it stands on the board.
+# A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; the
+# widest; one lane, in the width of the board's finer build; the engine as it stands on the board.
 SQUARE = "mesh_w16_m16_d64_g8_l8"
 WORDS = "mesh_w12_m0_d32_g4_l2_c8"
-ONE_LANE = "mesh_w8_m8_d16_g4_l1"
+WIDEST = "mesh_w32_m32_d16_g4_l2"
+ONE_LANE = "mesh_w24_m1_d16_g4_l1"
 BOARD = "mesh_w16_m16_d4096_g8_l8"
 
 # Whole runs on the bare engine: pairs to be accounted for at least, and of so many runs one has pairs judged
@@ -26,6 +27,12 @@ _BARE = {
         "MeshGapsTest": (500, 4),
         "MeshLimitsTest": (1, 1),
         "MeshAbortTest": (5_000, 16),
+    },
+    WIDEST: {
+        "MeshRandomTest": (20_000, 8),
+        "MeshGapsTest": (500, 4),
+        "MeshLimitsTest": (1, 1),
+        "MeshAbortTest": (3_000, 16),
     },
     ONE_LANE: {
         "MeshRandomTest": (20_000, 8),

@@ -9,7 +9,7 @@ from triaxis.golden.errors import InputError
 from triaxis.verif.cli import sim
 from triaxis.verif.coverage_models import model_named, model_of
 from triaxis.verif.settings import BURST, PIN
-from triaxis.verif.signoff.mesh_plan import BOARD, ONE_LANE, SQUARE, WORDS, mesh_plan
+from triaxis.verif.signoff.mesh_plan import BOARD, ONE_LANE, SQUARE, WIDEST, WORDS, mesh_plan
 from triaxis.verif.simulation import run, run_settings
 from triaxis.verif.testnames import MESH_TESTS, check_test_fits, check_test_name
 
@@ -47,7 +47,7 @@ def test_the_sign_off_has_every_test_and_both_agents():
     runs = mesh_plan(1)
     assert {run.test for run in runs} == set(MESH_TESTS)
     assert {run.agent for run in runs} == {PIN, BURST}
-    assert {run.config for run in runs} == {SQUARE, WORDS, ONE_LANE, BOARD}
+    assert {run.config for run in runs} == {SQUARE, WORDS, WIDEST, ONE_LANE, BOARD}
     assert len({run.folder for run in runs}) == len(runs)
     assert all(run.of_mesh_engine and run.width == run.mesh_configuration.width for run in runs)
 

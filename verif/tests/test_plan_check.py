@@ -39,7 +39,7 @@ def test_the_testplan_is_clean():
 def test_every_kind_of_thing_is_in_the_inventory():
     known = inventory()
     assert all(known.names(kind) for kind in KINDS)
-    assert len(known.bins) == 8 + 4 and core_model(16, 0).name in known.bins
+    assert len(known.bins) == 8 + 5 and core_model(16, 0).name in known.bins
     assert "mesh_w16_m16_d4096_g8_l8" in known.bins
     assert "answer.clear, wrongly" in known.illegal["core_w16_m0"]
     modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").rglob("*.sv*")}
