@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from matplotlib.typing import LineStyleType
+
 from triaxis.verif.counterexample.style import GAP, WITNESS
 from triaxis.verif.stress.measuring import ROUNDING_WIDTH, Measured
 from triaxis.verif.stress.orders import METHODS, Method
@@ -24,7 +26,7 @@ class Curve:
     label: str
     share: Callable[[Measured], float]
     colour: str
-    line: str = "-"
+    line: LineStyleType = "-"
     marker: str = ""
     width: float = 1.4
     hollow: bool = False

@@ -57,23 +57,33 @@ def _pair(numbers):
     return vertices[:3], vertices[3:]
 
 
+def distance(pair):
+    """Return the exact distance of a pair."""
+    return judge(pair[0], pair[1], 0).distance
+
+
+def near(pair, margin):
+    """Return the exact verdict on a pair."""
+    return judge(pair[0], pair[1], margin).near
+
+
 def missed(rounding, clearance, margin):
     """Return whether a pair within the clearance is clear on the grid at the margin."""
     rounded, real = rounding
-    return judge(*real, clearance).near and not judge(*rounded, margin).near
+    return near(real, clearance) and not near(rounded, margin)
 
 
 def beyond(rounding, margin, band):
     """Return whether a pair that is near on the grid at the margin is farther apart than margin + band."""
     rounded, real = rounding
-    return judge(*rounded, margin).near and not judge(*real, margin + band).near
+    return near(rounded, margin) and not near(real, margin + band)
 
 
 @REPEATABLE
 @given(roundings(), CLEARANCES)
 def test_no_pair_within_the_clearance_is_missed(rounding, extra):
     # The least clearance that the pair is within, and larger ones.
-    clearance = judge(*rounding[1], 0).distance + extra
+    clearance = distance(rounding[1]) + extra
     assert not missed(rounding, clearance, ceil(clearance) + 1)
     assert margin_for(clearance, GRID) == ceil(clearance) + 1
 
@@ -82,15 +92,15 @@ def test_no_pair_within_the_clearance_is_missed(rounding, extra):
 @given(roundings(), st.integers(0, 5))
 def test_no_false_alarm_beyond_the_band(rounding, extra):
     # The least margin at which the grid says near, and larger ones.
-    margin = ceil(judge(*rounding[0], 0).distance) + extra
-    assert judge(*rounding[0], margin).near
+    margin = ceil(distance(rounding[0])) + extra
+    assert near(rounding[0], margin)
     assert not beyond(rounding, margin, 1)
 
 
 @REPEATABLE
 @given(roundings())
 def test_rounding_moves_distances_by_one_lsb_at_most(rounding):
-    rounded, real = (judge(*pair, 0).distance for pair in rounding)
+    rounded, real = (distance(pair) for pair in rounding)
     assert abs(rounded - real) <= 1
 
 
