@@ -4,7 +4,7 @@ All stages work at the same time, so a run takes at least as long as its busiest
 long as if they took turns, where a pair of groups costs the larger of its boxes and its tests.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
@@ -46,20 +46,40 @@ class EngineWork:
     parts: int
 
 
+@dataclass(frozen=True)
+class _Part:
+    """What the engine holds at a time: facets (N, 3, 3), their numbers in the file (N,), the boxes of their
+    groups (ceil(N / group), 2, 3) and of all of them (1, 2, 3)."""
+
+    facets: Integers
+    numbers: Integers
+    groups: Integers
+    whole: Integers
+
+    def moved(self, translation: Integers) -> "_Part":
+        """Return the part after a translation (3,)."""
+        return _Part(
+            self.facets + translation, self.numbers, self.groups + translation, self.whole + translation
+        )
+
+
 class LoadedMesh:
     """Facets (N, 3, 3) on the grid, in the parts and the order in which the engine is given them."""
 
     def __init__(self, facets: Integers, shape: EngineShape) -> None:
         """Put them in order."""
         order = spatial_order(facets, shape.group)
-        starts = range(0, len(order), shape.depth)
         self.count = len(facets)
-        self.numbers = [order[start : start + shape.depth] for start in starts]
-        self.parts = [facets[numbers] for numbers in self.numbers]
+        self.parts = [
+            _part(facets, order[start : start + shape.depth], shape)
+            for start in range(0, len(order), shape.depth)
+        ]
 
-    def moved(self, translation: Integers) -> Iterator[Integers]:
-        """Yield the parts after a translation (3,)."""
-        return (part + translation for part in self.parts)
+
+def _part(facets: Integers, numbers: Integers, shape: EngineShape) -> _Part:
+    held = facets[numbers]
+    boxes = boxes_of(held)
+    return _Part(held, numbers, boxes_of_groups(boxes, shape.group), boxes_of_groups(boxes, len(boxes)))
 
 
 def engine_work(
@@ -73,16 +93,14 @@ def engine_work(
     """Run A, moved, against B. ``allow`` is told of pairs before they are decided, and may refuse them."""
     near: list[npt.NDArray[np.int64]] = [np.empty(0, np.int64)]
     tested = opened = least = most = 0
-    parts_a = list(a.moved(translation))
-    for m, n in product(range(len(parts_a)), range(len(b.parts))):
-        part = _part_work(parts_a[m], b.parts[n], margin, shape, allow)
-        i, j = a.numbers[m][part.near[:, 0]], b.numbers[n][part.near[:, 1]]
-        near.append(i * b.count + j)
+    for part_a, part_b in product([part.moved(translation) for part in a.parts], b.parts):
+        part = _part_work(part_a, part_b, margin, shape, allow)
+        near.append(part_a.numbers[part.near[:, 0]] * b.count + part_b.numbers[part.near[:, 1]])
         tested += part.tested
         opened += part.opened
         least += part.least + _LEAST_OVERHEAD
         most += part.most + _MOST_OVERHEAD
-    parts = len(parts_a) * len(b.parts)
+    parts = len(a.parts) * len(b.parts)
     return EngineWork(a.count * b.count, tested, opened, np.sort(np.concatenate(near)), least, most, parts)
 
 
@@ -96,19 +114,20 @@ class _PartWork:
 
 
 def _part_work(
-    a: Integers, b: Integers, margin: int, shape: EngineShape, allow: Callable[[int], None]
+    a: _Part, b: _Part, margin: int, shape: EngineShape, allow: Callable[[int], None]
 ) -> _PartWork:
-    boxes_a, boxes_b = boxes_of(a), boxes_of(b)
-    groups_a, groups_b = boxes_of_groups(boxes_a, shape.group), boxes_of_groups(boxes_b, shape.group)
-    rows = ~apart(groups_a, boxes_of_groups(boxes_b, len(b)), margin)[:, 0]
-    words = int(rows.sum()) * -(-len(groups_b) // shape.lanes)
-    open_pairs = ~apart(groups_a, groups_b, margin)
+    rows = len(a.groups)
+    if apart(a.whole, b.whole, margin).all():
+        return _PartWork(0, 0, np.empty((0, 2), np.int64), rows, rows)
+    overlapping = ~apart(a.groups, b.whole, margin)[:, 0]
+    words = int(overlapping.sum()) * -(-len(b.groups) // shape.lanes)
+    open_pairs = ~apart(a.groups, b.groups, margin)
     tested_in = np.zeros(open_pairs.shape, np.int64)
     near: list[npt.NDArray[np.int64]] = [np.empty((0, 2), np.int64)]
-    for i, j in candidates(a, b, margin):
+    for i, j in candidates(a.facets, b.facets, margin):
         allow(len(i))
         np.add.at(tested_in, (i // shape.group, j // shape.group), 1)
-        verdicts = bulk_verdicts(np.stack([a[i], b[j]], 1), margin)["near"].astype(np.bool_)
+        verdicts = bulk_verdicts(np.stack([a.facets[i], b.facets[j]], 1), margin)["near"].astype(np.bool_)
         near.append(np.stack([i[verdicts], j[verdicts]], 1))
     boxes = shape.group * shape.group // shape.lanes
     opened, tested = int(open_pairs.sum()), int(tested_in.sum())
@@ -117,6 +136,6 @@ def _part_work(
         tested,
         opened,
         np.concatenate(near),
-        max(len(groups_a), words, boxes * opened, tested),
-        len(groups_a) + words + within,
+        max(rows, words, boxes * opened, tested),
+        rows + words + within,
     )
