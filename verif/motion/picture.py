@@ -11,6 +11,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
@@ -28,6 +29,8 @@ _RAPID = "#56B4E9"
 _LIGHT = np.array([0.35, -0.55, 0.76])
 # Facets drawn of a mesh: beyond that a picture takes minutes, and shows no more.
 _DRAWN = 6000
+# Along the longest axis in space.
+_TICKS = 8
 
 
 def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
@@ -35,7 +38,7 @@ def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Cl
     temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure = _figure(scene, result, profile)
+        figure = figure_of(scene, result, profile)
         # No date, and fixed names inside: the same path gives the same file.
         with rc_context({"svg.hashsalt": "triaxis"}):
             figure.savefig(temporary, dpi=_DPI, metadata={"Date": None} if path.suffix == ".svg" else None)
@@ -47,12 +50,13 @@ def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Cl
             temporary.unlink()
 
 
-def _figure(scene: PathScene, result: PathResult, profile: list[Clearance]) -> Figure:
+def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) -> Figure:
+    """Return the figure that `draw_path` writes."""
     figure = Figure(figsize=_INCHES, dpi=_DPI)
     FigureCanvasAgg(figure)
     clearance = float(scene.wanted.clearance)
     verdict = (
-        f"clear of the workpiece by more than {clearance:g} mm all along"
+        f"is clear of the workpiece by more than {clearance:g} mm all along"
         if result.near is None
         else f"comes within {clearance:g} mm in line {result.near.line}"
     )
@@ -117,14 +121,21 @@ def _frame(axes: Axes3D, points: npt.NDArray[np.floating]) -> None:
     """Show all points, at one scale in all directions."""
     low, high = points.min(0), points.max(0)
     middle, size = (low + high) / 2, np.maximum(high - low, 1e-9)
-    size = np.maximum(size, size.max() / 5)
+    # A thin column would leave no room for the words beside it.
+    size = np.maximum(size, size.max() / 2)
     for limits, centre, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
         limits(centre - span / 2, centre + span / 2)
-    axes.set_box_aspect(size)
+    axes.set_box_aspect(tuple(size), zoom=0.9)
+    for axis, centre, span in zip((axes.xaxis, axes.yaxis, axes.zaxis), middle, size, strict=True):
+        ticks = MaxNLocator(round(_TICKS * span / size.max())).tick_values(
+            centre - span / 2, centre + span / 2
+        )
+        # Not at the ends, where another axis has its own.
+        axis.set_ticks(ticks[abs(ticks - centre) < 0.46 * span])
     axes.view_init(elev=22, azim=-58)
     axes.tick_params(labelsize=SMALL)
     for label, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "XYZ", strict=True):
-        label(f"{name} (mm)", fontsize=SMALL)
+        label(f"{name} (mm)", fontsize=SMALL, labelpad=6)
 
 
 def _add_legend(axes: Axes3D, near: bool, close: bool) -> None:

@@ -2,12 +2,13 @@
 
 import json
 from fractions import Fraction
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from mpl_toolkits.mplot3d import Axes3D
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
@@ -16,7 +17,7 @@ from triaxis.verif import scenes
 from triaxis.verif.cli import main
 from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mesh.engine_scene import MeshEngineScene
-from triaxis.verif.motion import path_check
+from triaxis.verif.motion import path_check, picture
 from triaxis.verif.motion.clearance import clearances
 from triaxis.verif.motion.path_check import Effort, check_path
 from triaxis.verif.motion.path_scene import Wanted, prepare_path
@@ -196,6 +197,40 @@ def test_bounds_of_the_clearance_hold_the_clearance():
         assert real <= place.seen + 1e-9
         assert place.seen - place.proven <= max(0.1, real / 10)
     assert effort.poses > len(places)
+
+
+@pytest.mark.parametrize("height", [1, 170, 2000])
+def test_the_picture_of_a_tall_path_keeps_its_words_apart(height):
+    scene = scene_of(
+        scenes.box((-5, -5, 0), (5, 5, height)), scenes.box((-20, -20, -30), (20, 20, 0)),
+        [(0, 0, height + 60), (0, 0, 1), (10, 0, 1)], wanted_of(resolution=Fraction(1, 10)),
+    )  # fmt: skip
+    engine = scene_engine("bulk", scene.a, scene.b, scene.grid.width)
+    figure = picture.figure_of(scene, checked(scene), clearances(scene, engine, 5, Effort()))
+    assert "the tool is clear of the workpiece" in figure.texts[0].get_text()
+    figure.canvas.draw()
+    space = figure.axes[0]
+    assert isinstance(space, Axes3D)
+    words = [figure.texts[1]]
+    for axis in (space.xaxis, space.yaxis, space.zaxis):
+        low, high = axis.get_view_interval()
+        # Asked for its labels, it would put them back to where they were before drawing.
+        shown = [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+        words += [axis.label, *shown]
+    assert len(words) > 9
+    boxes = [word.get_window_extent() for word in words]
+    page = figure.bbox
+    assert not [
+        (word.get_text(), box)
+        for word, box in zip(words, boxes, strict=True)
+        if not (page.x0 <= box.x0 and page.y0 <= box.y0 and box.y1 <= page.y1)
+    ]
+    # Corners of boxes may meet where the words, slanted, do not.
+    assert not [
+        (one.get_text(), other.get_text())
+        for (one, a), (other, b) in combinations(zip(words, boxes, strict=True), 2)
+        if a.expanded(0.8, 0.8).overlaps(b.expanded(0.8, 0.8))
+    ]
 
 
 def test_what_leaves_the_grid_is_named_by_its_line():
