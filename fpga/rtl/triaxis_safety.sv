@@ -5,7 +5,8 @@
 // here. Go is said only from the end of a complete run that found nothing near, and only while
 // - nothing was changed since that run began: no LOAD, MOVE, RUN, HELLO or ABORT was accepted;
 // - nothing went wrong since that run began: no error on the link, no refused command;
-// - the link has been alive since that run began.
+// - the link has been alive since that run began, and when it began: a run that comes after silence,
+//   being itself the first sign of life, gives no go; the next one does.
 // Otherwise stop is said: from power-up (the registers are configured so), in reset, and until a
 // later run. Anything that is neither go nor stop on the outputs is a fault, and means stop.
 // Latency: 1 clock.
