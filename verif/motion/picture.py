@@ -70,7 +70,7 @@ def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) ->
         )
         lines += f"; first near pose at {where}"
     figure.text(0.03, 0.9, lines, fontsize=NORMAL)
-    space = figure.add_axes((0.0, 0.06, 0.5, 0.8), projection="3d")
+    space = figure.add_axes((0.0, 0.1, 0.5, 0.73), projection="3d")
     assert isinstance(space, Axes3D)
     _draw_space(space, scene, result, profile)
     _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
@@ -125,7 +125,7 @@ def _frame(axes: Axes3D, points: npt.NDArray[np.floating]) -> None:
     size = np.maximum(size, size.max() / 2)
     for limits, centre, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
         limits(centre - span / 2, centre + span / 2)
-    axes.set_box_aspect(tuple(size), zoom=0.9)
+    axes.set_box_aspect(tuple(size))
     for axis, centre, span in zip((axes.xaxis, axes.yaxis, axes.zaxis), middle, size, strict=True):
         ticks = MaxNLocator(round(_TICKS * span / size.max())).tick_values(
             centre - span / 2, centre + span / 2

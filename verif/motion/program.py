@@ -73,7 +73,7 @@ def read_program(path: Path, start: Vector | None, skip_optional: bool = False) 
     ``skip_optional`` leaves out lines that begin with /. Raises InputError, naming file, line and word, at
     whatever is not understood or stands after the program's end, and where there is no move.
     """
-    state = _State(start or (Fraction(0),) * 3)
+    state = _State(start or (Fraction(0), Fraction(0), Fraction(0)))
     ended = False
     for block in read_blocks(path):
         if ended and block.words:
