@@ -19,7 +19,7 @@ JUDGED_ONE_IN = 100
 class ExactPairs(ABC):
     """Pairs (N, 2, 3, 3) whose exact Chebyshev distances can be compared with whole limits."""
 
-    # Pairs judged by the linear program, and how many of them contradict what is answered.
+    # Pairs judged by the linear program, and how many answers on them it contradicts.
     judged: int = 0
     contradicted: int = 0
 
@@ -50,12 +50,12 @@ class BulkPairs(ExactPairs):
         self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN)
         judgements = [judge(a, b, 0) for a, b in chosen_rows(pairs, self._sample).tolist()]
         self._distances = [judgement.distance for judgement in judgements]
+        self.judged = len(judgements)
 
     def within(self, limit: int) -> Mask:
         """Return which pairs are within the limit; count in ``contradicted`` where the judge disagrees."""
         near = bulk_facts(self._pairs, limit).near
         judged = np.array([distance <= limit for distance in self._distances], np.bool_)
-        self.judged += len(judged)
         self.contradicted += int((near[self._sample] != judged).sum())
         return near
 

@@ -59,7 +59,7 @@ FAMILIES = (
     Family(
         "tilt",
         "tilt of the planes (radians)",
-        "nearly coplanar, one over the other; 24-bit coordinates",
+        "nearly coplanar triangles; 24-bit coordinates",
         _falling(nearly_coplanar, (4, 12, 16, 18, 20, 22, 24, 32, 40, 44, 48, 50, 52, 54, 60, 66), True),
     ),
     Family(
@@ -71,13 +71,13 @@ FAMILIES = (
     Family(
         "sliver",
         "width / length of the sliver",
-        "an edge passes at half its width; 53-bit coordinates",
+        "edges pass at half its width; 53-bit coordinates",
         _falling(slivers, (0, 8, 12, 16, 18, 20, 22, 24, 28, 36, 44, 46, 48), True),
     ),
     Family(
         "distance",
         "distance from the origin / range",
-        "misses and hits by 2^-18 of the range; 53-bit coordinates",
+        "gaps of 2^-18 of the range; 53-bit coordinates",
         tuple(
             Knob(_power(k), lambda rng, count, k=k: far_away(rng, count, 2.0**k))
             for k in (0, 2, 4, 6, 8, 10, 12, 16, 20, 24, 28, 32, 34, 36)
@@ -86,7 +86,7 @@ FAMILIES = (
     Family(
         "ratio",
         "ratio of the triangles' sizes",
-        "small pierces large, or misses it; 53-bit coordinates",
+        "small ones pierce large; 53-bit coordinates",
         _falling(of_unlike_size, (0, 8, 12, 16, 18, 20, 22, 24, 26, 28, 36, 42, 46, 48), False),
     ),
     Family(

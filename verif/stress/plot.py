@@ -59,9 +59,10 @@ def _figure(picture: Picture, result: StressResult) -> Figure:
         handlelength=3.2, labelspacing=0.75,
     )  # fmt: skip
     legend.text(
-        -0.03, -0.32,
+        -0.03, -0.3,
         f"{result.pairs:,} pairs at each setting, in 72 orders each; seed {result.seed}.\n"
-        f"Below {_LINEAR} % the scale is linear, down to 0.",
+        f"Below {_LINEAR} % the scale is linear, down to 0.\n"
+        "float32 holds 24-bit coordinates exactly,\n53-bit ones rounded.",
         fontsize=SMALL, transform=legend.transAxes,
     )  # fmt: skip
     return figure
@@ -102,7 +103,7 @@ def _typeset(label: str) -> str:
 
 
 def _handle(curve: Curve, result: StressResult) -> Line2D | Patch:
-    label = curve.label if curve.counted is None else f"{curve.label}: {curve.counted(result)}"
+    label = curve.label if curve.counted is None else f"{curve.label}:\n{curve.counted(result)}"
     if curve.filled:
         return Patch(color=curve.colour, alpha=0.35, label=label)
     return Line2D(
