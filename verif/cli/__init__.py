@@ -16,6 +16,7 @@ from triaxis.golden.judge import CertificateError
 from triaxis.verif.cli import (
     activity,
     advise,
+    bench,
     bench_mesh,
     bench_sim,
     bitstream,
@@ -63,6 +64,7 @@ _COMMANDS = (
     formal,
     export,
     shrink,
+    bench,
     bench_sim,
     bench_mesh,
     stress,

@@ -1,0 +1,85 @@
+"""A peer on a workload: its errors, and its time a pair, apart from what a call from Python costs.
+
+That cost is measured on the same call with the second triangle moved far away, which every test of triangles
+finds in its first steps; it is taken off, and told. So what is called kernel here is a little less than that.
+The bulk checker's time on the same pairs is measured between the rounds of the peer's.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.verif.bench.core_points import OnGrid
+from triaxis.verif.bench.errors import Errors, count_errors
+from triaxis.verif.bench.own_points import collision_work
+from triaxis.verif.bench.peers.peer import Peer
+from triaxis.verif.bench.timing import best_times
+from triaxis.verif.bench.truth import Truth
+from triaxis.verif.bench.workloads import Workload
+
+# Pairs that are timed; all are judged.
+TIMED = 4000
+# A second triangle moved so far that no pair of any workload meets.
+_FAR = np.float32(2**20)
+
+
+@dataclass(frozen=True)
+class PeerPoint:
+    """Errors, and nanoseconds a pair: of the whole run, of calls alone, and to make the package's objects.
+
+    ``name``, ``version`` and ``call`` are the peer's. ``bulk_ns``: the bulk checker's, in collision mode on
+    the finest grid, on the same pairs in the same rounds.
+    """
+
+    name: str
+    distribution: str
+    version: str
+    call: str
+    errors: Errors
+    run_ns: float
+    overhead_ns: float
+    load_ns: float
+    bulk_ns: float
+
+    @property
+    def kernel_ns(self) -> float:
+        """Return what is left of the run when calls are taken off."""
+        return max(0.0, self.run_ns - self.overhead_ns)
+
+    @property
+    def times_bulk(self) -> float:
+        """Return how many times the bulk checker's time that is."""
+        return self.kernel_ns / self.bulk_ns
+
+
+def peer_point(peer: Peer, version: str, workload: Workload, finest: OnGrid, truth: Truth) -> PeerPoint:
+    """Return a peer's errors and times on a workload; ``finest``: the same pairs on the finest grid."""
+    a, b = workload.a, workload.b
+    start = time.perf_counter()
+    ask = peer.load(a, b)
+    load = time.perf_counter() - start
+    errors = count_errors(ask(), truth)
+    chosen = timed_rows(len(a))
+    run = peer.load(a[chosen], b[chosen])
+    # A batch has one call for all of its pairs.
+    calls = peer.load(a[:1], b[:1]) if peer.batched else peer.load(a[chosen], b[chosen] + _FAR)
+    run_s, calls_s, bulk_s = best_times([run, calls, collision_work(finest, chosen)])
+    each = 1e9 / len(chosen)
+    return PeerPoint(
+        peer.name,
+        peer.distribution,
+        version,
+        peer.call,
+        errors,
+        run_s * each,
+        calls_s * each,
+        load * 1e9 / len(a),
+        bulk_s * each,
+    )
+
+
+def timed_rows(count: int) -> npt.NDArray[np.int64]:
+    """Return which of so many pairs are timed: evenly spread."""
+    return np.unique(np.linspace(0, count - 1, min(count, TIMED)).astype(np.int64))

@@ -1,0 +1,171 @@
+"""The whole benchmark: every method on every workload, step by step, so that an interrupted run goes on."""
+
+import hashlib
+import platform
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.bench.core_points import MODES, WIDTHS, CorePoint, configuration, core_point, on_grid
+from triaxis.verif.bench.dsps import dsp_counts
+from triaxis.verif.bench.errors import Errors
+from triaxis.verif.bench.own_points import BulkPoint, bulk_point, golden_ns
+from triaxis.verif.bench.peer_points import PeerPoint, peer_point
+from triaxis.verif.bench.peers import PEERS
+from triaxis.verif.bench.peers.peer import Peer, PeerAbsentError
+from triaxis.verif.bench.steps import Steps
+from triaxis.verif.bench.truth import Truth, exact_truth
+from triaxis.verif.bench.workloads import Workload, workloads
+from triaxis.verif.mesh_data import mesh_data
+from triaxis.verif.paths import BUILD
+from triaxis.verif.provenance import Provenance
+
+FOLDER = BUILD / "bench" / "error-steps"
+COUNT = 20_000
+
+# A peer that is installed, and its version.
+_Installed = tuple[Peer, str]
+
+
+@dataclass(frozen=True)
+class WorkloadResult:
+    """All points of a workload, of whose pairs so many collide. ``peers``: those that are installed."""
+
+    workload: Workload
+    colliding: int
+    core: list[CorePoint]
+    bulk: list[BulkPoint]
+    golden_ns: float
+    peers: list[PeerPoint]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Everything that was measured.
+
+    ``dsps``: DSP48E1 of the core by width and mode. ``absent``: peers that are not there, and why.
+    ``taken_up``: steps that an interrupted run had left.
+    """
+
+    seed: int
+    real_meshes: bool
+    dsps: dict[tuple[int, str], int]
+    results: list[WorkloadResult]
+    absent: dict[str, str]
+    taken_up: int
+
+
+def installed_peers() -> tuple[list[_Installed], dict[str, str]]:
+    """Return the peers that are there with their versions, and why the others are not."""
+    present: list[_Installed] = []
+    absent: dict[str, str] = {}
+    for peer in PEERS:
+        try:
+            present.append((peer, peer.version()))
+        except PeerAbsentError as error:
+            absent[peer.name] = str(error)
+    return present, absent
+
+
+class Benchmark:
+    """A benchmark with its workloads, ready to be measured."""
+
+    def __init__(self, seed: int, before: Provenance, count: int = COUNT) -> None:
+        """Make the workloads, of ``count`` pairs. ``before``: the checkout's state, to which steps belong."""
+        data = mesh_data()
+        self.real_meshes = data is not None
+        self._seed, self._before = seed, before
+        self._workloads = workloads(count, seed, data)
+        self._present, self._absent = installed_peers()
+
+    @property
+    def steps(self) -> int:
+        """Return the number of steps."""
+        on_each = 1 + len(WIDTHS) + 1 + len(self._present)
+        return len(WIDTHS) * len(MODES) + len(self._workloads) * on_each
+
+    def run(self, progress: Callable[[int], None]) -> Measured:
+        """Measure everything; ``progress`` is told of each step."""
+        steps = Steps(FOLDER, self._key(), progress)
+        dsps = _dsps(progress)
+        results: list[WorkloadResult] = []
+        for workload in self._workloads:
+            truth = exact_truth(workload.a, workload.b)
+            progress(1)
+            results.append(_OnWorkload(workload, truth, steps).result(self._present))
+        steps.finish()
+        return Measured(self._seed, self.real_meshes, dsps, results, self._absent, steps.taken_up)
+
+    def _key(self) -> str:
+        """Return a hash of all that the results depend on."""
+        state = [self._before.rtl_hash, self._before.environment_hash, str(self._seed)]
+        machine = [platform.platform(), platform.python_version()]
+        digest = hashlib.sha256()
+        for text in (*state, *machine, *(version for _, version in self._present)):
+            digest.update(text.encode() + b"\0")
+        for workload in self._workloads:
+            digest.update(workload.a.tobytes() + workload.b.tobytes())
+        return digest.hexdigest()
+
+
+def _dsps(progress: Callable[[int], None]) -> dict[tuple[int, str], int]:
+    builds = [(width, mode) for width in WIDTHS for mode in MODES]
+    counts = dsp_counts([configuration(*build) for build in builds], progress)
+    return dict(zip(builds, counts, strict=True))
+
+
+class _OnWorkload:
+    """Measures all methods on one workload."""
+
+    def __init__(self, workload: Workload, truth: Truth, steps: Steps) -> None:
+        self._workload, self._truth, self._steps = workload, truth, steps
+        self._name = _file_name(workload.name)
+
+    def result(self, peers: list[_Installed]) -> WorkloadResult:
+        core: list[CorePoint] = []
+        bulk: list[BulkPoint] = []
+        for width in WIDTHS:
+            found_core, found_bulk = self._at_width(width)
+            core += found_core
+            bulk += found_bulk
+        golden = self._steps.once(f"{self._name}-golden", lambda: {"ns": golden_ns(self._workload)})
+        return WorkloadResult(
+            self._workload,
+            int(self._truth.near().sum()),
+            core,
+            bulk,
+            float(golden["ns"]),
+            [self._peer(*peer) for peer in peers],
+        )
+
+    def _at_width(self, width: int) -> tuple[list[CorePoint], list[BulkPoint]]:
+        def measure() -> dict[str, Any]:
+            rounded = on_grid(self._workload, width)
+            return {
+                "core": [asdict(core_point(rounded, self._truth, width, mode)) for mode in MODES],
+                "bulk": [asdict(bulk_point(rounded, width, mode)) for mode in MODES],
+            }
+
+        found = self._steps.once(f"{self._name}-w{width}", measure)
+        core = [CorePoint(**{**point, "errors": Errors(**point["errors"])}) for point in found["core"]]
+        return core, [BulkPoint(**point) for point in found["bulk"]]
+
+    def _peer(self, peer: Peer, version: str) -> PeerPoint:
+        def measure() -> dict[str, Any]:
+            finest = on_grid(self._workload, WIDTHS[-1])
+            try:
+                return asdict(peer_point(peer, version, self._workload, finest, self._truth))
+            # Of another's making, whatever it is.
+            except Exception as error:
+                what = f"fails on {self._workload.name}: {type(error).__name__}: {error}"
+                raise InputError(
+                    f"{peer.name} {version}: {what}; install the version of requirements-peers.lock, or none"
+                ) from error
+
+        found = self._steps.once(f"{self._name}-{_file_name(peer.name)}", measure)
+        return PeerPoint(**{**found, "errors": Errors(**found["errors"])})
+
+
+def _file_name(name: str) -> str:
+    return "".join(letter if letter.isalnum() else "-" for letter in name)
