@@ -57,8 +57,8 @@ def rtl_core(width: int, pairs: Pairs32, margin: int) -> Mask:
 class Measured:
     """What was found at one setting; counts are of answers in all 72 orders unless it says pairs.
 
-    pairs, near_pairs, judged_pairs: of the unrounded pairs; the last by the linear program, which
-    contradicts ``contradicted`` of the bulk checker's answers. own_width: of the core that holds them as they are.
+    pairs, near_pairs, judged_pairs: of the unrounded pairs; the last by the linear program, which contradicts
+    ``contradicted`` of the bulk checker's answers. own_width: of the core that holds them as they are.
     core: against the exact verdict on what it was given, as they are and rounded, at margins 0 and 1.
     methods: by name. resolution: of the rounding, in units of the pairs. rounded: margin 0 on rounded pairs,
     no_miss: margin 1, both against the unrounded. band_pairs: clear pairs within the band, which may raise
