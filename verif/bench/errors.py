@@ -35,7 +35,7 @@ def count_errors(verdicts: Mask, truth: Truth) -> Errors:
     """Return the errors of verdicts (N,), true: near, on whether pairs collide, touching included."""
     colliding = truth.near()
     if verdicts.shape != colliding.shape:
-        raise ValueError(f"{verdicts.shape} verdicts on {len(truth)} pairs")
+        raise ValueError(f"{len(verdicts)} verdicts on {len(truth)} pairs")
     return Errors(
         len(truth),
         int(colliding.sum()),

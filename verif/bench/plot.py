@@ -158,7 +158,7 @@ def _draw_errors(axes: Axes, points: Sequence[Point]) -> None:
 
 
 def spread(places: Sequence[float]) -> list[float]:
-    """Return places for labels, from the top down: those of their points, but for the room that each needs."""
+    """Return places for labels, from the top down: their points' own, but for the room each needs."""
     top, bottom = log10(_SHARES[1]), log10(_SHARES[0])
     found: list[float] = []
     for number, place in enumerate(places):
@@ -244,9 +244,11 @@ def _explain(figure: Figure, measured: Measured) -> None:
     absent = f"   Not installed: {', '.join(measured.absent)}." if measured.absent else ""
     lines = (
         f"DSP48E1 of the core, collision / no-miss (the XC7A100T has {XC7A100T.dsps}):   {blocks}",
-        "The core works on the finest power-of-two grid of W bits that holds the scene. What it gets wrong is the "
-        "rounding to that grid: in no-miss mode never a miss, and false alarms only within two grid steps.",
-        "Colliding includes touching; no triangle is degenerate. The truth are exact rational verdicts on the same "
-        f"coordinates. Pointing left: a kernel too fast to be told from its call. Seed {measured.seed}.{absent}",
+        "The core works on the finest power-of-two grid of W bits that holds the scene. "
+        "What it gets wrong is the rounding to that grid:",
+        "in no-miss mode never a miss, and false alarms only within two grid steps. "
+        "Colliding includes touching; no triangle is degenerate.",
+        "The truth are exact rational verdicts on the same coordinates. "
+        f"Pointing left: a kernel too fast to be told from its call. Seed {measured.seed}.{absent}",
     )
     figure.text(0.045, 0.012, "\n".join(lines), fontsize=10.5, va="bottom", linespacing=1.5)

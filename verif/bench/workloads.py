@@ -4,7 +4,7 @@ Each workload has parts that share a working volume: the pairs of a scene, for w
 grid. No triangle is degenerate, since most packages demand that; `make stress` has those.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,6 @@ from triaxis.golden.broadphase import candidates
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import triangle_rank
 from triaxis.golden.quantise import box_of, grid_around, quantise
-from triaxis.golden.stl import Facets
 from triaxis.verif.bench.grids import finest_resolution
 from triaxis.verif.bench.truth import Triangles, exact_triangle
 from triaxis.verif.machine_scenes import machine_scenes
@@ -34,6 +33,8 @@ _LATTICE_STEP = 2.0**-16
 _MACHINE_UNIT = 10.0
 # Bits of the grid on which facets that come close are looked for, and how close, in its steps.
 _SEARCH_BITS, _SEARCH_REACH = 16, 400
+# How far the first solid is moved at most, as a share of the scene's extent: the scenes are close ones.
+_MOVES = 0.02
 # Gaps of a contact, in mm, on both sides of it; float32 then rounds the triangles by up to 3e-5 mm.
 _LEAST_GAP, _LARGEST_GAP = 1e-7, 1e-2
 
@@ -93,7 +94,7 @@ def workloads(count: int, seed: int, data: Path | None) -> list[Workload]:
 
     makers: dict[str, Callable[[Rng], list[Part]]] = {
         "random": lambda rng: [_sound("uniform in 100 mm", lambda n: _random(rng, n), count)],
-        source: on_solids(_as_they_stand),
+        source: on_solids(_in_poses),
         f"near-contact {source}": on_solids(_in_contact),
         "lattice near-misses": lambda rng: _lattice(rng, count),
     }
@@ -150,25 +151,40 @@ def _random(rng: Rng, count: int) -> _Pairs:
 
 
 def _close(scene: Scene) -> npt.NDArray[np.int64]:
-    """Return the facets (K, 2) whose boxes come close, about; of the scene as it stands."""
+    """Return the facets (K, 2) whose boxes come close, about."""
     boxes = [box_of(scene.a), box_of(scene.b)]
     grid = grid_around(boxes, finest_resolution(boxes, _SEARCH_BITS), _SEARCH_BITS)
     a, b = quantise(scene.a, grid, scene.name), quantise(scene.b, grid, scene.name)
-    found = [np.stack(block, 1) for block in candidates(a, b, _SEARCH_REACH)]
-    return np.concatenate(found) if found else np.empty((0, 2), np.int64)
+    found = [np.empty((0, 2), np.int64), *(np.stack(block, 1) for block in candidates(a, b, _SEARCH_REACH))]
+    return np.concatenate(found)
 
 
-def _facets(facets: Facets, chosen: npt.NDArray[np.int64]) -> Triangles:
-    return facets[chosen].astype(np.float32)
+def _moved_by(scene: Scene, move: Reals) -> Scene:
+    a, b = (scene.a + move).astype(np.float32), scene.b.astype(np.float32)
+    return Scene(scene.name, a, b, scene.near)
 
 
-def _as_they_stand(rng: Rng, scene: Scene, count: int) -> _Pairs:
-    """Return facet pairs where they are: half of them close, as far as there are such, the others any."""
-    close = rng.permutation(_close(scene))[: count // 2]
-    rest = count - len(close)
-    any_pair = np.stack([rng.integers(0, len(scene.a), rest), rng.integers(0, len(scene.b), rest)], 1)
-    chosen = rng.permutation(np.concatenate([close, any_pair]))
-    return _facets(scene.a, chosen[:, 0]), _facets(scene.b, chosen[:, 1])
+def _poses(rng: Rng, scene: Scene) -> Iterator[Scene]:
+    """Yield the scene as it stands, then with the first solid moved a little, again and again."""
+    yield _moved_by(scene, np.zeros(3))
+    reach = _MOVES * float(np.ptp(np.concatenate([scene.a, scene.b]).reshape(-1, 3), 0).max())
+    while True:
+        yield _moved_by(scene, rng.uniform(-reach, reach, 3))
+
+
+def _in_poses(rng: Rng, scene: Scene, count: int) -> _Pairs:
+    """Return facet pairs of a few poses: half of those of a pose close, the others any."""
+    pairs_a, pairs_b = np.empty((2, 0, 3, 3), np.float32)
+    for pose in _poses(rng, scene):
+        close = rng.permutation(_close(pose))[: count // 4]
+        any_pair = np.stack([rng.integers(0, len(x), len(close) + 1) for x in (pose.a, pose.b)], 1)
+        chosen = np.concatenate([close, any_pair])
+        pairs_a = np.concatenate([pairs_a, pose.a[chosen[:, 0]]])
+        pairs_b = np.concatenate([pairs_b, pose.b[chosen[:, 1]]])
+        if len(pairs_a) >= count:
+            break
+    order = rng.permutation(len(pairs_a))
+    return pairs_a[order], pairs_b[order]
 
 
 @dataclass(frozen=True)
@@ -208,7 +224,7 @@ def _drawn(rng: Rng, scene: Scene, count: int) -> tuple[Reals, Reals]:
 def _gaps(rng: Rng, count: int) -> Reals:
     """Return gaps (N, 1, 1) at every scale: a third apart, a third overlapping, a third none."""
     size = np.exp(rng.uniform(np.log(_LEAST_GAP), np.log(_LARGEST_GAP), (count, 1, 1)))
-    return size * rng.integers(-1, 2, (count, 1, 1))
+    return size * rng.choice([-1.0, 0.0, 1.0], (count, 1, 1))
 
 
 def _vertex_on_face(rng: Rng, a: Reals, b: Reals) -> _Touching:

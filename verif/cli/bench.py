@@ -18,6 +18,7 @@ REACHED, MISSED = 0, 1
 # Of the bulk checker's widths: those of the two arithmetics, and the widest.
 _SHOWN = (16, 24, WIDTHS[-1])
 _WIDTH = 170
+_SHARES = "missed: of those that collide; alarms: of the others"
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -25,11 +26,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "bench",
         help="measure run time against error, also of other packages",
-        description="Ask the core at eight widths, in collision mode and in no-miss mode, the bulk checker, the "
-        "golden model, and those of python-fcl, coal, CGAL, libigl, VTK, Open3D and trimesh that are installed "
-        "(`make peers`; CGAL also by its C++ headers, Debian: libcgal-dev) whether pairs of float32 triangles "
-        "collide; compare with exact rational verdicts. Writes build/bench/error.json, error.png and error.svg. "
-        "A run that was interrupted goes on with the same command.",
+        description="Ask whether pairs of float32 triangles collide: the core at eight widths, in collision "
+        "mode and in no-miss mode, the bulk checker, the golden model, and those of python-fcl, coal, CGAL, "
+        "libigl, VTK, Open3D and trimesh that are installed (`make peers`; CGAL also by its C++ headers, "
+        "Debian: libcgal-dev). Compare with exact rational verdicts. Writes build/bench/error.json, "
+        "error.png and error.svg. A run that was interrupted goes on with the same command.",
         epilog="Exit codes: 0 everything demanded is reached, 1 something is not, 2 error.",
     )
     parser.add_argument("--seed", type=int, default=1, help="what the pairs follow from (1)")
@@ -41,9 +42,7 @@ def run(options: argparse.Namespace) -> int:
     started, before = time.monotonic(), provenance()
     benchmark = Benchmark(options.seed, before)
     if not benchmark.real_meshes:
-        print(
-            "real meshes: no folder $TRIAXIS_DATA or ../shared/data: the project's own solids take their place"
-        )
+        print("real meshes: no folder $TRIAXIS_DATA or ../shared/data: our own solids take their place")
     with progress_bar("bench", benchmark.steps) as progress:
         measured = benchmark.run(progress)
     found = demands(measured)
@@ -77,7 +76,7 @@ def _table(title: str, headings: tuple[str, ...], measured: Measured, each: str)
 
 
 def _core_table(measured: Measured) -> Table:
-    title = f"core: one pair a clock, {CLOCK_NS:g} ns at 100 MHz; missed of those that collide, false alarms of the others"
+    title = f"core: one pair a clock, {CLOCK_NS:g} ns at 100 MHz; {_SHARES}"
     table = _table(title, ("W", "mode", "DSP48E1"), measured, "missed, alarms")
     for mode in (COLLISION, NO_MISS):
         for width in WIDTHS:
@@ -89,7 +88,7 @@ def _core_table(measured: Measured) -> Table:
 
 
 def _software_table(measured: Measured) -> Table:
-    title = "software, one thread: kernel time; missed of those that collide, false alarms of the others"
+    title = f"software, one thread, kernel's time without calls; {_SHARES}"
     table = _table(title, ("what", "call, ns"), measured, "ns, missed, alarms")
     for mode in (COLLISION, NO_MISS):
         for width in _SHOWN:
@@ -98,7 +97,7 @@ def _software_table(measured: Measured) -> Table:
                 time_ns = next(p.claims_ns for p in result.bulk if (p.width, p.mode) == (width, mode))
                 errors = next(p.errors for p in result.core if (p.width, p.mode) == (width, mode))
                 cells.append(f"{time_ns:,.0f}  {_errors(errors)}")
-            table.add_row(f"bulk checker, {mode}, W = {width}", "", *cells)
+            table.add_row(f"bulk, {mode}, W = {width}", "", *cells)
     table.add_row("golden model: the truth", "", *(f"{r.golden_ns:,.0f}  0  0" for r in measured.results))
     table.add_section()
     for points in zip(*(result.peers for result in measured.results), strict=True):

@@ -1,0 +1,293 @@
+import itertools
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.golden.bulk import bulk_verdicts
+from triaxis.golden.errors import InputError
+from triaxis.verif.bench import running
+from triaxis.verif.bench.core_points import COLLISION, MODES, NO_MISS, WIDTHS, CorePoint, on_grid
+from triaxis.verif.bench.errors import Errors
+from triaxis.verif.bench.own_points import BulkPoint, bulk_point, golden_ns
+from triaxis.verif.bench.peer_points import PeerPoint, peer_point
+from triaxis.verif.bench.peers import PEERS
+from triaxis.verif.bench.peers.installed import imported, installed_version
+from triaxis.verif.bench.peers.peer import PeerAbsentError, one_by_one
+from triaxis.verif.bench.plot import draw, spread
+from triaxis.verif.bench.report import demands, passed, write_report
+from triaxis.verif.bench.running import Benchmark, Measured, WorkloadResult
+from triaxis.verif.bench.steps import Steps
+from triaxis.verif.bench.timing import best_times
+from triaxis.verif.bench.truth import exact_truth
+from triaxis.verif.bench.workloads import workloads
+from triaxis.verif.cli import main
+from triaxis.verif.provenance import Provenance
+
+BEFORE = Provenance("rtl", "environment", None, None)
+
+
+class Exact:
+    """A peer that asks the bulk checker one by one, as if it were a package."""
+
+    name, distribution, call, batched = "exact", "exact", "exact.ask", False
+
+    def version(self):
+        return "1"
+
+    def load(self, a, b):
+        pairs = np.rint(np.stack([a, b], 1) * 1024).astype(np.int64)
+        return one_by_one(
+            lambda pair: bool(bulk_verdicts(pair[None], 0)["near"][0]), [(pair,) for pair in pairs]
+        )
+
+
+def core(width, mode, errors, **changes):
+    point = CorePoint(width, mode, errors, (0.5,), int(mode == NO_MISS), 0, 0.5, 100, 0, 1.0, False)
+    return replace(point, **changes)
+
+
+def peer(name="CGAL, C++", distribution="libcgal-dev", run=130.0, call=10.0, bulk=40.0):
+    return PeerPoint(name, distribution, "1", "call", Errors(100, 40, 4, 0), run, call, 50.0, bulk)
+
+
+@pytest.fixture
+def measured():
+    """Return what a run could have found, everything in order."""
+    workload = workloads(12, 1, None)[0]
+    shares = {COLLISION: Errors(100, 40, 3, 2), NO_MISS: Errors(100, 40, 0, 9)}
+    points = [core(width, mode, shares[mode]) for width in WIDTHS for mode in MODES]
+    points[-2] = core(WIDTHS[-1], COLLISION, Errors(100, 40, 0, 0), unchanged=True)
+    bulk = [BulkPoint(width, mode, 40.0, 200.0, 60, 0, 0) for width in WIDTHS for mode in MODES]
+    result = WorkloadResult(workload, 40, points, bulk, 2e5, [peer(), peer("VTK", "vtk")])
+    dsps = {(width, mode): 100 for width in WIDTHS for mode in MODES}
+    return Measured(1, False, dsps, [result], {"coal": "coal: not installed"}, 0)
+
+
+def changed(measured, **changes):
+    return replace(measured, results=[replace(measured.results[0], **changes)])
+
+
+def test_best_of_rounds_side_by_side():
+    def sleep():
+        time.sleep(0.02)
+
+    slow, fast = best_times([sleep, lambda: None], 2)
+    assert 0.02 <= slow < 0.2 and fast < 0.001
+
+
+def test_an_interrupted_measurement_goes_on(tmp_path):
+    made, told = [], []
+
+    def step(name, fails=False):
+        def make():
+            if fails:
+                raise KeyboardInterrupt
+            made.append(name)
+            return {"value": name}
+
+        return make
+
+    first = Steps(tmp_path / "steps", "key", told.append)
+    assert first.once("a", step("a")) == {"value": "a"}
+    with pytest.raises(KeyboardInterrupt):
+        first.once("b", step("b", fails=True))
+    second = Steps(tmp_path / "steps", "key", told.append)
+    assert second.once("a", step("a")) == {"value": "a"} and second.taken_up == 1
+    assert second.once("b", step("b")) == {"value": "b"}
+    # Of another state of things, or damaged: made again.
+    Steps(tmp_path / "steps", "other key", told.append).once("a", step("a"))
+    (tmp_path / "steps" / "b.json").write_text("{")
+    Steps(tmp_path / "steps", "key", told.append).once("b", step("b"))
+    assert made == ["a", "b", "a", "b"] and sum(told) == 5
+    second.finish()
+    assert not (tmp_path / "steps").exists()
+
+
+def test_a_peer_is_judged_on_all_pairs_and_timed_without_its_calls(tmp_path, monkeypatch):
+    monkeypatch.setattr("triaxis.verif.bench.timing.ROUNDS", 1)
+    workload = workloads(60, 1, None)[0]
+    truth = exact_truth(workload.a, workload.b, folder=tmp_path)
+    point = peer_point(Exact(), "1", workload, on_grid(workload, 32), truth)
+    assert point.errors.pairs == 60 and point.errors.missed + point.errors.false_alarms <= 2
+    assert point.run_ns > point.kernel_ns >= 0 and point.overhead_ns > 0 and point.bulk_ns > 0
+    assert point.kernel_ns == max(0, point.run_ns - point.overhead_ns)
+
+
+def test_every_peer_that_is_installed_tells_far_from_piercing():
+    a = np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0]]] * 2, np.float32)
+    b = np.array([[[1, 1, -1], [1, 1, 1], [2, 1, 1]], [[9, 9, 9], [9, 9, 8], [9, 8, 8]]], np.float32)
+    tried = 0
+    for each in PEERS:
+        try:
+            each.version()
+        except PeerAbsentError:
+            continue
+        tried += 1
+        assert each.load(a, b)().tolist() == [True, False], each.name
+    if not tried:
+        pytest.skip("no peer is installed: `make peers` installs them")
+
+
+def test_absent_peers_say_so(monkeypatch):
+    with pytest.raises(PeerAbsentError, match="no_such_package: not installed: `make peers` installs it"):
+        imported("no_such_package")
+    with pytest.raises(PeerAbsentError, match="no-such-distribution: not installed"):
+        installed_version("no-such-distribution", "json")
+
+    def broken(_):
+        raise OSError("libGL.so.1: cannot open shared object file")
+
+    monkeypatch.setattr("triaxis.verif.bench.peers.installed.import_module", broken)
+    with pytest.raises(PeerAbsentError, match=r"installed, but does not start: libGL\.so\.1"):
+        imported("open3d")
+
+
+def test_bulk_times_come_with_proven_axes():
+    workload = workloads(200, 1, None)[0]
+    point = bulk_point(on_grid(workload, 16), 16, NO_MISS)
+    assert 0 < point.clear < 200 and point.unproven == 0 == point.differs
+    assert point.claims_ns > 0 and 0 < point.facts_ns < golden_ns(workload)
+
+
+def test_demands_that_are_reached(measured):
+    found = demands(measured)
+    assert [demand.verdict for demand in found] == ["reached"] * len(found)
+    assert passed(found)
+    assert "3.0 times" in found[-1].found
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"errors": Errors(100, 40, 1, 9)}, "misses nothing"),
+        ({"beyond_band": 1}, "false alarms within"),
+        ({"rtl_differs": 1}, "RTL"),
+        ({"cycles_per_pair": 1.5}, "one pair a clock"),
+    ],
+)
+def test_missed_demands_on_the_core(measured, changes, what):
+    points = measured.results[0].core
+    found = demands(changed(measured, core=[*points[:-1], replace(points[-1], **changes)]))
+    assert [demand.reached for demand in found if what in demand.what] == [False]
+    assert sum(demand.reached is False for demand in found) == 1 and not passed(found)
+
+
+def test_missed_demands_on_software(measured):
+    (result,) = measured.results
+    slow = demands(changed(measured, peers=[peer(bulk=61.0)]))
+    assert slow[-1].reached is False and not passed(slow)
+    unproven = demands(changed(measured, bulk=[replace(result.bulk[0], unproven=1)]))
+    assert [demand.what for demand in unproven if demand.reached is False] == [
+        "bulk checker's axes prove what they claim"
+    ]
+
+
+def test_what_is_absent_is_not_called_reached(measured):
+    found = demands(changed(measured, peers=[peer("VTK", "vtk")]))
+    assert found[-1].verdict == "NOT MEASURED" and passed(found)
+
+
+def test_the_report_holds_everything(measured, tmp_path, monkeypatch):
+    monkeypatch.setattr("triaxis.verif.bench.report.RESULT", tmp_path / "error.json")
+    content = json.loads(write_report(measured, demands(measured), BEFORE, 2.5).read_text())
+    assert content["passed"] and content["rtl_hash"] == "rtl" and content["seed"] == 1
+    assert content["peers_absent"] == {"coal": "coal: not installed"}
+    assert content["core"]["dsp48e1"]["no-miss"]["16"] == 100
+    random = content["workloads"]["random"]
+    assert random["core"][0]["errors"]["missed_share"] == 3 / 40
+    assert random["peers"][0]["kernel_ns"] == 120 and random["peers"][0]["times_bulk"] == 3
+
+
+def test_pictures_name_everything(measured, tmp_path, monkeypatch):
+    monkeypatch.setattr("triaxis.verif.bench.plot.PICTURES", (tmp_path / "e.png", tmp_path / "e.svg"))
+    png, svg = draw(measured)
+    text = svg.read_text()
+    for name in (
+        "CGAL, C++",
+        "VTK",
+        "golden model",
+        "bulk checker, no-miss, W 32",
+        "core, no-miss, W 8..32",
+        "coal",
+    ):
+        assert name in text
+    assert png.stat().st_size > 50_000
+    first = svg.read_bytes()
+    draw(measured)
+    assert svg.read_bytes() == first
+
+
+def test_labels_keep_their_distance():
+    places = spread([0.0, -0.01, -0.02, -4.69, -4.69, -4.69])
+    assert all(above - below >= 0.2 - 1e-9 for above, below in itertools.pairwise(places))
+    assert places[0] <= 0.2 and places[-1] >= -4.7
+
+
+def test_the_command_goes_on_where_it_was_interrupted(measured, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(running, "WIDTHS", (8,))
+    monkeypatch.setattr(running, "FOLDER", tmp_path / "steps")
+    monkeypatch.setattr("triaxis.verif.bench.truth.FOLDER", tmp_path)
+    monkeypatch.setattr(running, "_dsps", lambda progress: measured.dsps)
+    monkeypatch.setattr(running, "golden_ns", lambda _: 1.0)
+    monkeypatch.setattr("triaxis.verif.bench.core_points._through_rtl", lambda *_: (0, 1, 1.0))
+    monkeypatch.setattr(running, "PEERS", (Exact(),))
+    asked = []
+
+    def point(peer, version, workload, *_):
+        asked.append(workload.name)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return peer_of(workload)
+
+    def peer_of(_):
+        return peer("exact", "exact")
+
+    monkeypatch.setattr(running, "peer_point", point)
+    with pytest.raises(KeyboardInterrupt):
+        Benchmark(1, BEFORE, 40).run(lambda _: None)
+    again = Benchmark(1, BEFORE, 40).run(lambda _: None)
+    # Three and a half of four workloads were there but for the third one's peer.
+    assert again.taken_up == 8 and len(asked) == 5
+    assert [len(result.peers) for result in again.results] == [1, 1, 1, 1]
+    assert not (tmp_path / "steps").exists()
+
+
+def test_a_peer_that_fails_is_named(tmp_path, monkeypatch, measured):
+    monkeypatch.setattr(running, "FOLDER", tmp_path / "steps")
+    monkeypatch.setattr("triaxis.verif.bench.truth.FOLDER", tmp_path)
+    monkeypatch.setattr(running, "WIDTHS", (8,))
+    monkeypatch.setattr(running, "_dsps", lambda progress: measured.dsps)
+    monkeypatch.setattr(running, "golden_ns", lambda _: 1.0)
+    monkeypatch.setattr("triaxis.verif.bench.core_points._through_rtl", lambda *_: (0, 1, 1.0))
+    monkeypatch.setattr(running, "PEERS", (Exact(),))
+
+    def fails(*_):
+        raise TypeError("incompatible function arguments")
+
+    monkeypatch.setattr(running, "peer_point", fails)
+    with pytest.raises(InputError, match="exact 1: fails on random: TypeError: incompatible"):
+        Benchmark(1, BEFORE, 40).run(lambda _: None)
+
+
+@pytest.mark.parametrize(("kernel", "code"), [(130.0, 0), (50.0, 1)])
+def test_exit_codes(measured, tmp_path, monkeypatch, capsys, kernel, code):
+    class Done:
+        real_meshes, steps = False, 1
+
+        def __init__(self, *_):
+            pass
+
+        def run(self, _):
+            return changed(measured, peers=[peer(run=kernel)])
+
+    monkeypatch.setattr("triaxis.verif.cli.bench.Benchmark", Done)
+    monkeypatch.setattr("triaxis.verif.bench.report.RESULT", tmp_path / "error.json")
+    monkeypatch.setattr("triaxis.verif.bench.plot.PICTURES", (tmp_path / "error.png",))
+    assert main(["bench"]) == code
+    shown = capsys.readouterr().out
+    assert "coal: not installed" in shown and ("MISSED" in shown) == bool(code)
+    assert json.loads(Path(tmp_path / "error.json").read_text())["passed"] != bool(code)
