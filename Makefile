@@ -21,7 +21,8 @@ LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
-.PHONY: code-coverage bench-sim bench-mesh stress bench peers fpga-report fpga-timing activity bitstream lock clean
+.PHONY: code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report fpga-timing activity
+.PHONY: bitstream lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -110,6 +111,9 @@ bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
 
 stress: $(READY) ## turn inputs from easy to impossible; count wrong answers of the core and of others
 	@$(BIN)/triaxis stress --seed $(SEED)
+
+bench-skipping: $(READY) ## measure what skipping saves, against the broad phases of FCL and trimesh
+	@$(BIN)/triaxis bench-skipping
 
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga-report
