@@ -208,9 +208,9 @@ def test_roots_that_are_apart(rng):
     """Trees of a single box, and of many, that have nothing in common."""
     near, far = boxes_of(spread(rng, 30)), boxes_of(spread(rng, 1) + 10_000)
     for a, b in ((near, far), (far, near), (far, far + 1000)):
-        i, j = overlapping(BoxTree(a), BoxTree(b), None, Work()) or (None, None)
-        assert i is not None
-        assert len(i) == len(j) == 0
+        found_pairs = overlapping(BoxTree(a), BoxTree(b), None, Work())
+        assert found_pairs is not None
+        assert [len(numbers) for numbers in found_pairs] == [0, 0]
 
 
 def rough_surface(rng, side):
