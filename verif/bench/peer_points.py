@@ -15,7 +15,7 @@ from triaxis.verif.bench.core_points import OnGrid
 from triaxis.verif.bench.errors import Errors, count_errors
 from triaxis.verif.bench.own_points import collision_work
 from triaxis.verif.bench.peers.peer import Peer
-from triaxis.verif.bench.timing import best_times
+from triaxis.verif.bench.timing import ROUNDS, best_times
 from triaxis.verif.bench.truth import Truth
 from triaxis.verif.bench.workloads import Workload
 
@@ -30,7 +30,8 @@ class PeerPoint:
     """Errors, and nanoseconds a pair: of the whole run, of calls alone, and to make the package's objects.
 
     ``name``, ``version`` and ``call`` are the peer's. ``bulk_ns``: the bulk checker's, in collision mode on
-    the finest grid, on the same pairs in the same rounds.
+    the finest grid, on the same pairs in the same rounds. ``noise_ns``: by how much the bests of the first
+    and of the second half of the rounds differ, of the run or of the calls.
     """
 
     name: str
@@ -42,11 +43,17 @@ class PeerPoint:
     overhead_ns: float
     load_ns: float
     bulk_ns: float
+    noise_ns: float
 
     @property
     def kernel_ns(self) -> float:
         """Return what is left of the run when calls are taken off."""
         return max(0.0, self.run_ns - self.overhead_ns)
+
+    @property
+    def most_kernel_ns(self) -> float | None:
+        """Return what the kernel is less than, where noise hides it; None where it does not."""
+        return self.kernel_ns + self.noise_ns if self.kernel_ns <= self.noise_ns else None
 
     @property
     def times_bulk(self) -> float:
@@ -65,18 +72,20 @@ def peer_point(peer: Peer, version: str, workload: Workload, finest: OnGrid, tru
     run = peer.load(a[chosen], b[chosen])
     # A batch has one call for all of its pairs.
     calls = peer.load(a[:1], b[:1]) if peer.batched else peer.load(a[chosen], b[chosen] + _FAR)
-    run_s, calls_s, bulk_s = best_times([run, calls, collision_work(finest, chosen)])
-    each = 1e9 / len(chosen)
+    works = [run, calls, collision_work(finest, chosen)]
+    halves = np.array([best_times(works, ROUNDS // 2) for _ in range(2)]) * 1e9 / len(chosen)
+    run_ns, calls_ns, bulk_ns = halves.min(0).tolist()
     return PeerPoint(
         peer.name,
         peer.distribution,
         version,
         peer.call,
         errors,
-        run_s * each,
-        calls_s * each,
+        run_ns,
+        calls_ns,
         load * 1e9 / len(a),
-        bulk_s * each,
+        bulk_ns,
+        float(np.ptp(halves, axis=0)[:2].max()),
     )
 
 

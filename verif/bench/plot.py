@@ -51,6 +51,7 @@ class Point:
     share: float
     colour: str
     marker: str
+    about: bool = False
 
 
 def draw(measured: Measured) -> list[Path]:
@@ -78,7 +79,7 @@ def figure_of(measured: Measured) -> Figure:
         FigureCanvasAgg(figure)
         grid = figure.add_gridspec(
             5, len(results), height_ratios=(1, 0.9, 0.16, 1, 0.9), left=0.045, right=0.99,
-            top=0.895, bottom=0.085,
+            top=0.895, bottom=0.105,
             hspace=0.04, wspace=0.13,
         )  # fmt: skip
         for row, (meaning, share) in enumerate(rows):
@@ -105,16 +106,18 @@ def points_of(result: WorkloadResult, share: Callable[[Errors], float]) -> list[
         core = {p.width: share(p.errors) for p in result.core if p.mode == mode}
         for widths in _joined(core):
             middle = core[widths[len(widths) // 2]]
-            about = " (about)" if any(core[width] != middle for width in widths) else ""
-            label = f"core, {mode}, W {_range(widths)}{about}"
-            points.append(Point(label, CLOCK_NS, CLOCK_NS, middle, colour, "o"))
+            about = any(core[width] != middle for width in widths)
+            label = f"core, {mode}, W {_range(widths)}"
+            points.append(Point(label, CLOCK_NS, CLOCK_NS, middle, colour, "o", about))
         finest = next(p for p in result.bulk if p.mode == mode and p.width == WIDTHS[-1])
         label, time = f"bulk checker, {mode}, W {WIDTHS[-1]}", finest.claims_ns
         points.append(Point(label, time, time, core[WIDTHS[-1]], colour, "s"))
     points.append(Point("golden model", result.golden_ns, result.golden_ns, 0.0, _GOLDEN, "*"))
     for peer in result.peers:
+        most = peer.most_kernel_ns
+        marker = "D" if most is None else "<"
         points.append(
-            Point(peer.name, max(peer.kernel_ns, _TIMES[0]), peer.run_ns, share(peer.errors), _PEER, "D")
+            Point(peer.name, most or peer.kernel_ns, peer.run_ns, share(peer.errors), _PEER, marker)
         )
     return sorted(points, key=lambda point: point.kernel_ns)
 
@@ -150,9 +153,10 @@ def _draw_errors(axes: Axes, points: Sequence[Point]) -> None:
     points = sorted(points, key=lambda point: -point.share)
     for point, place in zip(points, spread([log10(point.share) for point in points]), strict=True):
         _draw_point(axes, point, point.share)
+        label = f"{'about ' if point.about else ''}{_percent(point.share)}  {point.label}"
         axes.annotate(
-            f"{_percent(point.share)}  {point.label}", (max(point.run_ns, point.kernel_ns), point.share),
-            (_LABELS, 10**place), va="center", fontsize=8.5, color=point.colour,
+            label, (max(point.run_ns, point.kernel_ns), point.share), (_LABELS, 10**place),
+            va="center", fontsize=8.5, color=point.colour,
             arrowprops={"arrowstyle": "-", "color": _CALL, "lw": 0.5, "shrinkA": 0, "shrinkB": 4},
         )  # fmt: skip
 
@@ -198,8 +202,9 @@ def _draw_clean(axes: Axes, points: Sequence[Point]) -> None:
 def _draw_point(axes: Axes, point: Point, height: float) -> None:
     if point.run_ns > point.kernel_ns:
         axes.plot([point.kernel_ns, point.run_ns], [height, height], color=_CALL, lw=1.6, zorder=1)
-    marker = point.marker if point.kernel_ns > _TIMES[0] else "<"
-    axes.plot([point.kernel_ns], [height], marker, color=point.colour, markersize=7, zorder=3, clip_on=False)
+    axes.plot(
+        [point.kernel_ns], [height], point.marker, color=point.colour, markersize=7, zorder=3, clip_on=False
+    )
 
 
 def _set_times(axes: Axes) -> None:
@@ -249,6 +254,6 @@ def _explain(figure: Figure, measured: Measured) -> None:
         "in no-miss mode never a miss, and false alarms only within two grid steps. "
         "Colliding includes touching; no triangle is degenerate.",
         "The truth are exact rational verdicts on the same coordinates. "
-        f"Pointing left: a kernel too fast to be told from its call. Seed {measured.seed}.{absent}",
+        f"Pointing left: less than this, hidden by the noise of its call. Seed {measured.seed}.{absent}",
     )
     figure.text(0.045, 0.012, "\n".join(lines), fontsize=10.5, va="bottom", linespacing=1.5)

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from triaxis.verif.bench.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
 from triaxis.verif.bench.errors import Errors
+from triaxis.verif.bench.peer_points import PeerPoint
 from triaxis.verif.bench.plot import draw
 from triaxis.verif.bench.report import Demand, demands, passed, write_report
 from triaxis.verif.bench.running import Benchmark, Measured
@@ -62,6 +63,11 @@ def _errors(errors: Errors) -> str:
     return f"{_percent(errors.missed_share)}  {_percent(errors.false_alarm_share)}"
 
 
+def _kernel(point: PeerPoint) -> str:
+    most = point.most_kernel_ns
+    return f"{point.kernel_ns:,.0f}" if most is None else f"<{most:,.0f}"
+
+
 def _percent(share: float) -> str:
     return "0" if share == 0 else f"{100 * share:.2f} %"
 
@@ -105,7 +111,7 @@ def _software_table(measured: Measured) -> Table:
         table.add_row(
             f"{points[0].name} {points[0].version}",
             f"{min(calls):,.0f}..{max(calls):,.0f}",
-            *(f"{point.kernel_ns:,.0f}  {_errors(point.errors)}" for point in points),
+            *(f"{_kernel(point)}  {_errors(point.errors)}" for point in points),
         )
     for name, reason in measured.absent.items():
         table.add_row(name, "-", *["absent" for _ in measured.results])

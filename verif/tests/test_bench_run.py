@@ -51,7 +51,7 @@ def core(width, mode, errors, **changes):
 
 
 def peer(name="CGAL, C++", distribution="libcgal-dev", run=130.0, call=10.0, bulk=40.0):
-    return PeerPoint(name, distribution, "1", "call", Errors(100, 40, 4, 0), run, call, 50.0, bulk)
+    return PeerPoint(name, distribution, "1", "call", Errors(100, 40, 4, 0), run, call, 50.0, bulk, 2.0)
 
 
 @pytest.fixture
@@ -108,13 +108,15 @@ def test_an_interrupted_measurement_goes_on(tmp_path):
 
 
 def test_a_peer_is_judged_on_all_pairs_and_timed_without_its_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.timing.ROUNDS", 1)
+    monkeypatch.setattr("triaxis.verif.bench.peer_points.ROUNDS", 4)
     workload = workloads(60, 1, None)[0]
     truth = exact_truth(workload.a, workload.b, folder=tmp_path)
     point = peer_point(Exact(), "1", workload, on_grid(workload, 32), truth)
     assert point.errors.pairs == 60 and point.errors.missed + point.errors.false_alarms <= 2
     assert point.run_ns > point.kernel_ns >= 0 and point.overhead_ns > 0 and point.bulk_ns > 0
     assert point.kernel_ns == max(0, point.run_ns - point.overhead_ns)
+    assert replace(point, run_ns=9.0, overhead_ns=5.0, noise_ns=3.0).most_kernel_ns is None
+    assert replace(point, run_ns=9.0, overhead_ns=5.0, noise_ns=6.0).most_kernel_ns == 10.0
 
 
 def test_every_peer_that_is_installed_tells_far_from_piercing():
