@@ -25,7 +25,7 @@ LAUNCHER ?= local
 .PHONY: bitstream lock clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
 	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER"
 
 setup: $(READY) ## create .venv with the pinned dependencies
