@@ -84,17 +84,25 @@ class Claims {
   Masks found_{};
 };
 
-// The first of the three box axes that separates, or -1: exact in doubles.
-Masks ByBoxes(const Block& block) {
-  Masks claim = Masks{} - 1;
-  for (int k = 2; k >= 0; --k) {
-    const auto& a = block.a;
-    const auto& b = block.b;
-    const Reals up = Least(b[0][k], b[1][k], b[2][k]) - Most(a[0][k], a[1][k], a[2][k]);
-    const Reals down = Least(a[0][k], a[1][k], a[2][k]) - Most(b[0][k], b[1][k], b[2][k]);
-    claim = Max(up, down) > block.margin ? Masks{} + k : claim;
-  }
-  return claim;
+// Three coordinates, and a fourth place that is not used.
+typedef int32_t Row __attribute__((vector_size(16)));
+typedef int64_t LongRow __attribute__((vector_size(32)));
+
+inline Row Lesser(Row x, Row y) { return x < y ? x : y; }
+inline Row Greater(Row x, Row y) { return x > y ? x : y; }
+
+// The first of the three box axes that separates a pair, or -1: exact in 64 bits. Reads a number more than the
+// pair has.
+inline int ByBoxes(const int32_t* pair, uint32_t margin) {
+  Row vertex[6];
+  for (int i = 0; i < 6; ++i) std::memcpy(&vertex[i], pair + 3 * i, sizeof vertex[i]);
+  const auto wide = [](Row row) { return __builtin_convertvector(row, LongRow); };
+  const LongRow low_a = wide(Lesser(Lesser(vertex[0], vertex[1]), vertex[2]));
+  const LongRow low_b = wide(Lesser(Lesser(vertex[3], vertex[4]), vertex[5]));
+  const LongRow up = low_b - wide(Greater(Greater(vertex[0], vertex[1]), vertex[2]));
+  const LongRow down = low_a - wide(Greater(Greater(vertex[3], vertex[4]), vertex[5]));
+  const LongRow separates = (up > down ? up : down) > static_cast<int64_t>(margin);
+  return separates[0] ? 0 : separates[1] ? 1 : separates[2] ? 2 : -1;
 }
 
 // The other axes.
@@ -376,18 +384,17 @@ class Queue {
 };
 
 void Run(const Job& job, int64_t n) {
-  typedef int8_t Bytes __attribute__((vector_size(kLanes)));
   Queue undecided(job);
-  for (int64_t start = 0; start < n; start += kLanes) {
-    const int count = static_cast<int>(std::min<int64_t>(kLanes, n - start));
-    Block block;
-    for (int lane = 0; lane < kLanes; ++lane) block.index[lane] = start + std::min(lane, count - 1);
-    block.Load(job.pairs, job.margins);
-    const Bytes found = __builtin_convertvector(ByBoxes(block), Bytes);
-    std::memcpy(job.claims + start, &found, count);
-    for (int lane = 0; lane < count; ++lane) {
-      if (found[lane] < 0) undecided.Add(start + lane);
+  for (int64_t i = 0; i < n; ++i) {
+    const int32_t* pair = job.pairs + kCoordinates * i;
+    int32_t last[kCoordinates + 1] = {};
+    if (i == n - 1) {
+      std::copy(pair, pair + kCoordinates, last);
+      pair = last;
     }
+    const int found = ByBoxes(pair, job.margins[i]);
+    job.claims[i] = static_cast<int8_t>(found);
+    if (found < 0) undecided.Add(i);
   }
   undecided.Finish();
 }
