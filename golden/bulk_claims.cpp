@@ -1,19 +1,20 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The bulk checker's verdicts alone: the lowest-numbered separating axis of each pair, exactly, for 32-bit
-// coordinates and margins. Built as a shared library; see bulk_claims.py.
+// The bulk checker's verdicts alone: the lowest-numbered separating axis of each pair, exactly, for
+// 32-bit coordinates and margins. Built as a shared library; see bulk_claims.py.
 //
-// Each axis is asked in doubles first. Let L bound the differences of coordinates, let the margin be at most
-// L + 2, and u = 2^-53. Differences of coordinates are exact. Up to terms of u^2, fused or not:
-// - A component of an axis that is a cross product of edges is off by at most 6 u L^2, its 1-norm by 36 u L^2, a
-//   projection, at most 6 L^3, by 42 u L^3, the difference of two by 96 u L^3; so an excess of at most 18.1 L^3,
-//   made of a projection and two such differences, by less than 400 u L^3 for L > 2^16. Up to there nothing is
-//   rounded (bulk_narrow.h).
-// - On an axis of an edge and a coordinate, whose components are exact, a projection is at most 2 L^2, the excess
-//   6.1 L^2, and by less than 25 u L^2 off for L > 2^24. Up to there nothing is rounded.
-// Where an excess is closer to 0 than that, a bound of its own products decides, or else the exact arithmetic of
-// bulk_wide.h.
+// Each axis is asked in doubles first. Let L bound the differences of coordinates, let the margin be at
+// most L + 2, and u = 2^-53. Differences of coordinates are exact. Up to terms of u^2, fused or not:
+// - A component of an axis that is a cross product of edges is off by at most 6 u L^2, its 1-norm by 36
+//   u L^2, a projection, at most 6 L^3, by 42 u L^3, the difference of two by 96 u L^3; so an excess of
+//   at most 18.1 L^3, made of a projection and two such differences, by less than 400 u L^3 for L >
+//   2^16. Up to there nothing is rounded (bulk_narrow.h).
+// - On an axis of an edge and a coordinate, whose components are exact, a projection is at most 2 L^2,
+//   the excess 6.1 L^2, and by less than 25 u L^2 off for L > 2^24. Up to there nothing is rounded.
+//
+// Where an excess is closer to 0 than that, a bound of its own products decides, or else the exact arithmetic
+// of bulk_wide.h.
 
 #include <algorithm>
 #include <array>
@@ -30,8 +31,8 @@ constexpr int kCoordinates = 18;
 // The largest extents at which nothing is rounded on an axis that is a cross product of two edges, on its
 // components alone, and on one of an edge and a coordinate.
 constexpr double kExact = 0x1p16, kExactComponents = 0x1p26, kExactEdge = 0x1p24;
-// What excesses may be off, in units of the cube and of the square of the extent, and in units of the sizes of the
-// products of which it is made.
+// What excesses may be off, in units of the cube and of the square of the extent, and in units of the
+// sizes of the products of which it is made.
 constexpr double kError = 512 * 0x1p-53, kErrorEdge = 64 * 0x1p-53, kErrorOfSizes = 16 * 0x1p-53;
 
 using Vector = Reals[3];
@@ -70,7 +71,8 @@ struct Block {
   }
 };
 
-// The axes that separate, as bits by their numbers. Later axes may be missing where an earlier one separates.
+// The axes that separate, as bits by their numbers. Later axes may be missing where an earlier one
+// separates.
 class Claims {
  public:
   void Take(int number, Masks separates) { found_ |= separates & (int64_t{1} << number); }
@@ -91,8 +93,8 @@ typedef int64_t LongRow __attribute__((vector_size(32)));
 inline Row Lesser(Row x, Row y) { return x < y ? x : y; }
 inline Row Greater(Row x, Row y) { return x > y ? x : y; }
 
-// The first of the three box axes that separates a pair, or -1: exact in 64 bits. Reads a number more than the
-// pair has.
+// The first of the three box axes that separates a pair, or -1: exact in 64 bits. Reads a number more
+// than the pair has.
 inline int ByBoxes(const int32_t* pair, uint32_t margin) {
   Row vertex[6];
   for (int i = 0; i < 6; ++i) std::memcpy(&vertex[i], pair + 3 * i, sizeof vertex[i]);
@@ -134,7 +136,8 @@ class Examination {
   Claims Run() { return Any(margin_ > 0) ? Decide<true>() : Decide<false>(); }
 
  private:
-  // ``kMargin``: some margin is not 0. Without one, the axes up to 13 decide every pair that is not in one plane.
+  // ``kMargin``: some margin is not 0. Without one, the axes up to 13 decide every pair that is not in
+  // one plane.
   template <bool kMargin>
   Claims Decide() {
     Reals on_b[3], on_a[3];
@@ -160,16 +163,16 @@ class Examination {
     return claims_;
   }
 
-  // Where nothing is rounded, an excess of 0 is one; in one plane, the products of two edges separate nothing
-  // without a margin.
+  // Where nothing is rounded, an excess of 0 is one; in one plane, the products of two edges separate
+  // nothing without a margin.
   template <bool kMargin>
   void Watch() {
     watched_ &= claims_.open();
     if constexpr (!kMargin) watched_ &= ~flat_;
   }
 
-  // The normal of the triangle with these edges; the vertices of the other one, relative to it, fall ``on`` it. Returns
-  // where one of them is surely off the triangle's plane.
+  // The normal of the triangle with these edges; the vertices of the other one, relative to it, fall
+  // ``on`` it. Returns where one of them is surely off the triangle's plane.
   template <bool kMargin>
   Masks ByNormal(int number, const Vector (&edges)[3], Points<3> far, Reals (&on)[3]) {
     const Cross c(edges[0], edges[1]);
@@ -179,8 +182,8 @@ class Examination {
     return Max(high, -low) > error_;
   }
 
-  // The cross products of an edge of each, which begin at A_i and B_j. Relative to A_i, A lies between 0 and
-  // -N_A.f_j, and B between D and D + N_B.e_i, with D = c.(B_j - A_i); see DESIGN, section 2.2.
+  // The cross products of an edge of each, which begin at A_i and B_j. Relative to A_i, A lies between 0
+  // and -N_A.f_j, and B between D and D + N_B.e_i, with D = c.(B_j - A_i); see DESIGN, section 2.2.
   template <bool kMargin>
   void ByEdges(const Reals (&on_a)[3], const Reals (&on_b)[3]) {
     Reals low_a[3], high_a[3];
@@ -212,8 +215,8 @@ class Examination {
     Reals Norm() const { return Abs(c[0]) + Abs(c[1]) + Abs(c[2]); }
   };
 
-  // Decides the axis c = e x f by the gap on it, or by closer looks: one triangle has projections 0 and those of
-  // ``near``, the other one those of ``far``.
+  // Decides the axis c = e x f by the gap on it, or by closer looks: one triangle has projections 0 and
+  // those of ``near``, the other one those of ``far``.
   template <bool kMargin, size_t kNear, size_t kFar>
   [[gnu::always_inline]] void Take(int number, const Cross& c, Reals gap, const Vector& e, const Vector& f,
                                    Points<kNear> near, Points<kFar> far) {
@@ -223,10 +226,10 @@ class Examination {
     claims_.Take(number, separates);
   }
 
-  // The excess may be off by what its products call for: with P the sum of the sizes of the two products of a
-  // component, and D that of P |x| over the components, a component is off by 3 u P, a projection by 7 u D, a gap by
-  // 8 u (D + D'), the norm by 6 u P, so that the excess is by less than 10 u (D + D' + margin * P). Where factors are
-  // 0, as in faces along coordinate planes, so is what they contribute.
+  // The excess may be off by what its products call for: with P the sum of the sizes of the two products
+  // of a component, and D that of P |x| over the components, a component is off by 3 u P, a projection
+  // by 7 u D, a gap by 8 u (D + D'), the norm by 6 u P, so that the excess is by less than 10 u (D + D'
+  // + margin * P). Where factors are 0, as in faces along coordinate planes, so is what they contribute.
   template <size_t kNear, size_t kFar>
   [[gnu::noinline]] Masks Closely(const Vector& e, const Vector& f, Points<kNear> near, Points<kFar> far) {
     const Cross c(e, f);
@@ -301,7 +304,8 @@ class Examination {
     return (Sign(far_low - high - reach) > 0) | (Sign(low - far_high - reach) > 0);
   }
 
-  // The axis (edge e) x (coordinate k), with components c and d along the other two coordinates: as above.
+  // The axis (edge e) x (coordinate k), with components c and d along the other two coordinates: as
+  // above.
   template <bool kMargin>
   [[gnu::always_inline]] void ByEdge(int number, const Vector& e, int k, const Vector& near, Points<3> far) {
     const int next = (k + 1) % 3, last = (k + 2) % 3;
@@ -338,11 +342,12 @@ class Examination {
   }
 
   Vector edges_a_[3], edges_b_[3];
-  // The vertex of A that edge i leaves out, relative to where that begins; vertex j of B relative to i of A.
+  // The vertex of A that edge i leaves out, relative to where that begins; vertex j of B relative to i
+  // of A.
   Vector third_a_[3], apart_[3][3];
   Reals margin_, error_, error_edge_;
-  // Lanes where an excess close to 0 is looked at again; where both triangles are known to be in one plane, and
-  // that of one of them is known.
+  // Lanes where an excess close to 0 is looked at again; where both triangles are known to be in one
+  // plane, and that of one of them is known.
   Masks exact_components_, watched_, flat_{};
   Claims claims_;
 };
@@ -354,7 +359,9 @@ struct Job {
   int8_t* claims;
 
   void Store(const Block& block, const Claims& found, int count) const {
-    for (int lane = 0; lane < count; ++lane) claims[block.index[lane]] = static_cast<int8_t>(found.lowest(lane));
+    for (int lane = 0; lane < count; ++lane) {
+      claims[block.index[lane]] = static_cast<int8_t>(found.lowest(lane));
+    }
   }
 };
 
