@@ -101,7 +101,7 @@ def _packages(result: SkippingResult) -> Table:
     software = [row.at[0].software for row in result.scenes]
     table.add_row(
         "broad phase and bulk checker",
-        "",
+        "trees each time",
         f"{sum(saved.boxes for saved in software):,}",
         f"{sum(saved.tested for saved in software):,}",
         "",

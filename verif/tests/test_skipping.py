@@ -2,13 +2,12 @@
 
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.golden.scene import boxes_of
+from triaxis.golden.scene import SceneAnswer, boxes_of
 from triaxis.verif.bench.peers.peer import PeerAbsentError
 from triaxis.verif.bench_mesh import CONFIGURATION
 from triaxis.verif.cli import main
@@ -71,13 +70,8 @@ def test_meshes_beyond_the_depth_are_counted_in_parts(rng):
 
 def test_axes_are_told_apart():
     axis = np.array([3, 4, 5, 13, 14, 31, NO_AXIS, NO_AXIS])
-    answer = SimpleNamespace(
-        boxes_apart=np.zeros((2, 4), np.bool_),
-        rows_apart=np.zeros(1, np.bool_),
-        in_groups_apart=np.zeros((2, 4), np.bool_),
-        group=2,
-        pairs_skipped=0,
-    )
+    nowhere = np.zeros((2, 4), np.bool_)
+    answer = SceneAnswer(2, nowhere[0, :1], nowhere[:1, :2], nowhere, nowhere)
     counted = stages._stages(answer, axis)
     assert (counted.normals, counted.edges, counted.edge_boxes, counted.near) == (2, 2, 2, 2)
 
