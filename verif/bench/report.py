@@ -1,5 +1,7 @@
 """What the benchmark demands, and what it leaves: build/bench/error.json."""
 
+import os
+import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -118,6 +120,9 @@ def write_report(measured: Measured, found: list[Demand], before: Provenance, se
         "seconds": round(seconds, 1),
         "seed": measured.seed,
         "real_meshes": measured.real_meshes,
+        # Times are those of this machine, with what else it did.
+        "processor": _processor(),
+        "load_average": round(os.getloadavg()[1], 2),
         "steps_of_an_interrupted_run": measured.taken_up,
         "demands": [asdict(demand) for demand in found],
         "units": "times: nanoseconds a pair; shares: of colliding pairs missed, of clear pairs called near",
@@ -126,6 +131,16 @@ def write_report(measured: Measured, found: list[Demand], before: Provenance, se
         "workloads": {result.workload.name: _workload(result) for result in measured.results},
     }
     return write_evidence(RESULT, content)
+
+
+def _processor() -> str:
+    """Return what Linux calls the processor, or else its kind."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return f"{next(names, platform.machine())}, {os.cpu_count()} cores"
 
 
 def _dsps(measured: Measured) -> dict[str, dict[str, int]]:
