@@ -177,7 +177,11 @@ def _draw_growth(axes: Axes, growth: Growth, with_legend: bool) -> None:
     alone, decided = ([(p.facets, seconds(p)) for p in points] for seconds in (_alone_seconds, _seconds))
     _line(axes, alone, _ALONE, 1.5)
     _line(axes, decided, _OURS, 2.5)
-    lowest, highest = min(seconds for _, seconds in alone) / 2, max(seconds for _, seconds in decided) * 5
+    slowest = [run.seconds for point in points for run in point.peers]
+    lowest, highest = (
+        min(seconds for _, seconds in alone) / 2,
+        3 * max(*slowest, decided[-1][1], decided[0][1]),
+    )
     for power in (1, 2):
         _draw_slope(axes, decided, power, highest)
     axes.set_xscale("log")
