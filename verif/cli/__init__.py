@@ -1,8 +1,8 @@
 """The command line ``triaxis``.
 
 Exit codes: 0 done (for `check`, `path` and `board check`: clear), 1 the answer is no (for these: near; for
-`shrink`: nothing fails; for `advise`: no width fits; for the others: failed, or a bound missed), 2 bad input or a missing tool, 130
-interrupted.
+`shrink`: nothing fails; for `advise`: no width fits; for the others: failed, or a bound missed), 2 bad input
+or a missing tool, 130 interrupted.
 """
 
 import argparse
