@@ -49,6 +49,9 @@ struct Engine {
     VerilatedContext context;
     Vmesh model{&context};
 
+    // A model takes its scopes out of the thread's context: not out of another engine's, which may be gone.
+    ~Engine() { Verilated::threadContextp(&context); }
+
     // Inputs that were changed since the last call settle before the edge.
     void Clock() {
         model.clk_i = 1;

@@ -145,7 +145,6 @@ def measure_scene(scene: SkippingScene, peers: Sequence[MeshPeer]) -> SceneRow:
     at: dict[int, AtMargin] = {}
     meetings: list[Meeting] = []
     for a, b in scene.meetings:
-        # One engine at a time: another one must not be alive when an engine is freed.
         engine = MeshEngineScene(a, b, CONFIGURATION)
         for margin in sorted({0, scene.margin}):
             golden = stage_answer(a, b, margin, CONFIGURATION)
@@ -153,7 +152,6 @@ def measure_scene(scene: SkippingScene, peers: Sequence[MeshPeer]) -> SceneRow:
             at[margin] = at[margin] + measured if margin in at else measured
             if margin == 0:
                 meetings.append(Meeting(a, b, golden.near))
-        del engine
     return SceneRow(scene, tuple(at.values()), tuple(ask_peer(peer, meetings) for peer in peers))
 
 

@@ -128,3 +128,13 @@ def test_an_account_that_leaves_groups_out_is_not_believed(monkeypatch):
     scene = MeshEngineScene(_few_facets(), _few_facets(), CONFIGURATION)
     with pytest.raises(CoreError, match="3 of 4 pairs of groups decided"):
         scene.run((0, 0, 0), 0)
+
+
+def test_engines_come_and_go_in_any_order():
+    first, second = MeshEngine(CONFIGURATION), MeshEngine(CONFIGURATION)
+    del second
+    third = MeshEngine(CONFIGURATION)
+    del first
+    third.load(_few_facets(), _few_facets())
+    assert third.run().near_count
+    del third
