@@ -1,5 +1,6 @@
 import importlib.util
 import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -143,7 +144,8 @@ def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path: Path):
     written = tmp_path / "thresholds.sv"
     written.write_text(f"{text}module all (input logic clk_i, {declared});\n{instances}endmodule\n")
 
-    synthesised = _synthesised([*map(str, sources), written.name], tmp_path)
+    shutil.copytree(DUT, tmp_path / "dut")
+    synthesised = _synthesised([*(f"dut/{source.name}" for source in sources), written.name], tmp_path)
     counted = {name: count_dsps([*sources, written], DUT, name, {}).dsps for name in shapes}
     assert counted == {name: synthesised[name] for name in shapes}
     assert min(counted.values()) == 0 < max(counted.values())
@@ -156,7 +158,7 @@ def _synthesised(sources: list[str], folder: Path) -> dict[str, int]:
     """
     script = "; ".join(
         [
-            f"read_slang --keep-hierarchy --threads 1 -I {DUT} --top all {' '.join(sources)}",
+            f"read_slang --keep-hierarchy --threads 1 -I dut --top all {' '.join(sources)}",
             "setattr -mod -set keep_hierarchy 1 t_*",
             "synth_xilinx -family xc7 -flatten -noiopad -top all -run begin:map_dsp",
             MAPPING,
