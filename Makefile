@@ -98,7 +98,7 @@ exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: mak
 code-coverage: $(READY) ## measure line, branch, expression and toggle coverage of dut/
 	@$(BIN)/triaxis code-coverage --seed $(SEED)
 
-bench: $(READY) $(YOSYS) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
+bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
 	@$(BIN)/triaxis bench --seed $(SEED)
 
 peers: $(READY) $(VENV)/.ready-peers ## install the packages that bench compares with: two gigabytes

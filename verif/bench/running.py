@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
 from triaxis.verif.bench.core_points import MODES, WIDTHS, CorePoint, configuration, core_point, on_grid
-from triaxis.verif.bench.dsps import dsp_counts
 from triaxis.verif.bench.errors import Errors
 from triaxis.verif.bench.own_points import BulkPoint, bulk_point, golden_ns
 from triaxis.verif.bench.peer_points import PeerPoint, peer_point
@@ -18,7 +18,7 @@ from triaxis.verif.bench.steps import Steps
 from triaxis.verif.bench.truth import Truth, exact_truth
 from triaxis.verif.bench.workloads import Workload, workloads
 from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.paths import BUILD
+from triaxis.verif.paths import BUILD, DUT
 from triaxis.verif.provenance import Provenance
 
 FOLDER = BUILD / "bench" / "error-steps"
@@ -110,9 +110,14 @@ class Benchmark:
 
 
 def _dsps(progress: Callable[[int], None]) -> dict[tuple[int, str], int]:
-    builds = [(width, mode) for width in WIDTHS for mode in MODES]
-    counts = dsp_counts([configuration(*build) for build in builds], progress)
-    return dict(zip(builds, counts, strict=True))
+    counts = DspCounts(DUT, BUILD / "fpga" / "dsp_counts.json")
+    found: dict[tuple[int, str], int] = {}
+    for width in WIDTHS:
+        for mode in MODES:
+            build = configuration(width, mode)
+            found[width, mode] = counts.core(build.width, build.margin_bits, build.edge_box).dsps
+            progress(1)
+    return found
 
 
 class _OnWorkload:

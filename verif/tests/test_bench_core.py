@@ -4,16 +4,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import VERDICT
 from triaxis.verif.bench import core_points
 from triaxis.verif.bench.core_points import COLLISION, MODES, NO_MISS, core_point, core_verdicts, on_grid
-from triaxis.verif.bench.dsps import dsp_counts
 from triaxis.verif.bench.errors import count_errors
 from triaxis.verif.bench.truth import Truth, exact_triangle, exact_truth
 from triaxis.verif.bench.workloads import workloads
-from triaxis.verif.configuration import Configuration
 
 WIDTH = 8
 
@@ -110,30 +107,3 @@ def test_another_verdict_of_the_rtl_is_noticed(asked, monkeypatch):
     point = core_point(rounded, truth, WIDTH, COLLISION)
     assert any("the RTL differs" in problem for problem in point.problems)
     assert "3 cycles a pair" in point.problems
-
-
-def test_dsps_are_counted_once(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.dsps.FOLDER", tmp_path)
-    monkeypatch.setattr("triaxis.verif.bench.dsps.yosys_version", lambda: "Yosys")
-    made = []
-
-    def elaborated(configuration, statistics):
-        made.append(configuration.name)
-        return configuration.width
-
-    monkeypatch.setattr("triaxis.verif.bench.dsps._elaborated", elaborated)
-    builds = [Configuration(8, 0), Configuration(10, 1)]
-    assert dsp_counts(builds) == dsp_counts(builds) == [8, 10]
-    assert sorted(made) == ["w10_m1", "w8_m0"]
-    # Another synthesiser may count otherwise.
-    monkeypatch.setattr("triaxis.verif.bench.dsps.yosys_version", lambda: "Yosys 1")
-    assert dsp_counts(builds) == [8, 10] and len(made) == 4
-
-
-def test_a_failing_synthesiser_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.dsps.FOLDER", tmp_path)
-    monkeypatch.setattr("triaxis.verif.bench.dsps.yosys_version", lambda: "Yosys")
-    monkeypatch.setattr("triaxis.verif.bench.dsps.yosys", lambda: "/bin/false")
-    with pytest.raises(InputError, match="w8_m0: exit status 1"):
-        dsp_counts([Configuration(8, 0)])
-    assert not list(tmp_path.glob("*.json"))
