@@ -1,1 +1,0 @@
-"""The UVM tests, chosen by name. cocotb loads `entry` in the simulator."""
