@@ -12,17 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.quantise import centred_grid, margin_for, quantise
-from triaxis.golden.stl import Facets
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.machine_scenes import machine_scenes
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine_scene import MeshEngineScene
-from triaxis.verif.paths import BUILD
-from triaxis.verif.scene_engines import DecidingEngine, Integers, SceneRun
-from triaxis.verif.scenes import Scene, scenes
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.quantise import centred_grid, margin_for, quantise
+from triaxis.host.scene_engines import DecidingEngine, Integers, SceneRun
+from triaxis.host.scenes import Scene, scenes
+from triaxis.host.stl import Facets
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD
 
 RESULT = BUILD / "bench" / "mesh.json"
 CONFIGURATION = MeshConfiguration()

@@ -14,12 +14,12 @@ import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import RtlEngine
-from triaxis.verif.paths import BUILD
-from triaxis.verif.sequences.families import mixture
-from triaxis.verif.settings import BURST, PIN
-from triaxis.verif.simulation import run, run_settings
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.paths import BUILD
+from triaxis.verif.core.stimulus.families import mixture
+from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.simulation import run, run_settings
 
 RESULT = BUILD / "bench" / "sim.json"
 CONFIGURATION = Configuration(16, 0)

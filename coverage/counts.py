@@ -11,8 +11,8 @@ import numpy as np
 
 from triaxis.coverage.cover_model import CoverModel, Sample
 from triaxis.coverage.sampling import Hits, Sampler
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 
 _FORMAT = "triaxis coverage 1"
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
-from triaxis.fpga.board_build import BOARD_RTL, PART, TOP, VIVADO, Inputs
+from triaxis.fpga.board_build import PART, TOP, TOP_RTL, VIVADO, Inputs
 from triaxis.fpga.vivado_run import VivadoResult
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 
-_RTL_SUFFIXES = (".sv", ".svh", ".v", ".vh", ".f", ".xdc", ".tcl")
+_SUFFIXES = (".xdc", ".tcl")
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,9 @@ def file_hash(path: Path) -> str:
 
 
 def board_hash() -> str:
-    """Return the hash of what surrounds the RTL that is signed off: board RTL, constraints, scripts."""
+    """Return the hash of what surrounds the RTL of dut/: the part's top, constraints, scripts."""
     digest = hashlib.sha256()
-    folders = (BOARD_RTL, VIVADO)
-    files = [path for folder in folders for path in folder.rglob("*") if path.suffix in _RTL_SUFFIXES]
-    for path in sorted(files):
+    for path in sorted([TOP_RTL, *(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES)]):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 

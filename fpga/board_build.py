@@ -7,7 +7,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 
 FPGA = Path(__file__).resolve().parent
-BOARD_RTL = FPGA / "rtl"
+TOP_RTL = FPGA / "nexys4ddr_top.sv"
 VIVADO = FPGA / "vivado"
 BUILD_SCRIPT = VIVADO / "build.tcl"
 CONSTRAINTS = VIVADO / "nexys4ddr.xdc"
@@ -58,14 +58,12 @@ def board_sources(dut: Path) -> list[Path]:
 
     Raises InputError where a list of files is missing or empty.
     """
-    return [*_listed(dut / "triaxis.f"), *_listed(dut / "mesh" / "triaxis_mesh.f"), *_board(BOARD_RTL)]
-
-
-def _board(folder: Path) -> list[Path]:
-    listings = sorted(folder.glob("*.f"))
-    if len(listings) != 1:
-        raise InputError(f"{folder}: must hold one list of files (.f), holds {len(listings)}")
-    return _listed(listings[0])
+    return [
+        *_listed(dut / "core" / "triaxis.f"),
+        *_listed(dut / "mesh" / "triaxis_mesh.f"),
+        *_listed(dut / "board" / "triaxis_board.f"),
+        TOP_RTL,
+    ]
 
 
 def _listed(listing: Path) -> list[Path]:

@@ -20,9 +20,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga.board_build import TOP, board_sources
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 
 CORE = "triaxis_core"
 
@@ -203,7 +203,7 @@ class DspCounts:
         self._dut, self._kept = dut, kept
         self._board = board_sources(dut)
         digest = hashlib.sha256(Path(__file__).read_bytes())
-        for source in (*self._board, *sorted(dut.glob("*.svh"))):
+        for source in (*self._board, *sorted((dut / "core").glob("*.svh"))):
             digest.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
         self._key = digest.hexdigest()
         self._counts = self._read()

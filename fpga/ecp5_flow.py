@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga.ecp5_registers import Absorbed, absorb_registers
 from triaxis.fpga.synthesis import yosys
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 
 TOP = "triaxis_timing_top"
 HARNESS = Path(__file__).resolve().parent / "ecp5" / f"{TOP}.sv"

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, Inputs
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 
 # What build.tcl announces, without the stages that are not always there.
 STAGES = ("synthesis", "optimisation", "placement", "routing", "reports", "bitstream", "done")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.morton import morton_order
+from triaxis.host.morton import morton_order
 
 Integers = npt.NDArray[np.int64]
 

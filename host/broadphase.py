@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.box_tree import BoxTree, Work, overlapping
+from triaxis.host.box_tree import BoxTree, Work, overlapping
 
 Integers = npt.NDArray[np.int64]
 

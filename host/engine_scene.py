@@ -5,12 +5,12 @@ from itertools import product
 
 import numpy as np
 
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import MeshEngine, Mode, Status
-from triaxis.verif.meshcheck import in_order
-from triaxis.verif.scene_engines import Integers, SceneRun, Translation
+from triaxis.host.meshcheck import in_order
+from triaxis.host.scene_engines import Integers, SceneRun, Translation
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshEngine, Mode, Status
 
 
 class MeshEngineScene:

@@ -17,7 +17,7 @@ from fractions import Fraction
 from math import ceil
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Box, Vector, fits, grid_around
+from triaxis.host.quantise import Box, Vector, fits, grid_around
 
 # The mantissas of a resolution as people write it.
 _LEAST, _BASE = 100, 10

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.golden.stl import Facets, read_stl
-from triaxis.verif.scenes import Scene
+from triaxis.host.scenes import Scene
+from triaxis.host.stl import Facets, read_stl
 
 # Solids that are put against each other, and by how much of their length the first one is lifted.
 _PARTS = (
@@ -27,7 +27,7 @@ def machine_solids(data: Path, z_mm: float) -> dict[str, Facets]:
 
 
 def machine_scenes(data: Path) -> list[Scene]:
-    """Return close scenes from the folder of real meshes; see `triaxis.verif.mesh_data`."""
+    """Return close scenes from the folder of real meshes; see `triaxis.host.mesh_data`."""
     machine, lowered = machine_solids(data, -250), machine_solids(data, -200)
     carousel, base, saddle = machine["carousel"], machine["base"], machine["saddle"]
     scenes = [

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from triaxis.verif.paths import ROOT
+from triaxis.sim.paths import ROOT
 
 
 def mesh_data() -> Path | None:

@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.broadphase import candidates
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import Pairs, Verdicts
-from triaxis.golden.pose import Pose, turned
-from triaxis.golden.quantise import Grid, Vector, box_of, grid_around, margin_for, quantise, smallest_width
-from triaxis.golden.stl import StlMesh
+from triaxis.host.broadphase import candidates
+from triaxis.host.pose import Pose, turned
+from triaxis.host.quantise import Grid, Vector, box_of, grid_around, margin_for, quantise, smallest_width
+from triaxis.host.stl import StlMesh
 
 # Widths that are tried where none is asked for.
 AUTOMATIC_WIDTHS = (16, 24, 32)

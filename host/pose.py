@@ -14,8 +14,8 @@ import gmpy2
 import numpy as np
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Vector
-from triaxis.golden.stl import StlMesh
+from triaxis.host.quantise import Vector
+from triaxis.host.stl import StlMesh
 
 # It says nothing of its types.
 _MPFR: Any = gmpy2

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.stl import Facets
+from triaxis.host.stl import Facets
 
 _FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
 

@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from triaxis.coverage.whole_files import write_whole
+from triaxis.golden.whole_files import write_whole
 
 # No date, and fixed names inside.
 _METADATA: dict[str, dict[str, Any] | None] = {"png": None, "svg": {"Date": None}}

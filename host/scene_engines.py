@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
-from triaxis.verif.meshcheck import Decide, FacetPairs, in_order, near_facets
+from triaxis.host.meshcheck import Decide, FacetPairs, in_order, near_facets
 
 RTL, BULK, GOLDEN = "rtl", "bulk", "golden"
 ENGINES = (RTL, BULK, GOLDEN)
@@ -80,7 +80,7 @@ def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine
     if name == GOLDEN:
         return DecidingEngine(a, b, judge_in_parallel)
     # Only who asks for the simulated engine pays for building it.
-    from triaxis.verif.mesh.configuration import MeshConfiguration
-    from triaxis.verif.mesh.engine_scene import MeshEngineScene
+    from triaxis.host.engine_scene import MeshEngineScene
+    from triaxis.sim.mesh_configuration import MeshConfiguration
 
     return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width))

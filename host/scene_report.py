@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Grid
-from triaxis.verif.scene_engines import SceneRun
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.quantise import Grid
+from triaxis.host.scene_engines import SceneRun
 
 # The clock that times are given for.
 _CLOCK_HZ = 100_000_000

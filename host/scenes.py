@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 import stl
 
-from triaxis.golden.broadphase import candidates
 from triaxis.golden.pairs import Pairs
-from triaxis.golden.quantise import centred_grid, quantise
-from triaxis.golden.stl import Facets
+from triaxis.host.broadphase import candidates
+from triaxis.host.quantise import centred_grid, quantise
+from triaxis.host.stl import Facets
 
 _SEGMENTS = 24
 

@@ -12,13 +12,12 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.sources import BOARD_RTL, board_sources
-from triaxis.verif.clocking import PERIOD_NS
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD, DUT, VERIF, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.toolchain import verilator
 
 # No signal is public: Verilator's default for cocotb costs most of the speed. Functions of moderate length:
 # g++ makes code of the whole core in one function that runs a third slower.
@@ -58,8 +57,13 @@ def rtl_files(dut: Path = DUT) -> list[Path]:
 
 
 def core_files(dut: Path = DUT) -> list[Path]:
-    """Return what builds of the core depend on: all but the folders of what stands above it."""
-    return [path for path in rtl_files(dut) if path.parent == dut]
+    """Return what builds of the core depend on."""
+    return rtl_files(dut / "core")
+
+
+def mesh_files(dut: Path = DUT) -> list[Path]:
+    """Return what builds of the mesh engine depend on: the core's files and its own."""
+    return [*core_files(dut), *rtl_files(dut / "mesh")]
 
 
 def rtl_hash(dut: Path = DUT) -> str:
@@ -160,12 +164,12 @@ def _library(
         "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
         "--top-module", top, "--prefix", prefix,
         *(f"-G{parameter}={value}" for parameter, value in parameters.items()),
-        f"-I{dut}",
+        f"-I{dut / 'core'}",
         "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]),
     ]  # fmt: skip
-    sources = [*(dut / source.name for source in rtl_sources()), *above, harness]
+    sources = [*rtl_sources(dut), *above, harness]
     # The folder of the RTL stands for its contents, wherever it is.
-    arguments = [argument for argument in command if argument != f"-I{dut}"]
+    arguments = [argument for argument in command if argument != f"-I{dut / 'core'}"]
     key = content_hash([*sources, *core_files(dut)], str(verilator()), target(cxx()), *arguments)
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
@@ -190,7 +194,7 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DTAG_BITS={configuration.tag_bits}",
     ]
-    harness = Path(__file__).with_name("harness.cpp")
+    harness = Path(__file__).with_name("core_harness.cpp")
     return _library(
         configuration.name, "triaxis_core", "Vcore", configuration.parameters, harness, defines, dut
     )
@@ -203,26 +207,26 @@ def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DINDEX_BITS={configuration.index_bits}",
     ]
-    folder = VERIF / "mesh"
-    above = [*mesh_sources(dut), folder / "public.vlt"]
+    harness = Path(__file__).with_name("mesh_harness.cpp")
+    above = [*mesh_sources(dut), harness.with_name("mesh_public.vlt")]
     name, parameters = f"mesh_{configuration.name}", configuration.parameters
-    return _library(name, "triaxis_mesh", "Vmesh", parameters, folder / "harness.cpp", defines, dut, above)
+    return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above)
 
 
-def board_library(parameters: BoardParameters, rtl: Path = BOARD_RTL) -> Path:
+def board_library(parameters: BoardParameters, rtl: Path = DUT / "board") -> Path:
     """Return the shared library of the whole board; see board/simulated_top.py.
 
     ``rtl``: another folder with the board's files.
     """
-    harness = Path(__file__).with_name("board") / "harness.cpp"
+    harness = Path(__file__).with_name("board_harness.cpp")
     above = [*mesh_sources(), *board_sources(rtl)]
     defines = [f"-DCLOCKS_PER_BIT={parameters.clocks_per_bit}"]
     return _library(parameters.name, "nexys4ddr_top", "Vboard", parameters.rtl, harness, defines, above=above)
 
 
-def safety_library(rtl: Path = BOARD_RTL) -> Path:
+def safety_library(rtl: Path = DUT / "board") -> Path:
     """Return the shared library of the board's safety module; see board/safety.py. ``rtl``: as above."""
-    harness = Path(__file__).with_name("board") / "safety.cpp"
+    harness = VERIF / "board" / "safety.cpp"
     above = [*mesh_sources(), rtl / "triaxis_safety.sv"]
     return _library("safety", "triaxis_safety", "Vsafety", {}, harness, [], above=above)
 
@@ -238,10 +242,10 @@ def simulation(configuration: Configuration, dut: Path = DUT) -> Path:
 
     ``dut`` may be another folder of RTL with the same files: mutants and faults.
     """
-    sva = VERIF / "sva"
+    sva = VERIF / "core" / "sva"
     sources = [
         sva / "public.vlt",
-        *(dut / source.name for source in rtl_sources()),
+        *rtl_sources(dut),
         *sorted(sva.glob("*.sv")),
     ]
     return cocotb_build(configuration.name, "triaxis_core", sources, configuration.parameters, dut)
@@ -289,14 +293,14 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
     """Return the folder of the simulator executable for bursts, built where needed.
 
     ``dut`` may be another folder of RTL with the same files: mutants and faults. ``assertions``: with
-    the checks of verif/sva/.
+    the checks of verif/core/sva/.
     """
     from cocotb_tools.config import libs_dir
 
-    burst, sva = VERIF / "burst", VERIF / "sva"
+    burst, sva = VERIF / "core" / "burst", VERIF / "core" / "sva"
     sources = [
         burst / "burst_tb.vlt",
-        *(dut / source.name for source in rtl_sources()),
+        *rtl_sources(dut),
         *sorted(burst.glob("*.sv")),
         *(sorted(sva.glob("*.sv")) if assertions else ()),
         *sorted(burst.glob("*.cpp")),
@@ -323,7 +327,7 @@ def burst_simulation(configuration: Configuration, dut: Path = DUT, assertions: 
     def make(partial: Path) -> None:
         # cocotb's runner looks for an executable of the top module's name.
         output = ["--Mdir", str(partial / "obj"), "-o", str(partial / _BURST_TOP)]
-        places = [f"-I{dut}", "-LDFLAGS", f"{_runtime(*_FAST_RUNTIME)} {libraries}"]
+        places = [f"-I{dut / 'core'}", "-LDFLAGS", f"{_runtime(*_FAST_RUNTIME)} {libraries}"]
         command_line = [str(verilator().executable), *command, *places, *output, *map(str, sources)]
         run_tool(command_line, partial, f"{configuration.name} for bursts", with_runtime=False)
 

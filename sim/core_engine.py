@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import VERDICT, Pairs, Verdicts
-from triaxis.verif.build import library
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.paths import DUT
-from triaxis.verif.result import decode
+from triaxis.sim.build import library
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import DUT
+from triaxis.sim.result import decode
 
 _CHUNK = 1 << 16
 

@@ -8,8 +8,8 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, check_pairs, coordinate_range
-from triaxis.verif.build import detector_library
-from triaxis.verif.paths import DUT
+from triaxis.sim.build import detector_library
+from triaxis.sim.paths import DUT
 
 WIDTH = 16
 

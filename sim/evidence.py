@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.provenance import provenance
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.provenance import provenance
+from triaxis.sim.toolchain import verilator
 
 _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
 

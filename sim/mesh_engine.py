@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.build import mesh_library
-from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import DUT
+from triaxis.sim.build import mesh_library
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import DUT
 
 CLOCK_HZ = 100_000_000
 

@@ -1,10 +1,10 @@
-"""The core's input words, TDATA and TUSER of the input stream (see dut/triaxis_core.sv)."""
+"""The core's input words, TDATA and TUSER of the input stream (see dut/core/triaxis_core.sv)."""
 
 import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
 
 COORDINATES = 18
 

@@ -4,16 +4,27 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 DUT = ROOT / "dut"
+SIM = ROOT / "sim"
 VERIF = ROOT / "verif"
 BUILD = ROOT / "build"
+BOARD_TOP = ROOT / "fpga" / "nexys4ddr_top.sv"
 
 
-def rtl_sources() -> list[Path]:
+def rtl_sources(dut: Path = DUT) -> list[Path]:
     """Return the RTL files of the core in the order in which they compile."""
-    return [DUT / name for name in (DUT / "triaxis.f").read_text().split()]
+    return listed(dut / "core" / "triaxis.f")
 
 
 def mesh_sources(dut: Path = DUT) -> list[Path]:
     """Return the RTL files of the mesh engine, which compile after those of the core."""
-    folder = dut / "mesh"
-    return [folder / name for name in (folder / "triaxis_mesh.f").read_text().split()]
+    return listed(dut / "mesh" / "triaxis_mesh.f")
+
+
+def board_sources(board: Path = DUT / "board") -> list[Path]:
+    """Return the RTL files of the board and its top, which compile after those of the mesh engine."""
+    return [*listed(board / "triaxis_board.f"), BOARD_TOP]
+
+
+def listed(listing: Path) -> list[Path]:
+    """Return the files that a list of files names, in its order."""
+    return [listing.parent / name for name in listing.read_text(encoding="utf-8").split()]

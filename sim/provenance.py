@@ -3,10 +3,10 @@
 import subprocess
 from dataclasses import dataclass
 
-from triaxis.verif.build import content_hash, rtl_hash
-from triaxis.verif.paths import ROOT
+from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.sim.paths import ROOT
 
-_CHECKING = ("golden", "coverage", "verif")
+_CHECKING = ("golden", "sim", "coverage", "host", "verif")
 # A result, which checks nothing.
 _RESULT = ROOT / "verif" / "mutation" / "result.json"
 _SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".toml", ".json", ".hjson", ".csv", ".mk", ".patch", ".sh")

@@ -9,7 +9,7 @@ import tty
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.sim.simulated_board import SimulatedTop
 
 _CHUNK = 4096
 # So many clocks between two looks at the terminal: a few bytes of the line.

@@ -1,4 +1,4 @@
-"""The core's result word, TDATA of the output stream (see dut/triaxis_core.sv)."""
+"""The core's result word, TDATA of the output stream (see dut/core/triaxis_core.sv)."""
 
 import numpy as np
 import numpy.typing as npt

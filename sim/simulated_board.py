@@ -3,9 +3,9 @@
 import ctypes
 from pathlib import Path
 
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.sources import BOARD_RTL
-from triaxis.verif.build import board_library
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.build import board_library
+from triaxis.sim.paths import DUT
 
 _DIGITS = 8
 _CHUNK = 4096
@@ -59,7 +59,7 @@ def _interface(library: Path) -> ctypes.CDLL:
 class SimulatedTop:
     """A board after power-up, built on first use. Time passes in `step` alone; a clock is 10 ns."""
 
-    def __init__(self, parameters: BoardParameters | None = None, rtl: Path = BOARD_RTL) -> None:
+    def __init__(self, parameters: BoardParameters | None = None, rtl: Path = DUT / "board") -> None:
         """Build the board where needed, and power it up. ``rtl``: another folder with the board's files."""
         self.parameters = parameters or BoardParameters()
         self._functions = _interface(board_library(self.parameters, rtl))

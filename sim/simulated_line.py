@@ -1,7 +1,7 @@
 """A line to a simulated board in simulated time: the same seed gives the same bytes at the same clock."""
 
-from triaxis.verif.board.pseudo_terminal import Wire
-from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.sim.pseudo_terminal import Wire
+from triaxis.sim.simulated_board import SimulatedTop
 
 # Between two looks of a wire that delays what it carries.
 _LOOK_CLOCKS = 500
@@ -31,7 +31,7 @@ class SimulatedWire:
 
 
 class SimulatedLine:
-    """A `triaxis.fpga.link.line.Line` to a simulated board; time passes only while it is used."""
+    """A `triaxis.host.link.line.Line` to a simulated board; time passes only while it is used."""
 
     name = "simulated board"
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx
-from triaxis.verif.paths import BUILD
+from triaxis.sim.paths import BUILD
 
 OLDEST_VERILATOR = (5, 36)
 

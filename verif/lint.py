@@ -10,13 +10,12 @@ from pathlib import Path
 from triaxis.fpga.ecp5_flow import HARNESS as TIMING_HARNESS
 from triaxis.fpga.ecp5_flow import TOP as TIMING_TOP
 from triaxis.golden.errors import InputError
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.sources import board_sources
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import BUILD, DUT, ROOT, VERIF, mesh_sources, rtl_sources
-from triaxis.verif.plan_check import check_plan
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.toolchain import verilator
+from triaxis.verif.signoff.plan_check import check_plan
 
 # Builds that differ in what they elaborate.
 _BUILDS = (
@@ -63,7 +62,7 @@ def _run(what: str, command: list[str]) -> bool:
 
 def _verilator(top: str, parameters: dict[str, int], sources: Sequence[Path] = ()) -> list[str]:
     return [
-        str(verilator().executable), "--lint-only", "-Wall", f"-I{DUT}", "--top-module", top,
+        str(verilator().executable), "--lint-only", "-Wall", f"-I{DUT / 'core'}", "--top-module", top,
         *(f"-G{name}={value}" for name, value in parameters.items()),
         *map(str, [*rtl_sources(), *sources]),
     ]  # fmt: skip
@@ -97,7 +96,7 @@ def _link_package() -> None:
     """Lay out the package as links in build/typing: the type checker knows no package-dir."""
     folder = BUILD / "typing" / "triaxis"
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("coverage", "fpga", "golden", "verif"):
+    for name in ("bench", "coverage", "fpga", "golden", "host", "sim", "verif"):
         link = folder / name
         if not link.is_symlink():
             link.symlink_to(ROOT / name)

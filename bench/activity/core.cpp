@@ -18,7 +18,7 @@ struct TracedCore : Traced<Vcore> {
 }  // namespace
 
 #define Vcore TracedCore
-#include "../harness.cpp"
+#include "../../sim/core_harness.cpp"
 #undef Vcore
 
 // As triaxis_run, with what toggled from reset to the last result written to a file.

@@ -12,21 +12,21 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from triaxis.coverage.whole_files import write_whole
+from triaxis.bench.activity.saif import Activity, read_saif
+from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
+from triaxis.bench.activity.traced_core import TracedCore
+from triaxis.bench.activity.traced_mesh import TracedMeshEngine
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.activity.saif import Activity, read_saif
-from triaxis.verif.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
-from triaxis.verif.activity.traced_core import TracedCore
-from triaxis.verif.activity.traced_mesh import TracedMeshEngine
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.scenes import Scene, scenes
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.scenes import Scene, scenes
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.verif.core.expectation import expected_words
 
 RESULT = BUILD / "fpga" / "activity.json"
 SAIF = BUILD / "fpga" / "activity.saif"

@@ -15,7 +15,7 @@ using TracedMesh = Traced<Vmesh>;
 }  // namespace
 
 #define Vmesh TracedMesh
-#include "../mesh/harness.cpp"
+#include "../../sim/mesh_harness.cpp"
 #undef Vmesh
 
 // What toggles from here on, until closed, is written to a file.

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs, coordinate_range
-from triaxis.golden.quantise import centred_grid, quantise
-from triaxis.verif.scenes import Scene, scenes
+from triaxis.host.quantise import centred_grid, quantise
+from triaxis.host.scenes import Scene, scenes
 
 WIDTH = 16
 UNDECIDED = Fraction(1, 100)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.native import cxx, target
-from triaxis.verif.build import built, content_hash, core_files, run_tool
-from triaxis.verif.paths import BUILD, DUT, VERIF, rtl_sources
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.build import built, content_hash, core_files, run_tool
+from triaxis.sim.paths import BUILD, DUT, rtl_sources
+from triaxis.sim.toolchain import verilator
 
-FOLDER = VERIF / "activity"
+FOLDER = Path(__file__).parent
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class TracedBuild:
     """A module and the harness around it.
 
     ``above``: what compiles after the files of the core. ``prefix``: Verilator's name for the model.
-    ``harnesses``: the harness in verif/activity/, then the files that it includes.
+    ``harnesses``: the harness in bench/activity/, then the files that it includes.
     """
 
     name: str
@@ -41,7 +41,7 @@ def traced_library(build: TracedBuild, dut: Path = DUT) -> Path:
         "-MAKEFLAGS", "OPT_FAST=-O1 OPT_GLOBAL=-O2",
     ]  # fmt: skip
     harness, *included = build.harnesses
-    sources = [*(dut / source.name for source in rtl_sources()), *build.above, harness]
+    sources = [*rtl_sources(dut), *build.above, harness]
     hashed = [*sources, *included, *sorted(FOLDER.glob("*.h")), *core_files(dut)]
     key = content_hash(hashed, str(verilator()), target(cxx()), *command)
     folder = BUILD / "traced" / f"{build.name}-{key[:12]}"
@@ -50,7 +50,7 @@ def traced_library(build: TracedBuild, dut: Path = DUT) -> Path:
     def make(partial: Path) -> None:
         what = f"{build.name} with a trace"
         print(f"building {what} (once) ..", file=sys.stderr, flush=True)
-        output = [f"-I{dut}", "--Mdir", str(partial / "obj"), "-o", str(partial / file)]
+        output = [f"-I{dut / 'core'}", "--Mdir", str(partial / "obj"), "-o", str(partial / file)]
         command_line = [str(verilator().executable), *command, *output, *map(str, sources)]
         run_tool(command_line, partial, what)
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.activity.traced_build import FOLDER, TracedBuild, traced_library
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.activity.traced_build import FOLDER, TracedBuild, traced_library
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import CoreError
-from triaxis.verif.paths import DUT, VERIF
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.paths import DUT, SIM
 
 
 class TracedCore:
@@ -30,7 +30,7 @@ class TracedCore:
                 "MARGIN_BITS": configuration.margin_bits,
                 "TAG_BITS": configuration.tag_bits,
             },
-            (FOLDER / "core.cpp", VERIF / "harness.cpp"),
+            (FOLDER / "core.cpp", SIM / "core_harness.cpp"),
         )  # fmt: skip
         library = ctypes.CDLL(str(traced_library(build, dut)))
         self._trace: Any = library.triaxis_trace

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.activity.traced_build import FOLDER, TracedBuild, traced_library
-from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Status
-from triaxis.verif.paths import DUT, VERIF, mesh_sources
+from triaxis.bench.activity.traced_build import FOLDER, TracedBuild, traced_library
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Status
+from triaxis.sim.paths import DUT, SIM, mesh_sources
 
-# Fields of the summary in verif/mesh/harness.cpp.
+# Fields of the summary in sim/mesh_harness.cpp.
 _STATUS, _NEAR, _FIELDS = 0, 6, 8
 
 
@@ -30,8 +30,8 @@ class TracedMeshEngine:
                 "MARGIN_BITS": configuration.margin_bits,
                 "INDEX_BITS": configuration.index_bits,
             },
-            (FOLDER / "mesh.cpp", VERIF / "mesh" / "harness.cpp"),
-            (*mesh_sources(dut), VERIF / "mesh" / "public.vlt"),
+            (FOLDER / "mesh.cpp", SIM / "mesh_harness.cpp"),
+            (*mesh_sources(dut), SIM / "mesh_public.vlt"),
         )  # fmt: skip
         library = ctypes.CDLL(str(traced_library(build, dut)))
         pointer, number, small = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int

@@ -18,15 +18,15 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.error.errors import Errors, Mask, count_errors
+from triaxis.bench.error.grids import finest_grid
+from triaxis.bench.error.truth import Truth
+from triaxis.bench.error.workloads import Part, Workload
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import Pairs
-from triaxis.golden.quantise import Grid, box_of, margin_for, quantise
-from triaxis.verif.bench.errors import Errors, Mask, count_errors
-from triaxis.verif.bench.grids import finest_grid
-from triaxis.verif.bench.truth import Truth
-from triaxis.verif.bench.workloads import Part, Workload
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import RtlEngine
+from triaxis.host.quantise import Grid, box_of, margin_for, quantise
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import RtlEngine
 
 WIDTHS = (8, 10, 12, 14, 16, 20, 24, 32)
 COLLISION, NO_MISS = "collision", "no-miss"

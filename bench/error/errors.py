@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.bench.truth import Truth
+from triaxis.bench.error.truth import Truth
 
 Mask = npt.NDArray[np.bool_]
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Box, Grid, fits, grid_around
+from triaxis.host.quantise import Box, Grid, fits, grid_around
 
 # Powers of two that float32 coordinates of a machine call for, in millimetres.
 _FINEST, _COARSEST = -60, 60

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.error.core_points import OnGrid, margins_of
+from triaxis.bench.error.timing import best_times
+from triaxis.bench.error.truth import exact_triangle
+from triaxis.bench.error.workloads import Workload
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.bulk_claims import bulk_claims
 from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.verif.bench.core_points import OnGrid, margins_of
-from triaxis.verif.bench.timing import best_times
-from triaxis.verif.bench.truth import exact_triangle
-from triaxis.verif.bench.workloads import Workload
 
 # Pairs of the golden model, at some 200 microseconds each.
 _JUDGED = 400

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.bench.core_points import OnGrid
-from triaxis.verif.bench.errors import Errors, count_errors
-from triaxis.verif.bench.own_points import collision_work
-from triaxis.verif.bench.peers.peer import Peer
-from triaxis.verif.bench.timing import ROUNDS, best_times
-from triaxis.verif.bench.truth import Truth
-from triaxis.verif.bench.workloads import Workload
+from triaxis.bench.error.core_points import OnGrid
+from triaxis.bench.error.errors import Errors, count_errors
+from triaxis.bench.error.own_points import collision_work
+from triaxis.bench.error.peers.peer import Peer
+from triaxis.bench.error.timing import ROUNDS, best_times
+from triaxis.bench.error.truth import Truth
+from triaxis.bench.error.workloads import Workload
 
 # Pairs that are timed; all are judged.
 TIMED = 4000

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from triaxis.coverage.whole_files import write_whole
+from triaxis.bench.error.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
+from triaxis.bench.error.errors import Errors
+from triaxis.bench.error.running import Measured, WorkloadResult
 from triaxis.fpga.part import XC7A100T
-from triaxis.verif.bench.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
-from triaxis.verif.bench.errors import Errors
-from triaxis.verif.bench.running import Measured, WorkloadResult
-from triaxis.verif.paths import BUILD
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.paths import BUILD
 
 PICTURES = (BUILD / "bench" / "error.png", BUILD / "bench" / "error.svg")
 

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.bench.core_points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint
-from triaxis.verif.bench.errors import Errors
-from triaxis.verif.bench.running import Measured, WorkloadResult
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.paths import BUILD
-from triaxis.verif.provenance import Provenance
+from triaxis.bench.error.core_points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint
+from triaxis.bench.error.errors import Errors
+from triaxis.bench.error.running import Measured, WorkloadResult
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD
+from triaxis.sim.provenance import Provenance
 
 RESULT = BUILD / "bench" / "error.json"
 # How many times the bulk checker's time a pair CGAL's exact kernel must take at least, over all workloads.

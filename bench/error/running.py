@@ -6,20 +6,20 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from triaxis.bench.error.core_points import MODES, WIDTHS, CorePoint, configuration, core_point, on_grid
+from triaxis.bench.error.errors import Errors
+from triaxis.bench.error.own_points import BulkPoint, bulk_point, golden_ns
+from triaxis.bench.error.peer_points import PeerPoint, peer_point
+from triaxis.bench.error.peers import PEERS
+from triaxis.bench.error.peers.peer import Peer, PeerAbsentError
+from triaxis.bench.error.steps import Steps
+from triaxis.bench.error.truth import Truth, exact_truth
+from triaxis.bench.error.workloads import Workload, workloads
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
-from triaxis.verif.bench.core_points import MODES, WIDTHS, CorePoint, configuration, core_point, on_grid
-from triaxis.verif.bench.errors import Errors
-from triaxis.verif.bench.own_points import BulkPoint, bulk_point, golden_ns
-from triaxis.verif.bench.peer_points import PeerPoint, peer_point
-from triaxis.verif.bench.peers import PEERS
-from triaxis.verif.bench.peers.peer import Peer, PeerAbsentError
-from triaxis.verif.bench.steps import Steps
-from triaxis.verif.bench.truth import Truth, exact_truth
-from triaxis.verif.bench.workloads import Workload, workloads
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.provenance import Provenance
+from triaxis.host.mesh_data import mesh_data
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.provenance import Provenance
 
 FOLDER = BUILD / "bench" / "error-steps"
 COUNT = 20_000

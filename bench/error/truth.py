@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Triangle
 from triaxis.golden.judge import default_solver, judge
 from triaxis.golden.rational import Rational
-from triaxis.verif.build import content_hash
-from triaxis.verif.paths import BUILD, ROOT
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.build import content_hash
+from triaxis.sim.paths import BUILD, ROOT
 
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]

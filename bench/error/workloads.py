@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.broadphase import candidates
+from triaxis.bench.error.grids import finest_resolution
+from triaxis.bench.error.truth import Triangles, exact_triangle
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import triangle_rank
-from triaxis.golden.quantise import box_of, grid_around, quantise
-from triaxis.verif.bench.grids import finest_resolution
-from triaxis.verif.bench.truth import Triangles, exact_triangle
-from triaxis.verif.machine_scenes import machine_scenes
-from triaxis.verif.scenes import Scene, scenes
-from triaxis.verif.sequences.contact import Contact, placed
-from triaxis.verif.sequences.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
-from triaxis.verif.sequences.stimulus import Stimulus, collected, divided
+from triaxis.host.broadphase import candidates
+from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.quantise import box_of, grid_around, quantise
+from triaxis.host.scenes import Scene, scenes
+from triaxis.verif.core.stimulus.contact import Contact, placed
+from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
+from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
 
 Rng = np.random.Generator
 Reals = npt.NDArray[np.float64]

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.golden.broadphase import candidates
-from triaxis.verif.bench.peers.peer import PeerAbsentError
-from triaxis.verif.scene_engines import Integers
-from triaxis.verif.skipping.clocked import clocked
-from triaxis.verif.skipping.peers.mesh_peer import Counted, MeshPeer
+from triaxis.bench.error.peers.peer import PeerAbsentError
+from triaxis.bench.skipping.clocked import clocked
+from triaxis.bench.skipping.peers.mesh_peer import Counted, MeshPeer
+from triaxis.host.broadphase import candidates
+from triaxis.host.scene_engines import Integers
 
 
 @dataclass(frozen=True)

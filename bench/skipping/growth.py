@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.golden.box_tree import Work
-from triaxis.golden.broadphase import candidates
-from triaxis.verif.meshcheck import in_order
-from triaxis.verif.scene_engines import Integers
-from triaxis.verif.skipping.asking import Meeting, PeerRun, ask_peer, contradiction
-from triaxis.verif.skipping.clocked import clocked
-from triaxis.verif.skipping.peers.mesh_peer import MeshPeer
-from triaxis.verif.skipping.software import all_pairs, behind_boxes
-from triaxis.verif.skipping.surfaces import SURFACES, Surfaces
+from triaxis.bench.skipping.asking import Meeting, PeerRun, ask_peer, contradiction
+from triaxis.bench.skipping.clocked import clocked
+from triaxis.bench.skipping.peers.mesh_peer import MeshPeer
+from triaxis.bench.skipping.software import all_pairs, behind_boxes
+from triaxis.bench.skipping.surfaces import SURFACES, Surfaces
+from triaxis.host.box_tree import Work
+from triaxis.host.broadphase import candidates
+from triaxis.host.meshcheck import in_order
+from triaxis.host.scene_engines import Integers
 
 SIZES = tuple(round(10 ** (decade / 2)) for decade in range(6, 13))
 

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from triaxis.verif.bench_mesh import CLOCK_MHZ
-from triaxis.verif.counterexample.style import LARGE, NORMAL, SMALL
-from triaxis.verif.skipping.growth import Growth, Point
-from triaxis.verif.skipping.run import AtMargin, SceneRow, SkippingResult
+from triaxis.bench.mesh_cycles import CLOCK_MHZ
+from triaxis.bench.skipping.growth import Growth, Point
+from triaxis.bench.skipping.run import AtMargin, SceneRow, SkippingResult
+from triaxis.host.figure_style import LARGE, NORMAL, SMALL
 
 _INCHES, _DPI = (17.0, 13.0), 110
 _STYLE: dict[Any, Any] = {

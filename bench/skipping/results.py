@@ -4,14 +4,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.bench_mesh import CLOCK_MHZ, CONFIGURATION
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.paths import BUILD
-from triaxis.verif.saved_figure import write_figure
-from triaxis.verif.skipping.asking import PeerRun
-from triaxis.verif.skipping.growth import MOST_COMPARED, MOST_SECONDS, Growth, Point
-from triaxis.verif.skipping.plot import figure_of
-from triaxis.verif.skipping.run import LEAST_RATIO, AtMargin, SceneRow, SkippingResult
+from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION
+from triaxis.bench.skipping.asking import PeerRun
+from triaxis.bench.skipping.growth import MOST_COMPARED, MOST_SECONDS, Growth, Point
+from triaxis.bench.skipping.plot import figure_of
+from triaxis.bench.skipping.run import LEAST_RATIO, AtMargin, SceneRow, SkippingResult
+from triaxis.host.saved_figure import write_figure
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD
 
 RESULT = BUILD / "bench" / "skipping.json"
 

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.verif.bench_mesh import CONFIGURATION
-from triaxis.verif.mesh.engine_scene import MeshEngineScene
-from triaxis.verif.provenance import Provenance, provenance
-from triaxis.verif.scene_engines import Integers
-from triaxis.verif.skipping.asking import Meeting, PeerRun, Presence, ask_peer, contradiction, presence
-from triaxis.verif.skipping.growth import SIZES, Growth, growths
-from triaxis.verif.skipping.peers import MESH_PEERS
-from triaxis.verif.skipping.peers.mesh_peer import MeshPeer
-from triaxis.verif.skipping.scenes import SkippingScene, skipping_scenes
-from triaxis.verif.skipping.software import Saved, saved
-from triaxis.verif.skipping.stages import Clocks, StageAnswer, Stages, stage_answer
-from triaxis.verif.skipping.surfaces import SURFACES
+from triaxis.bench.mesh_cycles import CONFIGURATION
+from triaxis.bench.skipping.asking import Meeting, PeerRun, Presence, ask_peer, contradiction, presence
+from triaxis.bench.skipping.growth import SIZES, Growth, growths
+from triaxis.bench.skipping.peers import MESH_PEERS
+from triaxis.bench.skipping.peers.mesh_peer import MeshPeer
+from triaxis.bench.skipping.scenes import SkippingScene, skipping_scenes
+from triaxis.bench.skipping.software import Saved, saved
+from triaxis.bench.skipping.stages import Clocks, StageAnswer, Stages, stage_answer
+from triaxis.bench.skipping.surfaces import SURFACES
+from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.scene_engines import Integers
+from triaxis.sim.provenance import Provenance, provenance
 
 # What skipping must save over all scenes, in cycles for each of which a core without it takes a pair.
 LEAST_RATIO = 10.0

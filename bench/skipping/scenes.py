@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.golden.stl import Facets
-from triaxis.verif.bench_mesh import on_filled_grid
-from triaxis.verif.machine_scenes import machine_scenes, machine_solids
-from triaxis.verif.scene_engines import Integers
-from triaxis.verif.scenes import scenes, tool, vise
+from triaxis.bench.mesh_cycles import on_filled_grid
+from triaxis.host.machine_scenes import machine_scenes, machine_solids
+from triaxis.host.scene_engines import Integers
+from triaxis.host.scenes import scenes, tool, vise
+from triaxis.host.stl import Facets
 
 # Where the whole machine is taken, in mm of its Z axis: with the head up, and down at the carousel.
 _HEADS = (0, -250)

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.golden.box_tree import Work
-from triaxis.golden.broadphase import candidates
+from triaxis.bench.skipping.clocked import clocked
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.meshcheck import in_order
-from triaxis.verif.scene_engines import Integers
-from triaxis.verif.skipping.clocked import clocked
+from triaxis.host.box_tree import Work
+from triaxis.host.broadphase import candidates
+from triaxis.host.meshcheck import in_order
+from triaxis.host.scene_engines import Integers
 
 # Pairs decided at a time, such that they stay in the processor's cache.
 _AT_ONCE = 1 << 14

@@ -13,10 +13,10 @@ import numpy as np
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, scene_answer
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.meshcheck import in_order
-from triaxis.verif.scene_engines import Integers
+from triaxis.host.meshcheck import in_order
+from triaxis.host.scene_engines import Integers
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.mesh_configuration import MeshConfiguration
 
 # The first axes of their kinds behind the three box axes; see `triaxis.golden.axes`.
 _NORMALS, _EDGES, _EDGE_BOXES = 3, 5, 14

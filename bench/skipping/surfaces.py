@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.scene_engines import Integers
+from triaxis.host.scene_engines import Integers
 
 # Half the side of the cube that they lie in, in LSB: 24 bits hold them.
 _RADIUS = 1 << 22

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from matplotlib.typing import LineStyleType
 
-from triaxis.verif.counterexample.style import GAP, WITNESS
-from triaxis.verif.stress.measuring import ROUNDING_WIDTH, Measured
-from triaxis.verif.stress.orders import METHODS, Method
-from triaxis.verif.stress.run import FamilyResult, StressResult
+from triaxis.bench.stress.measuring import ROUNDING_WIDTH, Measured
+from triaxis.bench.stress.orders import METHODS, Method
+from triaxis.bench.stress.run import FamilyResult, StressResult
+from triaxis.host.figure_style import GAP, WITNESS
 
-# Colours of M. Okabe and K. Ito, "Color Universal Design", 2008, as in triaxis.verif.counterexample.style.
+# Colours of M. Okabe and K. Ito, "Color Universal Design", 2008, as in triaxis.host.figure_style.
 _COLOURS = {"SAT": "#0072B2", "Moller": "#E69F00", "Guigue-Devillers": "#CC79A7"}
 _MARKERS = {"SAT": "o", "Moller": "^", "Guigue-Devillers": "s"}
 _BAND = "#9A9A9A"

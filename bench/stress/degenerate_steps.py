@@ -6,9 +6,9 @@ Coordinates are so small that differences, products and determinants are exact i
 import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.sequences.degenerate import of_rank
-from triaxis.verif.sequences.draws import around, chance, up_to
-from triaxis.verif.sequences.stimulus import Ints, Rng, Stimulus, collected
+from triaxis.verif.core.stimulus.degenerate import of_rank
+from triaxis.verif.core.stimulus.draws import around, chance, up_to
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng, Stimulus, collected
 
 # Sizes of triangles, and so that pairs that meet stay within -15..15.
 _SIZE = 5

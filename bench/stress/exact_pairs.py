@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.judge import judge
-from triaxis.verif.sequences.stimulus import Ints, chosen_rows
+from triaxis.verif.core.stimulus.stimulus import Ints, chosen_rows
 
 Mask = npt.NDArray[np.bool_]
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from triaxis.verif.sequences.stimulus import Ints, Rng
-from triaxis.verif.stress.degenerate_steps import degenerate
-from triaxis.verif.stress.lattice_families import WIDTH, contacts_at, near_misses, nearly_coplanar
-from triaxis.verif.stress.real_families import far_away, of_unlike_size, slivers
+from triaxis.bench.stress.degenerate_steps import degenerate
+from triaxis.bench.stress.lattice_families import WIDTH, contacts_at, near_misses, nearly_coplanar
+from triaxis.bench.stress.real_families import far_away, of_unlike_size, slivers
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng
 
 
 @dataclass(frozen=True)

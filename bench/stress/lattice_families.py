@@ -1,7 +1,7 @@
 """Pairs on a grid of so many bits, as far from their decision as the knob says: up to the smallest steps.
 
 On 24 bits float32 holds every coordinate exactly, so what a method gets wrong there is its arithmetic alone.
-Distances from a plane go in steps of g / |c|, far below the grid's: see `triaxis.verif.sequences.lattice`.
+Distances from a plane go in steps of g / |c|, far below the grid's: see verif/core/stimulus/lattice.py.
 All triangles are proper ones.
 """
 
@@ -11,10 +11,10 @@ from functools import partial
 import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.sequences.contact import Contact, placed
-from triaxis.verif.sequences.draws import around, chance, up_to
-from triaxis.verif.sequences.lattice import Step, plane_step, raised
-from triaxis.verif.sequences.near_miss import (
+from triaxis.verif.core.stimulus.contact import Contact, placed
+from triaxis.verif.core.stimulus.draws import around, chance, up_to
+from triaxis.verif.core.stimulus.lattice import Step, plane_step, raised
+from triaxis.verif.core.stimulus.near_miss import (
     edge_edge,
     edge_edge_level,
     edges_above,
@@ -22,7 +22,7 @@ from triaxis.verif.sequences.near_miss import (
     face_vertex_level,
     vertex_above,
 )
-from triaxis.verif.sequences.stimulus import (
+from triaxis.verif.core.stimulus.stimulus import (
     Ints,
     Rng,
     Stimulus,
@@ -32,7 +32,7 @@ from triaxis.verif.sequences.stimulus import (
     largest_extents,
     largest_span,
 )
-from triaxis.verif.sequences.symmetry import random_cube_symmetries, random_orders, random_translations
+from triaxis.verif.core.stimulus.symmetry import random_cube_symmetries, random_orders, random_translations
 
 # Bits of the grid of tilts and gaps.
 WIDTH = 24

@@ -15,14 +15,14 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.stress.exact_pairs import BulkPairs, ExactPairs, JudgedPairs
+from triaxis.bench.stress.orders import METHODS, Answers, Errors, Mask, errors, method_errors, total
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.quantise import Grid, box_of, fits, grid_around, margin_for, quantise
-from triaxis.verif.engine import RtlEngine, configuration_for
-from triaxis.verif.result import NEAR
-from triaxis.verif.sequences.stimulus import Ints, Pairs32
-from triaxis.verif.sequences.symmetry import NUM_ORDERS, all_orders
-from triaxis.verif.stress.exact_pairs import BulkPairs, ExactPairs, JudgedPairs
-from triaxis.verif.stress.orders import METHODS, Answers, Errors, Mask, errors, method_errors, total
+from triaxis.host.quantise import Grid, box_of, fits, grid_around, margin_for, quantise
+from triaxis.sim.core_engine import RtlEngine, configuration_for
+from triaxis.sim.result import NEAR
+from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32
+from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, all_orders
 
 # Widths of the simulated cores; a setting's own resolution is the first that holds its pairs as they are.
 WIDTHS = (8, 12, 16, 24, 32)

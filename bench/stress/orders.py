@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.stimulus import Ints
-from triaxis.verif.sequences.symmetry import NUM_ORDERS, VERTICES
-from triaxis.verif.stress.published.guigue_devillers import guigue_devillers
-from triaxis.verif.stress.published.moller import moller
-from triaxis.verif.stress.published.separating_axes import separating_axes
-from triaxis.verif.stress.published.vectors import Triangles
+from triaxis.bench.stress.published.guigue_devillers import guigue_devillers
+from triaxis.bench.stress.published.moller import moller
+from triaxis.bench.stress.published.separating_axes import separating_axes
+from triaxis.bench.stress.published.vectors import Triangles
+from triaxis.verif.core.stimulus.stimulus import Ints
+from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, VERTICES
 
 Mask = npt.NDArray[np.bool_]
 # Answers "near" in each order of each pair: (orders, N).

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.counterexample.style import LARGE, NORMAL, SMALL
-from triaxis.verif.stress.curves import Curve, Picture
-from triaxis.verif.stress.run import FamilyResult, StressResult
+from triaxis.bench.stress.curves import Curve, Picture
+from triaxis.bench.stress.run import FamilyResult, StressResult
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.figure_style import LARGE, NORMAL, SMALL
 
 _INCHES, _DPI = (17.0, 8.6), 110
 _ROWS, _COLUMNS = 2, 4

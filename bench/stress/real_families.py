@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.stimulus import Ints, Rng
-from triaxis.verif.sequences.symmetry import random_orders
-from triaxis.verif.stress.lattice_families import contacts_at
+from triaxis.bench.stress.lattice_families import contacts_at
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng
+from triaxis.verif.core.stimulus.symmetry import random_orders
 
 Reals = npt.NDArray[np.float64]
 

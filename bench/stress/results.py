@@ -4,14 +4,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.paths import BUILD
-from triaxis.verif.sequences.symmetry import NUM_ORDERS
-from triaxis.verif.stress.curves import PICTURES
-from triaxis.verif.stress.measuring import ROUNDING_WIDTH, WIDTHS, Measured
-from triaxis.verif.stress.orders import Errors
-from triaxis.verif.stress.plot import draw
-from triaxis.verif.stress.run import FamilyResult, StressResult
+from triaxis.bench.stress.curves import PICTURES
+from triaxis.bench.stress.measuring import ROUNDING_WIDTH, WIDTHS, Measured
+from triaxis.bench.stress.orders import Errors
+from triaxis.bench.stress.plot import draw
+from triaxis.bench.stress.run import FamilyResult, StressResult
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD
+from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS
 
 RESULT = BUILD / "bench" / "stress.json"
 

@@ -10,12 +10,12 @@ from multiprocessing import get_context
 
 import numpy as np
 
+from triaxis.bench.stress.families import FAMILIES, Family
+from triaxis.bench.stress.measuring import WIDTHS, Measured, build_cores, measure
+from triaxis.bench.stress.orders import Errors, total
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
-from triaxis.verif.provenance import Provenance, provenance
-from triaxis.verif.stress.families import FAMILIES, Family
-from triaxis.verif.stress.measuring import WIDTHS, Measured, build_cores, measure
-from triaxis.verif.stress.orders import Errors, total
+from triaxis.sim.provenance import Provenance, provenance
 
 SETTINGS = sum(len(family.settings) for family in FAMILIES)
 # Steps of progress: a core to build, a setting to measure.

@@ -8,11 +8,8 @@ from argparse import Namespace
 import numpy as np
 import pytest
 
-from triaxis.fpga.board_build import BOARD_RTL, ENGINE_INSTANCE, TOP
-from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.errors import InputError
-from triaxis.verif.activity import measuring
-from triaxis.verif.activity.measuring import (
+from triaxis.bench.activity import measuring
+from triaxis.bench.activity.measuring import (
     BOUND,
     MultiplierToggles,
     Row,
@@ -21,13 +18,16 @@ from triaxis.verif.activity.measuring import (
     trace,
     write_result,
 )
-from triaxis.verif.activity.saif import Activity, read_saif
-from triaxis.verif.activity.streams import UNDECIDED, box_gaps, random_stream, streams
-from triaxis.verif.activity.traced_mesh import TracedMeshEngine
-from triaxis.verif.cli import activity as command
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import DUT
+from triaxis.bench.activity.saif import Activity, read_saif
+from triaxis.bench.activity.streams import UNDECIDED, box_gaps, random_stream, streams
+from triaxis.bench.activity.traced_mesh import TracedMeshEngine
+from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import activity as command
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import DUT
 
 # The smallest core: what it shows of gating holds for all.
 GATED = Configuration(8, 0, edge_box=False)
@@ -141,7 +141,7 @@ def test_the_engines_activity_is_given_its_place_in_the_board(tmp_path):
 
 
 def test_the_board_has_the_engine_where_its_activity_says():
-    top = BOARD_RTL / f"{TOP}.sv"
+    top = TOP_RTL
     if not top.exists():
         pytest.skip(f"{top} is not there")
     assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", top.read_text())

@@ -4,13 +4,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from triaxis.bench.error import core_points
+from triaxis.bench.error.core_points import COLLISION, MODES, NO_MISS, core_point, core_verdicts, on_grid
+from triaxis.bench.error.errors import count_errors
+from triaxis.bench.error.truth import Truth, exact_triangle, exact_truth
+from triaxis.bench.error.workloads import workloads
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import VERDICT
-from triaxis.verif.bench import core_points
-from triaxis.verif.bench.core_points import COLLISION, MODES, NO_MISS, core_point, core_verdicts, on_grid
-from triaxis.verif.bench.errors import count_errors
-from triaxis.verif.bench.truth import Truth, exact_triangle, exact_truth
-from triaxis.verif.bench.workloads import workloads
 
 WIDTH = 8
 

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.verif.bench_mesh import Bound, Case, Row, bench_mesh, cases, write_rows
-from triaxis.verif.machine_scenes import machine_scenes
-from triaxis.verif.scene_engines import SceneRun
+from triaxis.bench.mesh_cycles import Bound, Case, Row, bench_mesh, cases, write_rows
+from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.scene_engines import SceneRun
 from triaxis.verif.signoff.scene_checks import mesh_data
 
 NOTHING_NEAR = np.empty((0, 2), np.int64)
@@ -41,7 +41,7 @@ def test_made_scenes_reach_their_bounds():
 
 def test_wrong_answer_is_seen(monkeypatch):
     """An engine that loses a near pair."""
-    import triaxis.verif.bench_mesh as module
+    import triaxis.bench.mesh_cycles as module
 
     class Losing(module.MeshEngineScene):
         def run(self, *arguments, **options):
@@ -55,7 +55,7 @@ def test_wrong_answer_is_seen(monkeypatch):
 
 
 def test_result_tells_what_failed(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench_mesh.RESULT", tmp_path / "mesh.json")
+    monkeypatch.setattr("triaxis.bench.mesh_cycles.RESULT", tmp_path / "mesh.json")
     path = write_rows([row(Bound(most_cycles=50), 51)], False)
     assert '"passed": false' in path.read_text()
 

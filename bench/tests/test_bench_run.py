@@ -7,25 +7,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from triaxis.bench.error import running
+from triaxis.bench.error.core_points import COLLISION, MODES, NO_MISS, WIDTHS, CorePoint, on_grid
+from triaxis.bench.error.errors import Errors
+from triaxis.bench.error.own_points import BulkPoint, bulk_point, golden_ns
+from triaxis.bench.error.peer_points import PeerPoint, peer_point
+from triaxis.bench.error.peers import PEERS
+from triaxis.bench.error.peers.installed import imported, installed_version
+from triaxis.bench.error.peers.peer import PeerAbsentError, one_by_one
+from triaxis.bench.error.plot import draw, spread
+from triaxis.bench.error.report import demands, passed, write_report
+from triaxis.bench.error.running import Benchmark, Measured, WorkloadResult
+from triaxis.bench.error.steps import Steps
+from triaxis.bench.error.timing import best_times
+from triaxis.bench.error.truth import exact_truth
+from triaxis.bench.error.workloads import workloads
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
-from triaxis.verif.bench import running
-from triaxis.verif.bench.core_points import COLLISION, MODES, NO_MISS, WIDTHS, CorePoint, on_grid
-from triaxis.verif.bench.errors import Errors
-from triaxis.verif.bench.own_points import BulkPoint, bulk_point, golden_ns
-from triaxis.verif.bench.peer_points import PeerPoint, peer_point
-from triaxis.verif.bench.peers import PEERS
-from triaxis.verif.bench.peers.installed import imported, installed_version
-from triaxis.verif.bench.peers.peer import PeerAbsentError, one_by_one
-from triaxis.verif.bench.plot import draw, spread
-from triaxis.verif.bench.report import demands, passed, write_report
-from triaxis.verif.bench.running import Benchmark, Measured, WorkloadResult
-from triaxis.verif.bench.steps import Steps
-from triaxis.verif.bench.timing import best_times
-from triaxis.verif.bench.truth import exact_truth
-from triaxis.verif.bench.workloads import workloads
-from triaxis.verif.cli import main
-from triaxis.verif.provenance import Provenance
+from triaxis.host.cli import main
+from triaxis.sim.provenance import Provenance
 
 BEFORE = Provenance("rtl", "environment", None, None)
 
@@ -108,7 +108,7 @@ def test_an_interrupted_measurement_goes_on(tmp_path):
 
 
 def test_a_peer_is_judged_on_all_pairs_and_timed_without_its_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.peer_points.ROUNDS", 4)
+    monkeypatch.setattr("triaxis.bench.error.peer_points.ROUNDS", 4)
     workload = workloads(60, 1, None)[0]
     truth = exact_truth(workload.a, workload.b, folder=tmp_path)
     point = peer_point(Exact(), "1", workload, on_grid(workload, 32), truth)
@@ -143,7 +143,7 @@ def test_absent_peers_say_so(monkeypatch):
     def broken(_):
         raise OSError("libGL.so.1: cannot open shared object file")
 
-    monkeypatch.setattr("triaxis.verif.bench.peers.installed.import_module", broken)
+    monkeypatch.setattr("triaxis.bench.error.peers.installed.import_module", broken)
     with pytest.raises(PeerAbsentError, match=r"installed, but does not start: libGL\.so\.1"):
         imported("open3d")
 
@@ -194,7 +194,7 @@ def test_what_is_absent_is_not_called_reached(measured):
 
 
 def test_the_report_holds_everything(measured, tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.report.RESULT", tmp_path / "error.json")
+    monkeypatch.setattr("triaxis.bench.error.report.RESULT", tmp_path / "error.json")
     content = json.loads(write_report(measured, demands(measured), BEFORE, 2.5).read_text())
     assert content["passed"] and content["rtl_hash"] == "rtl" and content["seed"] == 1
     assert content["peers_absent"] == {"coal": "coal: not installed"}
@@ -205,7 +205,7 @@ def test_the_report_holds_everything(measured, tmp_path, monkeypatch):
 
 
 def test_pictures_name_everything(measured, tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.verif.bench.plot.PICTURES", (tmp_path / "e.png", tmp_path / "e.svg"))
+    monkeypatch.setattr("triaxis.bench.error.plot.PICTURES", (tmp_path / "e.png", tmp_path / "e.svg"))
     png, svg = draw(measured)
     text = svg.read_text()
     for name in (
@@ -232,10 +232,10 @@ def test_labels_keep_their_distance():
 def test_the_command_goes_on_where_it_was_interrupted(measured, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(running, "WIDTHS", (8,))
     monkeypatch.setattr(running, "FOLDER", tmp_path / "steps")
-    monkeypatch.setattr("triaxis.verif.bench.truth.FOLDER", tmp_path)
+    monkeypatch.setattr("triaxis.bench.error.truth.FOLDER", tmp_path)
     monkeypatch.setattr(running, "_dsps", lambda progress: measured.dsps)
     monkeypatch.setattr(running, "golden_ns", lambda _: 1.0)
-    monkeypatch.setattr("triaxis.verif.bench.core_points._through_rtl", lambda *_: (0, 1, 1.0))
+    monkeypatch.setattr("triaxis.bench.error.core_points._through_rtl", lambda *_: (0, 1, 1.0))
     monkeypatch.setattr(running, "PEERS", (Exact(),))
     asked = []
 
@@ -260,11 +260,11 @@ def test_the_command_goes_on_where_it_was_interrupted(measured, tmp_path, monkey
 
 def test_a_peer_that_fails_is_named(tmp_path, monkeypatch, measured):
     monkeypatch.setattr(running, "FOLDER", tmp_path / "steps")
-    monkeypatch.setattr("triaxis.verif.bench.truth.FOLDER", tmp_path)
+    monkeypatch.setattr("triaxis.bench.error.truth.FOLDER", tmp_path)
     monkeypatch.setattr(running, "WIDTHS", (8,))
     monkeypatch.setattr(running, "_dsps", lambda progress: measured.dsps)
     monkeypatch.setattr(running, "golden_ns", lambda _: 1.0)
-    monkeypatch.setattr("triaxis.verif.bench.core_points._through_rtl", lambda *_: (0, 1, 1.0))
+    monkeypatch.setattr("triaxis.bench.error.core_points._through_rtl", lambda *_: (0, 1, 1.0))
     monkeypatch.setattr(running, "PEERS", (Exact(),))
 
     def fails(*_):
@@ -286,9 +286,9 @@ def test_exit_codes(measured, tmp_path, monkeypatch, capsys, kernel, code):
         def run(self, _):
             return changed(measured, peers=[peer(run=kernel)])
 
-    monkeypatch.setattr("triaxis.verif.cli.bench.Benchmark", Done)
-    monkeypatch.setattr("triaxis.verif.bench.report.RESULT", tmp_path / "error.json")
-    monkeypatch.setattr("triaxis.verif.bench.plot.PICTURES", (tmp_path / "error.png",))
+    monkeypatch.setattr("triaxis.host.cli.bench.Benchmark", Done)
+    monkeypatch.setattr("triaxis.bench.error.report.RESULT", tmp_path / "error.json")
+    monkeypatch.setattr("triaxis.bench.error.plot.PICTURES", (tmp_path / "error.png",))
     assert main(["bench"]) == code
     shown = capsys.readouterr().out
     assert "coal: not installed" in shown and ("MISSED" in shown) == bool(code)

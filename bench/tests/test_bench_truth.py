@@ -3,9 +3,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from triaxis.bench.error.truth import check_triangles, exact_truth
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
-from triaxis.verif.bench.truth import check_triangles, exact_truth
 
 
 def test_distances_are_those_of_the_integers(rng, tmp_path):
@@ -35,7 +35,7 @@ def test_answers_are_kept_and_a_damaged_file_is_not_believed(rng, tmp_path, monk
     a, b = rng.uniform(-1, 1, (2, 5, 3, 3)).astype(np.float32)
     first = exact_truth(a, b, folder=tmp_path)
     (path,) = tmp_path.glob("*.json")
-    monkeypatch.setattr("triaxis.verif.bench.truth._solve", lambda *_: pytest.fail("solved again"))
+    monkeypatch.setattr("triaxis.bench.error.truth._solve", lambda *_: pytest.fail("solved again"))
     assert exact_truth(a, b, folder=tmp_path) == first
     monkeypatch.undo()
     for damage in ("", "[]", '["1/0", "1", "1", "1", "1"]', "3"):

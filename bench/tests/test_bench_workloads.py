@@ -3,13 +3,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from triaxis.bench.error.core_points import on_grid
+from triaxis.bench.error.grids import finest_grid
+from triaxis.bench.error.truth import exact_triangle, exact_truth
+from triaxis.bench.error.workloads import LATTICE_BITS, proper, workloads
 from triaxis.golden.exact import triangle_rank
-from triaxis.golden.quantise import box_of, fits, grid_around
-from triaxis.verif.bench.core_points import on_grid
-from triaxis.verif.bench.grids import finest_grid
-from triaxis.verif.bench.truth import exact_triangle, exact_truth
-from triaxis.verif.bench.workloads import LATTICE_BITS, proper, workloads
-from triaxis.verif.mesh_data import mesh_data
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.quantise import box_of, fits, grid_around
 
 COUNT = 240
 

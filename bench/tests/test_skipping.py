@@ -6,22 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from triaxis.bench.error.peers.peer import PeerAbsentError
+from triaxis.bench.mesh_cycles import CONFIGURATION
+from triaxis.bench.skipping import asking, clocked, growth, results, run, software, stages
+from triaxis.bench.skipping.asking import Meeting, PeerRun, ask_peer, presence
+from triaxis.bench.skipping.growth import Growth, Point, exponent, growths
+from triaxis.bench.skipping.peers import MESH_PEERS
+from triaxis.bench.skipping.peers.mesh_peer import Counted, Question
+from triaxis.bench.skipping.run import measure_scene, run_skipping, steps
+from triaxis.bench.skipping.scenes import SkippingScene, skipping_scenes
+from triaxis.bench.skipping.stages import Stages, stage_answer
+from triaxis.bench.skipping.surfaces import SURFACES
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, boxes_of
-from triaxis.verif.bench.peers.peer import PeerAbsentError
-from triaxis.verif.bench_mesh import CONFIGURATION
-from triaxis.verif.cli import main
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.scenes import scenes
-from triaxis.verif.skipping import asking, clocked, growth, results, run, software, stages
-from triaxis.verif.skipping.asking import Meeting, PeerRun, ask_peer, presence
-from triaxis.verif.skipping.growth import Growth, Point, exponent, growths
-from triaxis.verif.skipping.peers import MESH_PEERS
-from triaxis.verif.skipping.peers.mesh_peer import Counted, Question
-from triaxis.verif.skipping.run import measure_scene, run_skipping, steps
-from triaxis.verif.skipping.scenes import SkippingScene, skipping_scenes
-from triaxis.verif.skipping.stages import Stages, stage_answer
-from triaxis.verif.skipping.surfaces import SURFACES
+from triaxis.host.cli import main
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.scenes import scenes
 
 
 @pytest.fixture(autouse=True)
@@ -252,10 +252,10 @@ def test_surfaces(surfaces, size):
 
 def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "skipping.json")
-    monkeypatch.setattr("triaxis.verif.cli.bench_skipping.mesh_data", lambda: None)
+    monkeypatch.setattr("triaxis.host.cli.bench_skipping.mesh_data", lambda: None)
     small = {"peers": [Stand([]), Missing([])], "sizes": (200, 400)}
     monkeypatch.setattr(
-        "triaxis.verif.cli.bench_skipping.run_skipping",
+        "triaxis.host.cli.bench_skipping.run_skipping",
         lambda seed, data, progress: run_skipping(seed, data, progress, **small),
     )
     assert main(["bench-skipping"]) == 0
@@ -274,11 +274,11 @@ def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
 
 def test_the_command_fails_where_a_bound_is_missed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "skipping.json")
-    monkeypatch.setattr("triaxis.verif.cli.bench_skipping.mesh_data", lambda: None)
+    monkeypatch.setattr("triaxis.host.cli.bench_skipping.mesh_data", lambda: None)
     monkeypatch.setattr(run, "LEAST_RATIO", 1e9)
     monkeypatch.setattr(run, "skipping_scenes", lambda data: skipping_scenes(data)[:1])
     monkeypatch.setattr(
-        "triaxis.verif.cli.bench_skipping.run_skipping",
+        "triaxis.host.cli.bench_skipping.run_skipping",
         lambda seed, data, progress: run_skipping(seed, data, progress, [], (200, 400)),
     )
     assert main(["bench-skipping"]) == 1

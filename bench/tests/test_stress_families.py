@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from triaxis.bench.stress.degenerate_steps import degenerate
+from triaxis.bench.stress.families import FAMILIES
+from triaxis.bench.stress.lattice_families import WIDTH, contacts_at, near_misses, nearly_coplanar
+from triaxis.bench.stress.real_families import far_away, of_unlike_size, slivers
 from triaxis.golden.axes import axis_vector
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import dot
 from triaxis.golden.judge import judge
-from triaxis.verif.sequences.stimulus import largest_extents
-from triaxis.verif.stress.degenerate_steps import degenerate
-from triaxis.verif.stress.families import FAMILIES
-from triaxis.verif.stress.lattice_families import WIDTH, contacts_at, near_misses, nearly_coplanar
-from triaxis.verif.stress.real_families import far_away, of_unlike_size, slivers
+from triaxis.verif.core.stimulus.stimulus import largest_extents
 
 SETTINGS = [(family, setting) for family in FAMILIES for setting in family.settings]
 

@@ -5,20 +5,20 @@ import json
 import numpy as np
 import pytest
 
+from triaxis.bench.stress import exact_pairs, measuring, results, run
+from triaxis.bench.stress.curves import PICTURES
+from triaxis.bench.stress.exact_pairs import BulkPairs, JudgedPairs
+from triaxis.bench.stress.families import FAMILIES
+from triaxis.bench.stress.lattice_families import WIDTH, contacts_at, near_misses
+from triaxis.bench.stress.measuring import measure, rtl_core
+from triaxis.bench.stress.orders import METHODS, Errors, errors, in_all_orders, scaled, total
+from triaxis.bench.stress.plot import draw
+from triaxis.bench.stress.real_families import far_away, of_unlike_size, slivers
+from triaxis.bench.stress.run import FamilyResult, StressResult, measure_setting
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli import main
-from triaxis.verif.provenance import provenance
-from triaxis.verif.stress import exact_pairs, measuring, results, run
-from triaxis.verif.stress.curves import PICTURES
-from triaxis.verif.stress.exact_pairs import BulkPairs, JudgedPairs
-from triaxis.verif.stress.families import FAMILIES
-from triaxis.verif.stress.lattice_families import WIDTH, contacts_at, near_misses
-from triaxis.verif.stress.measuring import measure, rtl_core
-from triaxis.verif.stress.orders import METHODS, Errors, errors, in_all_orders, scaled, total
-from triaxis.verif.stress.plot import draw
-from triaxis.verif.stress.real_families import far_away, of_unlike_size, slivers
-from triaxis.verif.stress.run import FamilyResult, StressResult, measure_setting
+from triaxis.host.cli import main
+from triaxis.sim.provenance import provenance
 
 # Steps of the 16-bit grid, of those of a gap family.
 LSB = 1 << WIDTH - 16
@@ -180,7 +180,7 @@ def small():
 
 def test_command_writes_numbers_and_pictures(small, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "stress.json")
-    monkeypatch.setattr("triaxis.verif.cli.stress.run_stress", lambda *_: small)
+    monkeypatch.setattr("triaxis.host.cli.stress.run_stress", lambda *_: small)
     assert main(["stress"]) == 0
     assert "PASSED: core: 0 of" in capsys.readouterr().out
     names = {path.name for path in tmp_path.iterdir()}
@@ -207,7 +207,7 @@ def test_command_says_what_is_wrong(small, tmp_path, monkeypatch, capsys):
     result = StressResult(1, 100, (small.families[0], broken, *small.families[2:]), small.provenance, 1.0)
     monkeypatch.setattr(results, "RESULT", tmp_path / "stress.json")
     monkeypatch.setattr(results, "PICTURES", ())
-    monkeypatch.setattr("triaxis.verif.cli.stress.run_stress", lambda *_: result)
+    monkeypatch.setattr("triaxis.host.cli.stress.run_stress", lambda *_: result)
     assert main(["stress"]) == 1
     assert "PROBLEM gap 2^-8: no-miss mode:" in capsys.readouterr().out
     assert not json.loads((tmp_path / "stress.json").read_text())["passed"]

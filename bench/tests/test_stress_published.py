@@ -5,15 +5,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from triaxis.bench.stress.lattice_families import near_misses, nearly_coplanar
+from triaxis.bench.stress.orders import METHODS, in_all_orders, scaled
+from triaxis.bench.stress.published.guigue_devillers import guigue_devillers
+from triaxis.bench.stress.published.lone_vertex import lone_vertex
+from triaxis.bench.stress.published.moller import moller
+from triaxis.bench.stress.published.separating_axes import separating_axes
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.rational import Rational
-from triaxis.verif.sequences.symmetry import VERTICES
-from triaxis.verif.stress.lattice_families import near_misses, nearly_coplanar
-from triaxis.verif.stress.orders import METHODS, in_all_orders, scaled
-from triaxis.verif.stress.published.guigue_devillers import guigue_devillers
-from triaxis.verif.stress.published.lone_vertex import lone_vertex
-from triaxis.verif.stress.published.moller import moller
-from triaxis.verif.stress.published.separating_axes import separating_axes
+from triaxis.verif.core.stimulus.symmetry import VERTICES
 
 TESTS = (separating_axes, moller, guigue_devillers)
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.errors import NoSuchExample
 
 from triaxis.golden.judge import judge
-from triaxis.golden.quantise import Grid, margin_for
+from triaxis.host.quantise import Grid, margin_for
 
 REPEATABLE = settings(deadline=None, derandomize=True, database=None, max_examples=150)
 SEARCHING = settings(deadline=None, derandomize=True, database=None, max_examples=1000)

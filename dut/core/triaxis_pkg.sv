@@ -6,7 +6,7 @@
 //
 // Widths. L = 2^W - 1 is the largest difference of two coordinates. Every quantity below is
 // multi-affine in the vertex coordinates, so its extremes lie at corners of the coordinate box;
-// verif/tests/test_widths.py enumerates those corners.
+// verif/formal/tests/test_widths.py enumerates those corners.
 //
 //   difference of two vertices            |.| <= L      W+1  bits signed
 //   cross product from a common vertex    |.| <= L^2    2W+1 bits signed

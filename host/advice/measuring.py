@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from triaxis.golden.judge import CertificateError
-from triaxis.golden.quantise import Vector, quantise
-from triaxis.verif.advice.engine_work import EngineWork, LoadedMesh, engine_work
-from triaxis.verif.advice.exact_near import ExactNear, TooManyError, exact_near
-from triaxis.verif.advice.scene import AdviceScene, Wanted
-from triaxis.verif.advice.widths import WidthRow
-from triaxis.verif.scene_engines import Integers, Translation
+from triaxis.host.advice.engine_work import EngineWork, LoadedMesh, engine_work
+from triaxis.host.advice.exact_near import ExactNear, TooManyError, exact_near
+from triaxis.host.advice.scene import AdviceScene, Wanted
+from triaxis.host.advice.widths import WidthRow
+from triaxis.host.quantise import Vector, quantise
+from triaxis.host.scene_engines import Integers, Translation
 
 # Pairs of a width, over all positions, beyond which it is not measured; pairs that the golden model is given.
 _MOST_PAIRS = 6_000_000

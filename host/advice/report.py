@@ -4,18 +4,18 @@ from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
-from triaxis.verif.advice.choosing import Advice
-from triaxis.verif.advice.measuring import Measured
-from triaxis.verif.advice.scene import AdviceScene, Wanted
-from triaxis.verif.advice.widths import Board, WidthRow
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.scene_report import milliseconds
+from triaxis.host.advice.choosing import Advice
+from triaxis.host.advice.measuring import Measured
+from triaxis.host.advice.scene import AdviceScene, Wanted
+from triaxis.host.advice.widths import Board, WidthRow
+from triaxis.host.scene_report import milliseconds
+from triaxis.sim.build import rtl_hash
 
 
 def advice_report(
     scene: AdviceScene, wanted: Wanted, board: Board, advice: Advice, simulated_cycles: int | None
 ) -> dict[str, Any]:
-    """Return what `triaxis.verif.scene_report.write_report` writes."""
+    """Return what `triaxis.host.scene_report.write_report` writes."""
     unit = wanted.unit
     return {
         "command": "triaxis advise",

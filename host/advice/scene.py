@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Box, Vector, box_of
-from triaxis.golden.stl import StlMesh
+from triaxis.host.quantise import Box, Vector, box_of
+from triaxis.host.stl import StlMesh
 
 NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 # Bases of the Halton sequence, one for each coordinate.

@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.fpga.board_build import TOP, board_sources
 from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
 from triaxis.fpga.synthesis import synthesise, yosys_version
-from triaxis.verif.advice.widths import WidthRow
-from triaxis.verif.build import content_hash
-from triaxis.verif.paths import BUILD, DUT
+from triaxis.golden.whole_files import write_whole
+from triaxis.host.advice.widths import WidthRow
+from triaxis.sim.build import content_hash
+from triaxis.sim.paths import BUILD, DUT
 
 _NAMES = {"luts": "look-up tables", "ffs": "flip-flops", "brams": "block RAMs"}
 _FOLDER = BUILD / "fpga" / "advised"
@@ -28,7 +28,7 @@ def _parameters(row: WidthRow) -> Mapping[str, int]:
 
 def _key(row: WidthRow) -> str:
     values = [f"{name}={value}" for name, value in _parameters(row).items()]
-    return content_hash([*board_sources(DUT), *sorted(DUT.glob("*.svh"))], TOP, *values)
+    return content_hash([*board_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
 
 
 def _kept(row: WidthRow) -> Path:
@@ -52,7 +52,7 @@ def synthesised_resources(row: WidthRow) -> Resources:
     if known is not None:
         return known
     kept = _kept(row)
-    made = synthesise(board_sources(DUT), DUT, TOP, _parameters(row), kept.with_suffix(""))
+    made = synthesise(board_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
     content = {"tool": yosys_version(), "parameters": _parameters(row), "used": asdict(made.used)}
     write_whole(kept, json.dumps(content, indent=2) + "\n")
     return made.used

@@ -8,11 +8,11 @@ from triaxis.fpga.board_build import TOP
 from triaxis.fpga.part import Resources
 from triaxis.fpga.report import BUILDS
 from triaxis.golden.errors import InputError
-from triaxis.golden.grid_choice import Steps, false_alarm_band, finest_resolution
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.golden.quantise import Grid, grid_around, margin_for
-from triaxis.verif.advice.engine_work import EngineShape
-from triaxis.verif.advice.scene import AdviceScene, Wanted
+from triaxis.host.advice.engine_work import EngineShape
+from triaxis.host.advice.scene import AdviceScene, Wanted
+from triaxis.host.grid_choice import Steps, false_alarm_band, finest_resolution
+from triaxis.host.quantise import Grid, grid_around, margin_for
 
 WIDTHS = range(MIN_WIDTH, MAX_WIDTH + 1)
 

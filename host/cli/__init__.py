@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.verif.cli import (
+from triaxis.host.cli import (
     activity,
     advise,
     bench,
@@ -42,7 +42,7 @@ from triaxis.verif.cli import (
     testplan,
     verdict,
 )
-from triaxis.verif.engine import CoreError
+from triaxis.sim.core_engine import CoreError
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 

@@ -6,9 +6,9 @@ import time
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.activity.measuring import BOUND, SAIF, SAIF_SCENE, Row, measure, trace_scene, write_result
-from triaxis.verif.activity.streams import streams
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, Row, measure, trace_scene, write_result
+from triaxis.bench.activity.streams import streams
+from triaxis.host.cli.progress import progress_bar
 
 WITHIN, BEYOND = 0, 1
 

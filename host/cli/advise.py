@@ -12,22 +12,22 @@ from triaxis.fpga.board_build import BoardParameters
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.fpga.part import XC7A100T
 from triaxis.golden.errors import InputError
-from triaxis.golden.grid_choice import Steps
-from triaxis.golden.quantise import Box, Vector
-from triaxis.golden.stl import read_stl
-from triaxis.verif.advice.choosing import Advice, advise, all_rows
-from triaxis.verif.advice.engine_work import EngineShape
-from triaxis.verif.advice.measuring import Measured, integers, positions_of, translation
-from triaxis.verif.advice.report import advice_report
-from triaxis.verif.advice.scene import AdviceScene, NamedMesh, Wanted, advice_scene
-from triaxis.verif.advice.whole_board import known_resources, synthesised_resources, with_resources
-from triaxis.verif.advice.widths import Board, WidthRow, length
-from triaxis.verif.cli.numbers import number
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.scene_engines import BULK, RTL
-from triaxis.verif.scene_report import check_written, milliseconds, write_report
+from triaxis.host.advice.choosing import Advice, advise, all_rows
+from triaxis.host.advice.engine_work import EngineShape
+from triaxis.host.advice.measuring import Measured, integers, positions_of, translation
+from triaxis.host.advice.report import advice_report
+from triaxis.host.advice.scene import AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.whole_board import known_resources, synthesised_resources, with_resources
+from triaxis.host.advice.widths import Board, WidthRow, length
+from triaxis.host.cli.numbers import number
+from triaxis.host.cli.progress import progress_bar
+from triaxis.host.grid_choice import Steps
+from triaxis.host.quantise import Box, Vector
+from triaxis.host.scene_engines import BULK, RTL
+from triaxis.host.scene_report import check_written, milliseconds, write_report
+from triaxis.host.stl import read_stl
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD, DUT
 
 FOUND, NONE_FITS = 0, 1
 _POSITIONS = 8
@@ -218,7 +218,7 @@ def _vector(numbers: list[Fraction]) -> Vector:
 
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:
     """Return the cycles of the simulated engine at a position, against all other meshes."""
-    from triaxis.verif.mesh.engine_scene import MeshEngineScene
+    from triaxis.host.engine_scene import MeshEngineScene
 
     configuration = MeshConfiguration(
         width=row.width,

@@ -6,14 +6,14 @@ import time
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.bench.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
-from triaxis.verif.bench.errors import Errors
-from triaxis.verif.bench.peer_points import PeerPoint
-from triaxis.verif.bench.plot import draw
-from triaxis.verif.bench.report import Demand, demands, passed, write_report
-from triaxis.verif.bench.running import Benchmark, Measured
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.provenance import provenance
+from triaxis.bench.error.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
+from triaxis.bench.error.errors import Errors
+from triaxis.bench.error.peer_points import PeerPoint
+from triaxis.bench.error.plot import draw
+from triaxis.bench.error.report import Demand, demands, passed, write_report
+from triaxis.bench.error.running import Benchmark, Measured
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.provenance import provenance
 
 REACHED, MISSED = 0, 1
 # Of the bulk checker's widths: those of the two arithmetics, and the widest.

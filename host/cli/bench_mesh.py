@@ -5,8 +5,8 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.bench_mesh import CLOCK_MHZ, CONFIGURATION, Row, bench_mesh, cases, write_rows
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, Row, bench_mesh, cases, write_rows
+from triaxis.host.cli.progress import progress_bar
 from triaxis.verif.signoff.scene_checks import mesh_data
 
 REACHED, MISSED = 0, 1

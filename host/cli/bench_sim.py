@@ -5,8 +5,8 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.bench_sim import BOUNDS, STEPS, SimSpeeds, bench_sim, write_speeds
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.bench.speed import BOUNDS, STEPS, SimSpeeds, bench_sim, write_speeds
+from triaxis.host.cli.progress import progress_bar
 
 REACHED, MISSED = 0, 1
 

@@ -5,14 +5,14 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
+from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION
+from triaxis.bench.skipping.asking import PeerRun
+from triaxis.bench.skipping.growth import Growth
+from triaxis.bench.skipping.results import summary, write_result
+from triaxis.bench.skipping.run import SkippingResult, run_skipping, steps
 from triaxis.golden.errors import InputError
-from triaxis.verif.bench_mesh import CLOCK_MHZ, CONFIGURATION
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.skipping.asking import PeerRun
-from triaxis.verif.skipping.growth import Growth
-from triaxis.verif.skipping.results import summary, write_result
-from triaxis.verif.skipping.run import SkippingResult, run_skipping, steps
+from triaxis.host.cli.progress import progress_bar
+from triaxis.host.mesh_data import mesh_data
 
 REACHED, MISSED = 0, 1
 

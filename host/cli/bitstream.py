@@ -5,7 +5,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from triaxis.coverage.gate import refusals
+from triaxis.bench.activity.measuring import RESULT as ACTIVITY
+from triaxis.bench.activity.measuring import SAIF
 from triaxis.fpga.bitstream import (
     Provenance,
     board_hash,
@@ -17,13 +18,12 @@ from triaxis.fpga.bitstream import (
 )
 from triaxis.fpga.board_build import BoardParameters, Inputs, board_sources
 from triaxis.fpga.vivado_run import STAGES, RefusedError, find_vivado, run_vivado
-from triaxis.verif.activity.measuring import RESULT as ACTIVITY
-from triaxis.verif.activity.measuring import SAIF
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.evidence import read_evidence
-from triaxis.verif.paths import BUILD, DUT
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import BUILD, DUT
 from triaxis.verif.signoff.folder import RESULT
+from triaxis.verif.signoff.gate import refusals
 
 WRITTEN, REFUSED = 0, 1
 BITSTREAM = BUILD / "fpga" / "nexys4ddr.bit"
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     vivado = find_vivado()
     inputs = Inputs(
         tuple(board_sources(DUT)),
-        (DUT, DUT / "mesh"),
+        (DUT / "core", DUT / "mesh", DUT / "board"),
         BoardParameters().generics(build_id(before.rtl_hash, before.board_hash)),
         _activity(before.rtl_hash),
     )

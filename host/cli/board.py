@@ -4,14 +4,14 @@ import argparse
 from fractions import Fraction
 from pathlib import Path
 
-from triaxis.fpga.link.board import Board
-from triaxis.fpga.link.codes import Mode
-from triaxis.fpga.link.line import SerialLine
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.pseudo_terminal import PseudoTerminal, Wire, serve
-from triaxis.verif.board.simulated_top import SimulatedTop
-from triaxis.verif.cli.board_check import about, check, checkout_id, warn_of_build
-from triaxis.verif.cli.numbers import number
+from triaxis.host.cli.board_check import about, check, checkout_id, warn_of_build
+from triaxis.host.cli.numbers import number
+from triaxis.host.link.board import Board
+from triaxis.host.link.codes import Mode
+from triaxis.host.link.line import SerialLine
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.pseudo_terminal import PseudoTerminal, Wire, serve
+from triaxis.sim.simulated_board import SimulatedTop
 
 # Of the simulated board, some 0.2 s: it runs about 250,000 clocks a second.
 _WATCHDOG_CLOCKS = 50_000

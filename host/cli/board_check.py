@@ -10,22 +10,22 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.fpga.bitstream import board_hash, build_id
-from triaxis.fpga.link.audit import Verdict
-from triaxis.fpga.link.board import Board
-from triaxis.fpga.link.check import BoardCheck, check_on_board
-from triaxis.fpga.link.codes import Flag, Mode, RunEnd
-from triaxis.fpga.link.errors import LinkError
-from triaxis.fpga.link.line import SerialLine
-from triaxis.fpga.link.messages import Description, Pose, Status
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.pose import Pose as RealPose
-from triaxis.golden.stl import read_stl
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
-from triaxis.verif.scene_engines import SceneRun
-from triaxis.verif.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.cli.progress import progress_bar
+from triaxis.host.link.audit import Verdict
+from triaxis.host.link.board import Board
+from triaxis.host.link.check import BoardCheck, check_on_board
+from triaxis.host.link.codes import Flag, Mode, RunEnd
+from triaxis.host.link.errors import LinkError
+from triaxis.host.link.line import SerialLine
+from triaxis.host.link.messages import Description, Pose, Status
+from triaxis.host.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.host.pose import Pose as RealPose
+from triaxis.host.scene_engines import SceneRun
+from triaxis.host.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.stl import read_stl
+from triaxis.sim.build import rtl_hash
 
 CLEAR, NEAR = 0, 1
 _LISTED = 10

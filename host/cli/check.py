@@ -6,12 +6,12 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
-from triaxis.golden.pose import AXES, Pose, Turn
-from triaxis.golden.stl import read_stl
-from triaxis.verif.cli.numbers import number
-from triaxis.verif.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
-from triaxis.verif.scene_engines import ENGINES, RTL, SceneRun, scene_engine
-from triaxis.verif.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.cli.numbers import number
+from triaxis.host.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.host.pose import AXES, Pose, Turn
+from triaxis.host.scene_engines import ENGINES, RTL, SceneRun, scene_engine
+from triaxis.host.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.stl import read_stl
 
 CLEAR, NEAR = 0, 1
 _LISTED = 10

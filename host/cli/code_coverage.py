@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.table import Table
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.code_coverage import CORES, PAIRS, CodeCoverage, measure, write_json
+from triaxis.host.cli.progress import progress_bar
+from triaxis.verif.code_coverage.run import CORES, PAIRS, CodeCoverage, measure, write_json
 
 COVERED, UNCOVERED = 0, 1
 _SHOWN = 40

@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.host.cli.progress import progress_bar
 from triaxis.verif.exhaustive.check import MARGINS
 from triaxis.verif.exhaustive.grid import LARGEST, SMALLEST, Grid, check_size
 from triaxis.verif.exhaustive.run import (

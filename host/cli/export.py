@@ -11,10 +11,10 @@ from triaxis.coverage.interchange.code_points import CodePoint, read_code_points
 from triaxis.coverage.interchange.lcov import write_lcov
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.code_coverage import COUNTERS, RESULT
-from triaxis.verif.coverage_models import model_named
-from triaxis.verif.paths import BUILD, ROOT
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import BUILD, ROOT
+from triaxis.verif.code_coverage.run import COUNTERS, RESULT
+from triaxis.verif.regress.coverage_models import model_named
 from triaxis.verif.signoff.folder import FOLDER
 
 LCOV = BUILD / "coverage" / "triaxis.info"

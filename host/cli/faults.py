@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.host.cli.progress import progress_bar
 from triaxis.verif.faults.catalogue import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.faults.run import catch_all

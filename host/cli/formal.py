@@ -6,7 +6,7 @@ import shlex
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.host.cli.progress import progress_bar
 from triaxis.verif.formal.run import FormalResult, proof_names, prove_all, write_result
 
 PROVED, FAILED = 0, 1

@@ -7,16 +7,16 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from triaxis.bench.activity import measuring
 from triaxis.fpga.board_build import board_sources
 from triaxis.fpga.logic_depth import logic_depth
 from triaxis.fpga.part import XC7A100T
 from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
 from triaxis.fpga.synthesis import synthesise, yosys_version
-from triaxis.verif.activity import measuring
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.evidence import read_evidence
-from triaxis.verif.paths import BUILD, DUT, rtl_sources
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import BUILD, DUT, rtl_sources
 
 WITHIN, BEYOND = 0, 1
 _JOBS = 2
@@ -46,7 +46,7 @@ def run(_options: argparse.Namespace) -> int:
 
         def job(build: Build) -> Row:
             folder = BUILD / "fpga" / build.name
-            made = synthesise(sources[build.top], DUT, build.top, build.parameters, folder)
+            made = synthesise(sources[build.top], DUT / "core", build.top, build.parameters, folder)
             depth = logic_depth(made.netlist) if build.top == CORE else None
             progress(1)
             return Row(build, made.used, made.memories, depth)

@@ -9,9 +9,9 @@ from triaxis.fpga.ecp5_flow import PART, STAGES, TARGET_MHZ, nextpnr_version, ro
 from triaxis.fpga.ecp5_registers import Absorbed
 from triaxis.fpga.synthesis import yosys_version
 from triaxis.fpga.timing import Timing, read_timing, write_timing
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.paths import BUILD, rtl_sources
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import BUILD, rtl_sources
 
 REACHED, MISSED = 0, 1
 _WIDTH = 16

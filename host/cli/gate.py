@@ -4,11 +4,11 @@ import argparse
 import sys
 from pathlib import Path
 
-from triaxis.coverage.gate import refusals, remarks
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.paths import DUT
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import DUT
 from triaxis.verif.signoff.folder import RESULT
+from triaxis.verif.signoff.gate import refusals, remarks
 
 OPEN, REFUSED = 0, 1
 

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli.progress import progress_bar
+from triaxis.host.cli.progress import progress_bar
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.result import (
     Fate,

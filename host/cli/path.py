@@ -8,19 +8,19 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
-from triaxis.golden.stl import read_stl
-from triaxis.verif.cli.numbers import number
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.meshcheck import one_box_holds_the_other
-from triaxis.verif.motion.clearance import Clearance, clearances, lengths, places
-from triaxis.verif.motion.path_check import Effort, NearPose, PathResult, check_path
-from triaxis.verif.motion.path_scene import PathScene, Wanted, prepare_path
-from triaxis.verif.motion.picture import draw_path
-from triaxis.verif.motion.program import read_program
-from triaxis.verif.motion.report import path_report
-from triaxis.verif.motion.sampling import nearest
-from triaxis.verif.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
-from triaxis.verif.scene_report import check_written, milliseconds, write_report
+from triaxis.host.cli.numbers import number
+from triaxis.host.cli.progress import progress_bar
+from triaxis.host.meshcheck import one_box_holds_the_other
+from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
+from triaxis.host.motion.path_check import Effort, NearPose, PathResult, check_path
+from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.motion.picture import draw_path
+from triaxis.host.motion.program import read_program
+from triaxis.host.motion.report import path_report
+from triaxis.host.motion.sampling import nearest
+from triaxis.host.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
+from triaxis.host.scene_report import check_written, milliseconds, write_report
+from triaxis.host.stl import read_stl
 
 CLEAR, NEAR = 0, 1
 _LISTED = 10

@@ -8,14 +8,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.regression.definition import DEFINITION, in_checkout
-from triaxis.verif.regression.failing import FailingSeeds
-from triaxis.verif.regression.junit import NAME as JUNIT
-from triaxis.verif.regression.launchers import LAUNCHERS, LOCAL
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.report_page import NAME as REPORT
-from triaxis.verif.regression.results_file import NAME as RESULTS
-from triaxis.verif.regression.run import FOLDER, MOST_SEEDS_MULTIPLIED, Request, regress
+from triaxis.verif.regress.definition import DEFINITION, in_checkout
+from triaxis.verif.regress.failing import FailingSeeds
+from triaxis.verif.regress.junit import NAME as JUNIT
+from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.report_page import NAME as REPORT
+from triaxis.verif.regress.results_file import NAME as RESULTS
+from triaxis.verif.regress.run import FOLDER, MOST_SEEDS_MULTIPLIED, Request, regress
 
 PASSED, FAILED = 0, 1
 _SHOWN = 20
@@ -27,7 +27,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "regress",
         help="run a regression on dvsim",
-        description="Run a regression of verif/regression/triaxis_sim_cfg.hjson on dvsim: seeds that failed "
+        description="Run a regression of verif/regress/triaxis_sim_cfg.hjson on dvsim: seeds that failed "
         "before first, then the rest. One that was interrupted or killed is continued by the same command: "
         "what passed on the same sources and with the same seed is not run again. Writes results.json, "
         "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are kept "

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.scenes import write_scenes
+from triaxis.host.scenes import write_scenes
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -5,12 +5,12 @@ import sys
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import parse_configuration
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.verif.core.kept_cases import REGRESSIONS
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.explaining import PICTURES, explain
 from triaxis.verif.counterexample.failing import read_failing
-from triaxis.verif.counterexample.regressions import REGRESSIONS
-from triaxis.verif.paths import DUT, rtl_sources
 
 SHRUNK, NONE_FAILS = 0, 1
 
@@ -40,7 +40,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         type=Path,
         default=REGRESSIONS,
         metavar="FOLDER",
-        help="where to keep them (verif/regressions)",
+        help="where to keep them (verif/core/kept)",
     )
     parser.add_argument("--fault", default="", metavar="TEXT", help="what the fault was, for the cases kept")
     parser.add_argument(
@@ -73,6 +73,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _check_rtl(dut: Path) -> None:
     """Raise InputError unless the folder has the files that make a core."""
-    missing = [source.name for source in rtl_sources() if not (dut / source.name).is_file()]
+    missing = [source.name for source in rtl_sources(dut) if not source.is_file()]
     if missing:
-        raise InputError(f"{dut}: no {missing[0]}: must hold the files that dut/triaxis.f lists")
+        raise InputError(f"{dut}: no {missing[0]}: must hold the files that dut/core/triaxis.f lists")

@@ -10,15 +10,15 @@ from rich.table import Table
 
 from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.regression.history import read_history
-from triaxis.verif.regression.run import NIGHTLY
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.toolchain import verilator
+from triaxis.verif.regress.history import read_history
+from triaxis.verif.regress.run import NIGHTLY
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import RESULT
 from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff, write
 from triaxis.verif.signoff.run import signoff, step_count
-from triaxis.verif.toolchain import verilator
 
 PASSED, FAILED = 0, 1
 # Problems that are printed; the page has all.

@@ -5,18 +5,18 @@ import sys
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import parse_configuration
-from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.mesh_configuration import parse_mesh_configuration
+from triaxis.sim.paths import DUT
+from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import fault_of
-from triaxis.verif.golden_sample import MOST_SELDOM
-from triaxis.verif.mesh.configuration import parse_mesh_configuration
-from triaxis.verif.paths import DUT
-from triaxis.verif.sequences.seed_vectors import seed_vectors
-from triaxis.verif.settings import BURST, PIN
-from triaxis.verif.simulation import run as simulate
-from triaxis.verif.simulation import run_settings
-from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
+from triaxis.verif.testbench.golden_sample import MOST_SELDOM
+from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.simulation import run as simulate
+from triaxis.verif.testbench.simulation import run_settings
+from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
 
 PASSED, FAILED = 0, 1
 

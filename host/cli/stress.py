@@ -5,11 +5,11 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.stress.measuring import ROUNDING_WIDTH
-from triaxis.verif.stress.orders import METHODS
-from triaxis.verif.stress.results import summary, write_result
-from triaxis.verif.stress.run import PAIRS, STEPS, FamilyResult, StressResult, check_options, run_stress
+from triaxis.bench.stress.measuring import ROUNDING_WIDTH
+from triaxis.bench.stress.orders import METHODS
+from triaxis.bench.stress.results import summary, write_result
+from triaxis.bench.stress.run import PAIRS, STEPS, FamilyResult, StressResult, check_options, run_stress
+from triaxis.host.cli.progress import progress_bar
 
 REACHED, MISSED = 0, 1
 

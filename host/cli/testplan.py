@@ -8,7 +8,7 @@ from rich.table import Table
 
 from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint
 from triaxis.coverage.testplan_inventory import Inventory
-from triaxis.verif.plan_check import check_plan, inventory
+from triaxis.verif.signoff.plan_check import check_plan, inventory
 
 CLEAN, REFUSED = 0, 1
 

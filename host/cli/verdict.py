@@ -8,8 +8,8 @@ import numpy as np
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
 from triaxis.golden.pairs import check_margin, check_output, check_width, read_pairs, write_verdicts
-from triaxis.verif.cli.progress import progress_bar
-from triaxis.verif.engine import RtlEngine, configuration_for
+from triaxis.host.cli.progress import progress_bar
+from triaxis.sim.core_engine import RtlEngine, configuration_for
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -8,10 +8,10 @@ from enum import Enum
 
 import numpy as np
 
-from triaxis.fpga.link.board import BoardRun
-from triaxis.fpga.link.codes import Mode, RunEnd, State
-from triaxis.fpga.link.errors import LinkError
-from triaxis.fpga.link.messages import Description, Status
+from triaxis.host.link.board import BoardRun
+from triaxis.host.link.codes import Mode, RunEnd, State
+from triaxis.host.link.errors import LinkError
+from triaxis.host.link.messages import Description, Status
 
 _MEANING = {
     RunEnd.ABORTED: "the run was aborted",

@@ -7,12 +7,12 @@ from typing import Self, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.fpga.link.codes import PROTOCOL, Code, Command, Mesh, Mode, State
-from triaxis.fpga.link.errors import LinkError, SessionLostError
-from triaxis.fpga.link.exchange import Exchange
-from triaxis.fpga.link.layout import LayoutError, Record
-from triaxis.fpga.link.line import Line
-from triaxis.fpga.link.messages import (
+from triaxis.host.link.codes import PROTOCOL, Code, Command, Mesh, Mode, State
+from triaxis.host.link.errors import LinkError, SessionLostError
+from triaxis.host.link.exchange import Exchange
+from triaxis.host.link.layout import LayoutError, Record
+from triaxis.host.link.line import Line
+from triaxis.host.link.messages import (
     Description,
     Loaded,
     LoadHead,

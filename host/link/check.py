@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.fpga.link.audit import Verdict, audit
-from triaxis.fpga.link.board import Board, BoardRun
-from triaxis.fpga.link.codes import Mesh, Mode
-from triaxis.fpga.link.errors import LinkError, SessionLostError
-from triaxis.fpga.link.messages import Pose, Status
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.spatial_order import spatial_order
+from triaxis.host.link.audit import Verdict, audit
+from triaxis.host.link.board import Board, BoardRun
+from triaxis.host.link.codes import Mesh, Mode
+from triaxis.host.link.errors import LinkError, SessionLostError
+from triaxis.host.link.messages import Pose, Status
+from triaxis.host.spatial_order import spatial_order
 
 # Frames that come late may undo a session; so many in a row are no accident.
 _ATTEMPTS = 3

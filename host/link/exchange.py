@@ -2,12 +2,12 @@
 
 import secrets
 
-from triaxis.fpga.link.codes import REPLY, Code, Command
-from triaxis.fpga.link.errors import LinkError
-from triaxis.fpga.link.framing import Deframer, encode
-from triaxis.fpga.link.layout import LayoutError, Record
-from triaxis.fpga.link.line import Line
-from triaxis.fpga.link.messages import Reply, RequestHead
+from triaxis.host.link.codes import REPLY, Code, Command
+from triaxis.host.link.errors import LinkError
+from triaxis.host.link.framing import Deframer, encode
+from triaxis.host.link.layout import LayoutError, Record
+from triaxis.host.link.line import Line
+from triaxis.host.link.messages import Reply, RequestHead
 
 # The first is well above what a USB bridge takes (16 ms), and half of the board's watchdog time.
 _SHORTEST_SECONDS, _LONGEST_SECONDS = 0.05, 1.0

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import serial
 
-from triaxis.fpga.link.errors import LinkError
+from triaxis.host.link.errors import LinkError
 
 BAUD = 2_000_000
 # So long a silence is short against every time limit of the link.

@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.fpga.link.framing import CRC_BYTES, LONGEST
-from triaxis.fpga.link.layout import I32, U8, U16, U32, LayoutError, Record
+from triaxis.host.link.framing import CRC_BYTES, LONGEST
+from triaxis.host.link.layout import I32, U8, U16, U32, LayoutError, Record
 
 MOST_TRIANGLES, MOST_NEAR = 12, 40
 

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from triaxis.golden.quantise import Vector
-from triaxis.verif.meshcheck import distance_of
-from triaxis.verif.motion.path_scene import PathScene
-from triaxis.verif.motion.program import Move
-from triaxis.verif.motion.sampling import Segment
-from triaxis.verif.scene_engines import SceneEngine, SceneRun
+from triaxis.host.meshcheck import distance_of
+from triaxis.host.motion.path_scene import PathScene
+from triaxis.host.motion.program import Move
+from triaxis.host.motion.sampling import Segment
+from triaxis.host.quantise import Vector
+from triaxis.host.scene_engines import SceneEngine, SceneRun
 
 # Near facet pairs whose exact distance is computed.
 _JUDGED = 500

@@ -15,7 +15,11 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.quantise import (
+from triaxis.golden.rational import Rational
+from triaxis.host.meshcheck import AUTOMATIC_WIDTHS
+from triaxis.host.motion.program import Move, Program
+from triaxis.host.motion.sampling import PathGrid, Segment, round_half_up, upwards
+from triaxis.host.quantise import (
     Box,
     Grid,
     Vector,
@@ -26,11 +30,7 @@ from triaxis.golden.quantise import (
     quantise,
     smallest_width,
 )
-from triaxis.golden.rational import Rational
-from triaxis.golden.stl import StlMesh
-from triaxis.verif.meshcheck import AUTOMATIC_WIDTHS
-from triaxis.verif.motion.program import Move, Program
-from triaxis.verif.motion.sampling import PathGrid, Segment, round_half_up, upwards
+from triaxis.host.stl import StlMesh
 
 Corners = tuple[list[int], list[int]]
 

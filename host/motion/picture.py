@@ -16,11 +16,11 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.stl import Facets
-from triaxis.verif.counterexample.style import GAP, LARGE, NORMAL, SMALL, A, B
-from triaxis.verif.motion.clearance import Clearance, lengths
-from triaxis.verif.motion.path_check import PathResult
-from triaxis.verif.motion.path_scene import PathScene
+from triaxis.host.figure_style import GAP, LARGE, NORMAL, SMALL, A, B
+from triaxis.host.motion.clearance import Clearance, lengths
+from triaxis.host.motion.path_check import PathResult
+from triaxis.host.motion.path_scene import PathScene
+from triaxis.host.stl import Facets
 
 _INCHES = (13.5, 7.0)
 _DPI = 110

@@ -12,9 +12,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.quantise import Vector
-from triaxis.verif.motion.gcode import AFTER_THE_END, Block, Place, Word, read_blocks
-from triaxis.verif.motion.refused_words import WHY_REFUSED
+from triaxis.host.motion.gcode import AFTER_THE_END, Block, Place, Word, read_blocks
+from triaxis.host.motion.refused_words import WHY_REFUSED
+from triaxis.host.quantise import Vector
 
 _AXES = "XYZ"
 _INCH = Fraction(254, 10)

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from triaxis.verif.motion.clearance import Clearance, lengths
-from triaxis.verif.motion.path_check import Effort, NearPose, PathResult
-from triaxis.verif.motion.path_scene import PathScene
-from triaxis.verif.scene_report import grid_entry, milliseconds
+from triaxis.host.motion.clearance import Clearance, lengths
+from triaxis.host.motion.path_check import Effort, NearPose, PathResult
+from triaxis.host.motion.path_scene import PathScene
+from triaxis.host.scene_report import grid_entry, milliseconds
 
 
 def path_report(

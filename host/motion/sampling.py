@@ -27,9 +27,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from triaxis.golden.quantise import Vector
 from triaxis.golden.rational import Rational
-from triaxis.verif.scene_engines import Translation
+from triaxis.host.quantise import Vector
+from triaxis.host.scene_engines import Translation
 
 Place = tuple[Rational, Rational, Rational]
 

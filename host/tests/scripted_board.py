@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.fpga.link.codes import PROTOCOL, REPLY, Code, Command
-from triaxis.fpga.link.framing import Deframer, encode
-from triaxis.fpga.link.messages import (
+from triaxis.host.link.codes import PROTOCOL, REPLY, Code, Command
+from triaxis.host.link.framing import Deframer, encode
+from triaxis.host.link.messages import (
     Description,
     Loaded,
     LoadHead,

@@ -8,25 +8,25 @@ import pytest
 from triaxis.fpga.dsp_count import DspCount
 from triaxis.fpga.part import Resources
 from triaxis.golden.errors import InputError
-from triaxis.golden.grid_choice import Steps
 from triaxis.golden.judge import CertificateError
-from triaxis.golden.quantise import Box, Vector
-from triaxis.golden.stl import StlMesh
-from triaxis.verif.advice import measuring, whole_board, widths
-from triaxis.verif.advice.choosing import Advice, advise, all_rows
-from triaxis.verif.advice.engine_work import EngineShape, LoadedMesh, engine_work
-from triaxis.verif.advice.exact_near import TooManyError, exact_near
-from triaxis.verif.advice.measuring import measure, positions_of
-from triaxis.verif.advice.scene import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
-from triaxis.verif.advice.whole_board import with_resources
-from triaxis.verif.advice.widths import Board, lanes_of_builds, width_row
-from triaxis.verif.cli import main
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine_scene import MeshEngineScene
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.meshcheck import distance_of
-from triaxis.verif.paths import ROOT
-from triaxis.verif.scenes import box, tool, vise, write_stl
+from triaxis.host.advice import measuring, whole_board, widths
+from triaxis.host.advice.choosing import Advice, advise, all_rows
+from triaxis.host.advice.engine_work import EngineShape, LoadedMesh, engine_work
+from triaxis.host.advice.exact_near import TooManyError, exact_near
+from triaxis.host.advice.measuring import measure, positions_of
+from triaxis.host.advice.scene import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.whole_board import with_resources
+from triaxis.host.advice.widths import Board, lanes_of_builds, width_row
+from triaxis.host.cli import main
+from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.grid_choice import Steps
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.meshcheck import distance_of
+from triaxis.host.quantise import Box, Vector
+from triaxis.host.scenes import box, tool, vise, write_stl
+from triaxis.host.stl import StlMesh
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import ROOT
 
 BOARD = Board(dsps=240, depth=4096, group=8)
 STAND_IN = {"W": 10, "M": 1}
@@ -278,7 +278,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         def board(self, width: int, margin_bits: int, depth: int, group: int, lanes: int) -> DspCount:
             return DspCount(0, 0, blocks(width, margin_bits, EngineShape(depth, group, lanes)))
 
-    monkeypatch.setattr("triaxis.verif.cli.advise.DspCounts", Counts)
+    monkeypatch.setattr("triaxis.host.cli.advise.DspCounts", Counts)
     paths = [tmp_path / "tool.stl", tmp_path / "vise.stl"]
     write_stl(paths[0], tool())
     write_stl(paths[1], vise())

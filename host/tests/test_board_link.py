@@ -13,25 +13,25 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from triaxis.fpga.link.audit import Verdict
-from triaxis.fpga.link.board import Board
-from triaxis.fpga.link.check import check_on_board
-from triaxis.fpga.link.codes import Mesh, Mode, RunEnd
-from triaxis.fpga.link.errors import LinkError
-from triaxis.fpga.link.line import SerialLine
-from triaxis.fpga.link.messages import Pose
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.pose import Pose as RealPose
-from triaxis.golden.stl import StlMesh
-from triaxis.verif import scenes
-from triaxis.verif.board.pseudo_terminal import PseudoTerminal, ServedBoard, Wire, serve
-from triaxis.verif.board.simulated_line import SimulatedLine, SimulatedWire
-from triaxis.verif.board.simulated_top import SimulatedTop
-from triaxis.verif.cli import board_check as board_check_module
-from triaxis.verif.cli import main
-from triaxis.verif.cli.board import simulated_parameters
-from triaxis.verif.meshcheck import check_meshes, prepare
-from triaxis.verif.tests.line_faults import LineFaults, StaleReplies
+from triaxis.host import scenes
+from triaxis.host.cli import board_check as board_check_module
+from triaxis.host.cli import main
+from triaxis.host.cli.board import simulated_parameters
+from triaxis.host.link.audit import Verdict
+from triaxis.host.link.board import Board
+from triaxis.host.link.check import check_on_board
+from triaxis.host.link.codes import Mesh, Mode, RunEnd
+from triaxis.host.link.errors import LinkError
+from triaxis.host.link.line import SerialLine
+from triaxis.host.link.messages import Pose
+from triaxis.host.meshcheck import check_meshes, prepare
+from triaxis.host.pose import Pose as RealPose
+from triaxis.host.stl import StlMesh
+from triaxis.host.tests.line_faults import LineFaults, StaleReplies
+from triaxis.sim.pseudo_terminal import PseudoTerminal, ServedBoard, Wire, serve
+from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
 GONE = "the port is gone: plug the board in again and repeat; verdict unknown"

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from triaxis.golden import box_tree, broadphase
-from triaxis.golden.box_tree import BoxTree, Work, overlapping
-from triaxis.golden.broadphase import candidates
 from triaxis.golden.scene import apart, boxes_of
+from triaxis.host import box_tree, broadphase
+from triaxis.host.box_tree import BoxTree, Work, overlapping
+from triaxis.host.broadphase import candidates
 
 REPEATABLE = settings(deadline=None, derandomize=True, database=None)
 MARGINS = [0, 1, 50]

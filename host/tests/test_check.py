@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from triaxis.verif import scenes
-from triaxis.verif.cli import main
+from triaxis.host import scenes
+from triaxis.host.cli import main
 
 
 @pytest.fixture

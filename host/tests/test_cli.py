@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.pairs import VERDICT
-from triaxis.verif import scenes
-from triaxis.verif.sequences.families import mixed_pairs
+from triaxis.host import scenes
+from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.signoff.scene_checks import mesh_data
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.grid_choice import (
+from triaxis.golden.judge import judge
+from triaxis.host.grid_choice import (
     Steps,
     extent_of,
     false_alarm_band,
@@ -12,8 +13,7 @@ from triaxis.golden.grid_choice import (
     grown,
     widest_extent,
 )
-from triaxis.golden.judge import judge
-from triaxis.golden.quantise import Box, Grid, Vector, fits, grid_around, margin_for
+from triaxis.host.quantise import Box, Grid, Vector, fits, grid_around, margin_for
 
 WIDTHS = (8, 9, 13, 16, 24, 32)
 

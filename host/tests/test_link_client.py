@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import serial
 
-from triaxis.fpga.link.audit import Verdict
-from triaxis.fpga.link.board import Board
-from triaxis.fpga.link.check import check_on_board
-from triaxis.fpga.link.codes import Code, Command, Flag, Mode
-from triaxis.fpga.link.errors import LinkError
-from triaxis.fpga.link.framing import Deframer, encode
-from triaxis.fpga.link.line import SerialLine
-from triaxis.fpga.link.messages import Pose, ReplyHead
-from triaxis.fpga.tests.scripted_board import BOARD, ScriptedLine
-from triaxis.golden.spatial_order import spatial_order
+from triaxis.host.link.audit import Verdict
+from triaxis.host.link.board import Board
+from triaxis.host.link.check import check_on_board
+from triaxis.host.link.codes import Code, Command, Flag, Mode
+from triaxis.host.link.errors import LinkError
+from triaxis.host.link.framing import Deframer, encode
+from triaxis.host.link.line import SerialLine
+from triaxis.host.link.messages import Pose, ReplyHead
+from triaxis.host.spatial_order import spatial_order
+from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
 B = 100 + np.arange(5 * 9).reshape(5, 3, 3)

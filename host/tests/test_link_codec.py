@@ -7,9 +7,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from triaxis.fpga.link.framing import END, ESC, LONGEST, Deframer, decode, encode
-from triaxis.fpga.link.layout import LayoutError
-from triaxis.fpga.link.messages import (
+from triaxis.host.link.framing import END, ESC, LONGEST, Deframer, decode, encode
+from triaxis.host.link.layout import LayoutError
+from triaxis.host.link.messages import (
     MOST_NEAR,
     Description,
     LoadHead,

@@ -12,18 +12,18 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.golden.stl import StlMesh
-from triaxis.verif import scenes
-from triaxis.verif.cli import main
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine_scene import MeshEngineScene
-from triaxis.verif.motion import path_check, picture
-from triaxis.verif.motion.clearance import clearances
-from triaxis.verif.motion.path_check import Effort, check_path
-from triaxis.verif.motion.path_scene import Wanted, prepare_path
-from triaxis.verif.motion.program import Move, Program
-from triaxis.verif.motion.sampling import PathGrid
-from triaxis.verif.scene_engines import scene_engine
+from triaxis.host import scenes
+from triaxis.host.cli import main
+from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.motion import path_check, picture
+from triaxis.host.motion.clearance import clearances
+from triaxis.host.motion.path_check import Effort, check_path
+from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.program import Move, Program
+from triaxis.host.motion.sampling import PathGrid
+from triaxis.host.scene_engines import scene_engine
+from triaxis.host.stl import StlMesh
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.signoff.scene_checks import mesh_data
 
 RASTER = Path(__file__).with_name("data") / "raster_with_dive.nc"

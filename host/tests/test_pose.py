@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pose import Pose, Turn, turned
-from triaxis.golden.stl import StlMesh
+from triaxis.host.pose import Pose, Turn, turned
+from triaxis.host.stl import StlMesh
 
 # It says nothing of its types.
 MPFR: Any = gmpy2

@@ -5,7 +5,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.golden.quantise import Grid, box_of, centred_grid, margin_for, quantise, smallest_width
+from triaxis.host.quantise import Grid, box_of, centred_grid, margin_for, quantise, smallest_width
 
 
 def exact(facets):

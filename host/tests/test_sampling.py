@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.golden.judge import judge
-from triaxis.golden.quantise import box_of, grid_around, quantise
 from triaxis.golden.rational import Rational
-from triaxis.golden.stl import StlMesh
-from triaxis.verif.motion.sampling import PathGrid, Segment, nearest
+from triaxis.host.motion.sampling import PathGrid, Segment, nearest
+from triaxis.host.quantise import box_of, grid_around, quantise
+from triaxis.host.stl import StlMesh
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
 RATIONALS = st.fractions(-1000, 1000, max_denominator=1000)

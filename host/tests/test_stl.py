@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.stl import read_stl
+from triaxis.host.stl import read_stl
 
 FACETS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 1.5], [1, 0, 1], [0, -1e-3, 1]]], np.float32)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import content_hash, rtl_files, rtl_hash
-from triaxis.verif.paths import DUT, mesh_sources, rtl_sources
+from triaxis.sim.build import content_hash, rtl_files, rtl_hash
+from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
 
 
 @pytest.fixture

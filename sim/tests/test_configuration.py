@@ -1,7 +1,7 @@
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.sim.configuration import Configuration, parse_configuration
 
 
 @pytest.mark.parametrize(

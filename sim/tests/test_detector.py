@@ -6,10 +6,10 @@ import numpy as np
 
 from triaxis.golden.axes import claims
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.verif.detector import WIDTH, detect
-from triaxis.verif.paths import DUT
-from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.sequences.seed_vectors import seed_normals, seed_vectors
+from triaxis.sim.detector import WIDTH, detect
+from triaxis.sim.paths import DUT
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
 
 
 def test_all_fifteen_seed_vectors_are_clear():

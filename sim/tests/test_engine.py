@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge_pairs
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import RtlEngine, configuration_for
-from triaxis.verif.paths import ROOT
-from triaxis.verif.sequences.families import all_orders, mixed_pairs, random_margins
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import RtlEngine, configuration_for
+from triaxis.sim.paths import ROOT
+from triaxis.verif.core.stimulus.families import all_orders, mixed_pairs, random_margins
 
 
 @pytest.mark.parametrize(("width", "largest"), [(8, 255), (16, 0), (24, 1 << 23), (32, (1 << 32) - 1)])

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.packing import data_bytes, pack_data, pack_user, unpack_data, unpack_user
-from triaxis.verif.result import decode, encode
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.packing import data_bytes, pack_data, pack_user, unpack_data, unpack_user
+from triaxis.sim.result import decode, encode
 
 
 @pytest.mark.parametrize("width", [8, 13, 16, 24, 31, 32])

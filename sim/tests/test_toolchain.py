@@ -3,7 +3,7 @@ import shutil
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif import toolchain
+from triaxis.sim import toolchain
 
 
 @pytest.fixture(autouse=True)

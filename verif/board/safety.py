@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import safety_library
+from triaxis.sim.build import safety_library
 
 COMPLETE = 1
 _FILE = "triaxis_safety.sv"

@@ -16,14 +16,14 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.build import built, content_hash, core_files, rtl_files, run_tool
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import CoreError
-from triaxis.verif.packing import COORDINATES
-from triaxis.verif.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.build import built, content_hash, core_files, rtl_files, run_tool
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.packing import COORDINATES
+from triaxis.sim.paths import BUILD, DUT, VERIF, mesh_sources, rtl_sources
+from triaxis.sim.toolchain import verilator
 
-FOLDER = VERIF / "instrumented"
+FOLDER = VERIF / "code_coverage"
 
 # What happens in a clock of a schedule; see core.cpp.
 OFFER, TAKE, RESET = 1, 2, 4
@@ -68,12 +68,12 @@ def _verilate(model: Model, dut: Path) -> list[str]:
     """Return the command that elaborates a model, without what to make of it."""
     return [
         str(verilator().executable), "--top-module", model.top,
-        *(f"-G{name}={value}" for name, value in model.parameters.items()), f"-I{dut}",
+        *(f"-G{name}={value}" for name, value in model.parameters.items()), f"-I{dut / 'core'}",
     ]  # fmt: skip
 
 
 def _sources(model: Model, dut: Path) -> list[Path]:
-    core = [dut / source.name for source in rtl_sources()]
+    core = rtl_sources(dut)
     return [*core, *mesh_sources(dut), FOLDER / "engine.vlt"] if model.above_core else core
 
 

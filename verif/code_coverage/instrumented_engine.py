@@ -4,11 +4,11 @@ import ctypes
 from collections.abc import Sequence
 from pathlib import Path
 
-from triaxis.verif.instrumented_core import FOLDER, Model, instrumented_library
+from triaxis.sim.paths import DUT
+from triaxis.verif.code_coverage.instrumented_core import FOLDER, Model, instrumented_library
 from triaxis.verif.mutation.engine_play import EnginePlay
 from triaxis.verif.mutation.models import SYMPTOMS
 from triaxis.verif.mutation.targets import EngineTarget
-from triaxis.verif.paths import DUT
 
 
 def engine_model(target: EngineTarget) -> Model:

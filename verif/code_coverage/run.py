@@ -29,12 +29,12 @@ from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.code_coverage_stimulus import disturbed, pairs_with_margins, stimulus
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.instrumented_core import (
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
+from triaxis.verif.code_coverage.instrumented_core import (
     DELIVERED,
     InstrumentedCore,
     InstrumentedDetector,
@@ -43,13 +43,13 @@ from triaxis.verif.instrumented_core import (
     detector_model,
     elaborated,
 )
-from triaxis.verif.instrumented_engine import InstrumentedEngine, engine_model
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.code_coverage.instrumented_engine import InstrumentedEngine, engine_model
+from triaxis.verif.code_coverage.stimulus import disturbed, pairs_with_margins, stimulus
+from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.mutation.engine_play import RUN
 from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_extremes
 from triaxis.verif.mutation.targets import EngineTarget
-from triaxis.verif.paths import BUILD, mesh_sources, rtl_sources
-from triaxis.verif.regression.file_lock import locked
+from triaxis.verif.regress.file_lock import locked
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import NO_AXIS, Pairs, coordinate_range
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.instrumented_core import OFFER, RESET, TAKE, Stimulus
-from triaxis.verif.sequences.corners import corner_pairs, diagonal_pairs
-from triaxis.verif.sequences.families import mixed
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.code_coverage.instrumented_core import OFFER, RESET, TAKE, Stimulus
+from triaxis.verif.core.stimulus.corners import corner_pairs, diagonal_pairs
+from triaxis.verif.core.stimulus.families import mixed
 
 # Of each of the four kinds of pairs, as many.
 _KINDS = 4

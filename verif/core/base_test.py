@@ -11,14 +11,14 @@ from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge, Timer
 from pyuvm import uvm_report_server, uvm_sequence, uvm_test
 
-from triaxis.verif.agents.burst_agent import use_bursts
-from triaxis.verif.agents.burst_bfm import BurstBfm
-from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
-from triaxis.verif.clocking import PERIOD_NS
-from triaxis.verif.env import CoreEnv
-from triaxis.verif.handles import create, publish
-from triaxis.verif.sequences.pair_sequence import ItemSequence
-from triaxis.verif.settings import BURST, from_environment
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.verif.core.burst_agent import use_bursts
+from triaxis.verif.core.burst_bfm import BurstBfm
+from triaxis.verif.core.env import CoreEnv
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.core.pair_sequence import ItemSequence
+from triaxis.verif.testbench.handles import create, publish
+from triaxis.verif.testbench.settings import BURST, from_environment
 
 _RESET_CYCLES = 3
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from pyuvm import uvm_factory
 
-from triaxis.verif.batches import PairBatch, ResultBatch
-from triaxis.verif.scoreboard import Scoreboard, write_counts
-from triaxis.verif.settings import result_file
-from triaxis.verif.testlist.tests import VolumeTest
+from triaxis.verif.core.scoreboard import Scoreboard, write_counts
+from triaxis.verif.core.uvm_tests import VolumeTest
+from triaxis.verif.testbench.batches import PairBatch, ResultBatch
+from triaxis.verif.testbench.settings import result_file
 
 
 class UncheckedScoreboard(Scoreboard):

@@ -9,11 +9,11 @@ import numpy.typing as npt
 from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.agents.items import BurstItem, Pace
-from triaxis.verif.agents.sink_agent import ReadyDriver, SinkMonitor
-from triaxis.verif.agents.source_agent import SourceDriver, SourceMonitor, check_margins
-from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
-from triaxis.verif.handles import bfm_of, settings_of
+from triaxis.verif.core.items import BurstItem, Pace
+from triaxis.verif.core.sink_agent import ReadyDriver, SinkMonitor
+from triaxis.verif.core.source_agent import SourceDriver, SourceMonitor, check_margins
+from triaxis.verif.testbench.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.testbench.handles import bfm_of, settings_of
 
 
 class BurstSourceDriver(SourceDriver):

@@ -1,6 +1,6 @@
 """The bus-functional model of the burst simulation, as Python calls it.
 
-The C++ part, verif/burst/burst_bfm.cpp, lives in the simulator executable, which is this process.
+The C++ part, verif/core/burst/burst_bfm.cpp, lives in the simulator executable, which is this process.
 """
 
 import ctypes
@@ -11,8 +11,8 @@ import numpy.typing as npt
 from cocotb.triggers import ValueChange
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.batches import PairBatch, ResultBatch
+from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.verif.testbench.batches import PairBatch, ResultBatch
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048

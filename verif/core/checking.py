@@ -15,11 +15,11 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
-from triaxis.verif.batches import Integers, PairBatch, ResultBatch
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.golden_sample import EVERYTHING, GoldenSample, Share
-from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.testbench.batches import Integers, PairBatch, ResultBatch
+from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
 # Failures described in full; beyond that they are only counted.
 DESCRIBED = 10

@@ -6,8 +6,8 @@ from pyuvm import uvm_subscriber
 
 from triaxis.coverage.core_coverage import CoreCoverage
 from triaxis.coverage.core_sample import CoreSample
-from triaxis.verif.handles import settings_of
-from triaxis.verif.settings import coverage_file
+from triaxis.verif.testbench.handles import settings_of
+from triaxis.verif.testbench.settings import coverage_file
 
 # In a soak every so many batches one is sampled.
 _SOAK_EVERY = 8

@@ -2,11 +2,11 @@
 
 from pyuvm import uvm_env
 
-from triaxis.verif.agents.sink_agent import SinkAgent
-from triaxis.verif.agents.source_agent import SourceAgent
-from triaxis.verif.coverage_subscriber import CoverageSubscriber
-from triaxis.verif.handles import create
-from triaxis.verif.scoreboard import Scoreboard
+from triaxis.verif.core.coverage_subscriber import CoverageSubscriber
+from triaxis.verif.core.scoreboard import Scoreboard
+from triaxis.verif.core.sink_agent import SinkAgent
+from triaxis.verif.core.source_agent import SourceAgent
+from triaxis.verif.testbench.handles import create
 
 
 class CoreEnv(uvm_env):

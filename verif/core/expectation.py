@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.facts import Facts, lowest_axis
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.result import AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
 
 # Axes of a core without the edge x box axes: they come last.
 AXES_WITHOUT_EDGE_BOX = 14

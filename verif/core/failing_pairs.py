@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, check_pairs
-from triaxis.verif.batches import Integers
-from triaxis.verif.checking import Failure
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.checking import Failure
+from triaxis.verif.testbench.batches import Integers
 
 
 def write_failing_pairs(path: Path, failures: Sequence[Failure]) -> None:

@@ -19,12 +19,12 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import VERIF
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.finding import Counterexample
-from triaxis.verif.counterexample.stream import Stream
-from triaxis.verif.paths import VERIF
 
-REGRESSIONS = VERIF / "regressions"
+REGRESSIONS = VERIF / "core" / "kept"
 _HASH_DIGITS = 12
 _FOUND = ("configuration", "symptom", "meaning", "core_said", "right", "fault")
 

@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from triaxis.verif.batches import PairBatch, ResultBatch
-from triaxis.verif.checking import DESCRIBED, Failure
+from triaxis.verif.core.checking import DESCRIBED, Failure
+from triaxis.verif.testbench.batches import PairBatch, ResultBatch
 
 # Depth of the core's result queue, the same for every W and M (see triaxis_core).
 MOST_IN_FLIGHT = 32

@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.axes import BOX_AXES, NUM_AXES
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
-from triaxis.verif.sequences.symmetry import (
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
+from triaxis.verif.core.stimulus.symmetry import (
     NUM_ORDERS,
     NUM_SYMMETRIES,
     SWAPPED,

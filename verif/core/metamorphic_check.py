@@ -6,8 +6,8 @@ import numpy as np
 from pyuvm import uvm_component, uvm_subscriber
 
 from triaxis.coverage.core_sample import CoreSample
-from triaxis.verif.handles import settings_of
-from triaxis.verif.metamorphic import Group, gated_flags_are_zero, groups_agree
+from triaxis.verif.core.metamorphic import Group, gated_flags_are_zero, groups_agree
+from triaxis.verif.testbench.handles import settings_of
 
 
 class MetamorphicCheck(uvm_subscriber):

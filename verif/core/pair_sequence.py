@@ -7,11 +7,11 @@ from itertools import islice
 import numpy as np
 from pyuvm import uvm_sequence
 
-from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
-from triaxis.verif.batches import Integers
-from triaxis.verif.sequences.stimulus import Family, Stimulus, divided, joined
-from triaxis.verif.settings import BURST, RunSettings
-from triaxis.verif.worker import WORKER
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.core.stimulus.stimulus import Family, Stimulus, divided, joined
+from triaxis.verif.testbench.batches import Integers
+from triaxis.verif.testbench.settings import BURST, RunSettings
+from triaxis.verif.testbench.worker import WORKER
 
 # Pairs in one item, for each agent. The pin agent has a Python step for each pair anyway; the burst agent
 # has a fixed cost an item, and the caches of the machine set the upper end.

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from pyuvm import uvm_factory
 
-from triaxis.verif.agents.burst_agent import BurstSinkMonitor, BurstSourceMonitor
-from triaxis.verif.batches import PairBatch, ResultBatch
-from triaxis.verif.checking import Checker
-from triaxis.verif.result import AXIS_SHIFT, NEAR
-from triaxis.verif.testlist.tests import MixedTest
+from triaxis.sim.result import AXIS_SHIFT, NEAR
+from triaxis.verif.core.burst_agent import BurstSinkMonitor, BurstSourceMonitor
+from triaxis.verif.core.checking import Checker
+from triaxis.verif.core.uvm_tests import MixedTest
+from triaxis.verif.testbench.batches import PairBatch, ResultBatch
 
 # Which beat of a batch is falsified: any will do.
 _BEAT = 77

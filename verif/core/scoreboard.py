@@ -11,13 +11,13 @@ from typing import Any
 
 from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
-from triaxis.verif.batches import PairBatch, ResetSeen, ResultBatch
-from triaxis.verif.checking import Checker
-from triaxis.verif.failing_pairs import write_failing_pairs
-from triaxis.verif.handles import settings_of
-from triaxis.verif.matching import Matcher
-from triaxis.verif.settings import failure_file, result_file
-from triaxis.verif.worker import WORKER
+from triaxis.verif.core.checking import Checker
+from triaxis.verif.core.failing_pairs import write_failing_pairs
+from triaxis.verif.core.matching import Matcher
+from triaxis.verif.testbench.batches import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.testbench.handles import settings_of
+from triaxis.verif.testbench.settings import failure_file, result_file
+from triaxis.verif.testbench.worker import WORKER
 
 # Batches that may wait for the checker; then the simulation waits for it. So memory stays bounded.
 _WAITING = 4

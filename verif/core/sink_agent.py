@@ -8,10 +8,10 @@ from cocotb.handle import LogicObject
 from cocotb_bus.drivers import BitDriver
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_monitor, uvm_subscriber
 
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
-from triaxis.verif.batches import ResultBatch
-from triaxis.verif.handles import create, dut_of, settings_of
+from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.verif.core.stream_monitor import Beats, StreamMonitor
+from triaxis.verif.testbench.batches import ResultBatch
+from triaxis.verif.testbench.handles import create, dut_of, settings_of
 
 SINK_BUS = "m_axis"
 SINK_SIGNALS = {

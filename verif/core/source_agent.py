@@ -8,12 +8,12 @@ from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_seq
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_pairs
-from triaxis.verif.agents.items import BurstItem
-from triaxis.verif.agents.source_bus import SOURCE_BUS, SOURCE_SIGNALS, SourceBus
-from triaxis.verif.agents.stream_monitor import Beats, StreamMonitor
-from triaxis.verif.batches import PairBatch
-from triaxis.verif.handles import create, dut_of, settings_of
-from triaxis.verif.packing import pack_data, pack_user, unpack_data, unpack_user
+from triaxis.sim.packing import pack_data, pack_user, unpack_data, unpack_user
+from triaxis.verif.core.items import BurstItem
+from triaxis.verif.core.source_bus import SOURCE_BUS, SOURCE_SIGNALS, SourceBus
+from triaxis.verif.core.stream_monitor import Beats, StreamMonitor
+from triaxis.verif.testbench.batches import PairBatch
+from triaxis.verif.testbench.handles import create, dut_of, settings_of
 
 
 def check_margins(item: BurstItem, largest: int) -> None:

@@ -11,8 +11,8 @@ from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from cocotb_bus.drivers import ValidatedBusDriver
 
-from triaxis.verif.agents.items import Pace
-from triaxis.verif.handles import StreamPins
+from triaxis.verif.core.items import Pace
+from triaxis.verif.testbench.handles import StreamPins
 
 SOURCE_BUS = "s_axis"
 SOURCE_SIGNALS = {

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs, coordinate_range
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
 
 
 @dataclass(frozen=True, eq=False)

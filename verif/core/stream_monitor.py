@@ -12,8 +12,8 @@ from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from cocotb_bus.monitors import BusMonitor
 
-from triaxis.verif.batches import ResetSeen
-from triaxis.verif.handles import StreamPins
+from triaxis.verif.testbench.batches import ResetSeen
+from triaxis.verif.testbench.handles import StreamPins
 
 # Beats gathered before they are published together.
 _BATCH = 512

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 
 from triaxis.golden.axes import axis_name, axis_vector
 from triaxis.golden.exact import Triangle, dot
+from triaxis.host.figure_style import GAP, MARGIN, NORMAL, SMALL, STYLES
 from triaxis.verif.counterexample.labels import Label, place_labels
-from triaxis.verif.counterexample.style import GAP, MARGIN, NORMAL, SMALL, STYLES
 
 # A decision narrower than this part of the picture is zoomed in on, until it takes this part of it.
 _NARROW, _ZOOMED = 0.03, 0.12

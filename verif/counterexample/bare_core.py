@@ -7,13 +7,13 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError, RtlEngine
+from triaxis.sim.paths import DUT
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.minimising import StreamPredicate
-from triaxis.verif.counterexample.stream import Stream
 from triaxis.verif.counterexample.symptom import Symptom, symptoms
-from triaxis.verif.engine import CoreError, RtlEngine
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.paths import DUT
 
 
 class BareCore:

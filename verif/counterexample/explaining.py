@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.verif.core.kept_cases import case_of, write_case
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.failing import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import Counterexample, find
-from triaxis.verif.counterexample.regressions import case_of, write_case
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.settings import failure_file
+from triaxis.verif.testbench.settings import failure_file
 
 PICTURES = BUILD / "counterexamples"
 # Failing pairs of a run that are tried: mostly they all show the same fault.

@@ -1,6 +1,6 @@
 """Failing pairs as the scoreboard leaves them, each with what the core was sent before it.
 
-What was sent before is in the arrays ``context`` .. of the archive (see `triaxis.verif.failing_pairs`);
+What was sent before is in the arrays ``context`` .. of the archive (see `triaxis.verif.core.failing_pairs`);
 an archive without them is read too.
 """
 
@@ -11,9 +11,9 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.counterexample.stream import Stream
-from triaxis.verif.failing_pairs import read_failing_pairs
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.stream import Stream
 
 _ARRAYS = ("context", "context_margins", "context_counts")
 

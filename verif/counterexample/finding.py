@@ -7,14 +7,14 @@ import numpy as np
 from triaxis.golden.axes import axis_name
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.judge import CertificateError, judge_pairs
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.failing import FailingPair
 from triaxis.verif.counterexample.minimising import minimise
 from triaxis.verif.counterexample.shrinking import Budget
-from triaxis.verif.counterexample.stream import Stream
 from triaxis.verif.counterexample.symptom import Symptom
-from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
 
 # A fresh core for each stream takes 0.1 to 1 ms: some seconds at most.
 _ALONE = {"pairs": 20_000, "at_once": 256}

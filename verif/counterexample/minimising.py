@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.shrinking import Budget, shrink
-from triaxis.verif.counterexample.stream import Stream
 
 # Takes N streams of K pairs each, pairs (N, K, 2, 3, 3) and margins (N, K); says which fail, (N,).
 StreamPredicate = Callable[[Pairs, npt.NDArray[np.int64]], npt.NDArray[np.bool_]]

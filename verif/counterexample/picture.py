@@ -20,12 +20,12 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.solver import NearestPoints
+from triaxis.host.figure_style import LARGE, NORMAL
+from triaxis.sim.result import NEAR
 from triaxis.verif.counterexample.axis_view import draw_axis
 from triaxis.verif.counterexample.finding import Counterexample
 from triaxis.verif.counterexample.scene_view import draw_scene, label_scene, shapes
-from triaxis.verif.counterexample.style import LARGE, NORMAL
 from triaxis.verif.counterexample.witness_view import draw_witness, label_witness, points_of
-from triaxis.verif.result import NEAR
 
 _INCHES = (13.0, 7.2)
 _DPI = 110

@@ -10,8 +10,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from triaxis.golden.exact import triangle_rank
 from triaxis.golden.pairs import Pairs
+from triaxis.host.figure_style import NORMAL, SMALL, STYLES, WITNESS, Style
 from triaxis.verif.counterexample.labels import Label, place_labels
-from triaxis.verif.counterexample.style import NORMAL, SMALL, STYLES, WITNESS, Style
 
 _Points = npt.NDArray[np.float64]
 # Never along an axis: what lies one behind the other there is told apart from beside it.

@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 from triaxis.golden.exact import Triangle, Vector, dot
 from triaxis.golden.pairs import Pairs
 from triaxis.golden.solver import NearestPoints
+from triaxis.host.figure_style import MARGIN, NORMAL, SMALL, STYLES, WITNESS
 from triaxis.verif.counterexample.labels import Label, place_labels
-from triaxis.verif.counterexample.style import MARGIN, NORMAL, SMALL, STYLES, WITNESS
 
 # Characters of a fraction that is written in full.
 _LONGEST = 10

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, judge_pairs
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, encode
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stimulus.symmetry import random_orders
 from triaxis.verif.exhaustive.grid import Grid
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.result import AXIS_MASK, AXIS_SHIFT, NEAR, encode
-from triaxis.verif.sequences.symmetry import random_orders
 
 Words = npt.NDArray[np.uint16]
 # Facts of pairs (N, 2, 3, 3) at margins (N,).
@@ -36,7 +36,7 @@ _CONTEXT = 64
 
 
 class Core(Protocol):
-    """What answers: `triaxis.verif.engine.RtlEngine`, or a broken one in tests."""
+    """What answers: `triaxis.sim.core_engine.RtlEngine`, or a broken one in tests."""
 
     def words(self, pairs: npt.NDArray[np.int32], margins: npt.NDArray[np.uint32]) -> tuple[Words, int]:
         """Return the result words and the clock cycles."""

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.sequences.symmetry import COORDINATES, NUM_SYMMETRIES, REFLECTED
+from triaxis.verif.core.stimulus.symmetry import COORDINATES, NUM_SYMMETRIES, REFLECTED
 
 SMALLEST, LARGEST = 2, 6
 

@@ -15,19 +15,19 @@ from pathlib import Path
 
 import numpy as np
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
-from triaxis.verif.build import content_hash, library, rtl_hash
-from triaxis.verif.checking import Failure
-from triaxis.verif.engine import RtlEngine
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.build import content_hash, library, rtl_hash
+from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.paths import BUILD, ROOT
+from triaxis.sim.toolchain import verilator
+from triaxis.verif.core.checking import Failure
+from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save
-from triaxis.verif.failing_pairs import write_failing_pairs
-from triaxis.verif.paths import BUILD, ROOT
-from triaxis.verif.toolchain import verilator
 
 FOLDER = BUILD / "exhaustive"
 WORKERS = min(2, os.cpu_count() or 1)
@@ -74,8 +74,9 @@ def identity_of(size: int, seed: int) -> Identity:
     checker = [
         *(path for path in (ROOT / "golden").glob("*.*") if path.suffix in (".py", ".cpp", ".h")),
         *(ROOT / "verif/exhaustive").glob("*.py"),
-        *(ROOT / "verif" / name for name in ("engine.py", "harness.cpp", "expectation.py", "result.py")),
-        ROOT / "verif/sequences/symmetry.py",
+        *(ROOT / "sim" / name for name in ("core_engine.py", "core_harness.cpp", "result.py")),
+        ROOT / "verif/core/expectation.py",
+        ROOT / "verif/core/stimulus/symmetry.py",
     ]
     # The name of its folder changes with everything that goes into the build.
     core = library(CONFIGURATION).parent.name

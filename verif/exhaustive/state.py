@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
+from triaxis.golden.whole_files import write_whole
 from triaxis.verif.exhaustive.check import ClassResult, Counts, Mismatch
 
 

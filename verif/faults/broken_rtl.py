@@ -4,10 +4,10 @@ import shutil
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.paths import BUILD, DUT
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.patching import apply_patch
-from triaxis.verif.paths import BUILD, DUT
 
 FOLDER = BUILD / "faults"
 

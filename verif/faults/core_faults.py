@@ -4,8 +4,9 @@ import os
 from functools import partial
 from pathlib import Path
 
-from triaxis.verif.build import library
-from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.sim.build import library
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.paths import ROOT
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.failing import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import Counterexample, failing_stream, find
@@ -14,8 +15,7 @@ from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.result import Catch, Example
 from triaxis.verif.faults.runs import TESTS, core_sign_of, until_one_fails
-from triaxis.verif.paths import ROOT
-from triaxis.verif.simulation import RunResult
+from triaxis.verif.testbench.simulation import RunResult
 
 PICTURES = FOLDER / "pictures"
 

@@ -6,7 +6,7 @@ from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.result import Catch
 from triaxis.verif.faults.runs import engine_sign_of, until_one_fails
-from triaxis.verif.settings import PIN
+from triaxis.verif.testbench.settings import PIN
 
 # In the order in which they are tried. None knows a fault.
 ENGINE_TESTS = (

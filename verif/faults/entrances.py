@@ -1,6 +1,6 @@
 """Every way by which pairs come in from outside the simulator, tried with coordinates that do not fit.
 
-In the simulator the driver of sequence items is one more: see `triaxis.verif.faults.uvm_tests`.
+In the simulator the driver of sequence items is one more: see `triaxis.verif.faults.fault_tests`.
 """
 
 from collections.abc import Callable
@@ -12,12 +12,12 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, coordinate_range, read_pairs
-from triaxis.golden.quantise import Grid, quantise
-from triaxis.verif.configuration import Configuration
+from triaxis.host.quantise import Grid, quantise
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.detector import detect
+from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.failing import read_failing
-from triaxis.verif.detector import detect
-from triaxis.verif.failing_pairs import read_failing_pairs
-from triaxis.verif.sequences.seed_vectors import seed_vectors
 
 WIDTH = 16
 _CORE = Configuration(WIDTH)

@@ -3,14 +3,14 @@
 import numpy as np
 
 from triaxis.golden.pairs import Pairs, coordinate_range
-from triaxis.verif.configuration import parse_configuration
+from triaxis.sim.configuration import parse_configuration
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
 from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.catalogue import Fault
 from triaxis.verif.faults.entrances import WIDTH, boundary, refusals, seed_vectors_by_width
 from triaxis.verif.faults.result import Catch, Example
 from triaxis.verif.faults.runs import run_test, sign_of
-from triaxis.verif.sequences.seed_vectors import seed_vectors_as_written
-from triaxis.verif.settings import BURST, PIN
+from triaxis.verif.testbench.settings import BURST, PIN
 
 RANGE = "F9"
 # By fault: the test that has it, the agent, and what the environment must say.

@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.evidence import write_evidence
+from triaxis.sim.evidence import write_evidence
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import FAULTS, Fault
 

@@ -8,7 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from triaxis.golden.judge import default_solver
-from triaxis.verif.build import rtl_hash
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import faulty_rtl
@@ -18,8 +19,7 @@ from triaxis.verif.faults.engine_faults import try_engine
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.faults.wrapper_faults import try_wrapper
-from triaxis.verif.paths import DUT
-from triaxis.verif.regression.file_lock import locked
+from triaxis.verif.regress.file_lock import locked
 
 __all__ = ["catch", "catch_all", "control", "signed_off_names", "write_json"]
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from triaxis.verif.assertions import SVA, assertion_names
-from triaxis.verif.clocking import PERIOD_NS
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import DUT
 from triaxis.verif.faults.broken_rtl import FOLDER
-from triaxis.verif.paths import DUT
-from triaxis.verif.settings import BURST
-from triaxis.verif.simulation import RunResult, run, run_settings
+from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
+from triaxis.verif.testbench.settings import BURST
+from triaxis.verif.testbench.simulation import RunResult, run, run_settings
 
 # The generic tests, in the order in which they are tried. None knows a fault: kept counterexamples, the seed
 # vectors and mixtures of all families are left out.
@@ -125,11 +125,11 @@ def sign_of(result: RunResult) -> Sign | None:
 def core_sign_of(result: RunResult) -> Sign | None:
     """Return what the core did wrong in a run; None where the run failed for any other reason.
 
-    A rule of verif/sva is broken, an answer of a kept pair is wrong, answers are lost, or the core hangs.
+    A rule of verif/core/sva is broken, an answer of a kept pair is wrong, answers are lost, the core hangs.
     Trouble of the environment, a full disk or a refused stimulus, says nothing of the core.
     """
     rule = _broken_rule(result)
-    if rule and rule[0] in _rules(SVA):
+    if rule and rule[0] in _rules(CORE_SVA):
         return rule[1]
     said = [found[1] for line in result.errors if (found := _SCOREBOARD.search(line))]
     pairs = _pairs(result)
@@ -144,10 +144,10 @@ def core_sign_of(result: RunResult) -> Sign | None:
 def engine_sign_of(result: RunResult) -> Sign | None:
     """Return what the mesh engine did wrong in a run; None where the run failed for any other reason.
 
-    A rule of verif/sva/mesh is broken, a run is not what its scene makes it, or the engine hangs.
+    A rule of verif/mesh/sva is broken, a run is not what its scene makes it, or the engine hangs.
     """
     rule = _broken_rule(result)
-    if rule and rule[0] in _rules(SVA / "mesh"):
+    if rule and rule[0] in _rules(MESH_SVA):
         return rule[1]
     for line in result.errors:
         if found := _SCENE.search(line):

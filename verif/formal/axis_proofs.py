@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.packing import COORDINATES
 from triaxis.verif.formal.algebra import CLOSED, AxisProof, Core, Inputs
 from triaxis.verif.formal.netlist import Bit, Netlist, NetlistError, elaborate
 from triaxis.verif.formal.package import Package
 from triaxis.verif.formal.polynomial import MARGIN, VARIABLES
 from triaxis.verif.formal.proof import Finding
-from triaxis.verif.packing import COORDINATES
 
 _VERDICT_BITS = 9
 

@@ -3,7 +3,7 @@
 from functools import cache
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
 from triaxis.verif.formal.axis_proofs import AxesProof
 from triaxis.verif.formal.engine_proofs import engine_proofs
 from triaxis.verif.formal.pieces import PiecesProof
@@ -12,7 +12,13 @@ from triaxis.verif.formal.sby_proof import Method, SbyProof
 from triaxis.verif.formal.widths import WidthsProof
 
 _WIDTH = 16
-_LEAVES = ("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_sum.sv", "triaxis_mul.sv")
+
+
+def _core(*names: str) -> tuple[str, ...]:
+    return tuple(f"core/triaxis_{name}.sv" for name in names)
+
+
+_LEAVES = _core("pkg", "delay", "sum", "mul")
 
 
 def _streams(margin: int) -> SbyProof:
@@ -25,7 +31,12 @@ def _streams(margin: int) -> SbyProof:
         "than the queue has places.",
         method=Method.INDUCTION,
         top="triaxis_core_formal",
-        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_fifo.sv", "triaxis_core.sv"),
+        dut_files=(
+            "core/triaxis_pkg.sv",
+            "core/triaxis_delay.sv",
+            "core/triaxis_fifo.sv",
+            "core/triaxis_core.sv",
+        ),
         formal_files=("triaxis_datapath.sv", "triaxis_core_rules.sv", "triaxis_core_formal.sv"),
         parameters={"W": _WIDTH, "M": margin, "TAG": 16},
         assumptions=(
@@ -46,7 +57,7 @@ def _intervals(margin: int) -> SbyProof:
         "thresholds.",
         method=Method.WINDOW,
         top="triaxis_interval_formal",
-        dut_files=("triaxis_pkg.sv", "triaxis_interval.sv"),
+        dut_files=_core("pkg", "interval"),
         formal_files=("triaxis_interval_check.sv", "triaxis_interval_formal.sv"),
         parameters={"W": _WIDTH, "M": margin},
         assumptions=("the end moved by the threshold fits: shown by the proofs `axes_*`",),
@@ -62,7 +73,12 @@ def _box(margin: int) -> SbyProof:
         "other, exceed the margin, for free coordinates and margins.",
         method=Method.WINDOW,
         top="triaxis_box_formal",
-        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_extent.sv", "triaxis_box.sv"),
+        dut_files=(
+            "core/triaxis_pkg.sv",
+            "core/triaxis_delay.sv",
+            "core/triaxis_extent.sv",
+            "core/triaxis_box.sv",
+        ),
         formal_files=("triaxis_box_formal.sv",),
         parameters={"W": _WIDTH, "M": margin},
         assumptions=(),
@@ -79,7 +95,12 @@ def _verdict(name: str, normal_wait: int, det_wait: int) -> SbyProof:
         "zero; no flag of a masked pair.",
         method=Method.WINDOW,
         top="triaxis_verdict_formal",
-        dut_files=("triaxis_pkg.sv", "triaxis_delay.sv", "triaxis_flags.sv", "triaxis_verdict.sv"),
+        dut_files=(
+            "core/triaxis_pkg.sv",
+            "core/triaxis_delay.sv",
+            "core/triaxis_flags.sv",
+            "core/triaxis_verdict.sv",
+        ),
         formal_files=("triaxis_verdict_formal.sv",),
         parameters={"W": _WIDTH, "NormalWait": normal_wait, "DetWait": det_wait},
         assumptions=(),
@@ -99,7 +120,7 @@ def _threshold(name: str, components: int, size: int, margin: int, depth: int, e
         f"and {product}.",
         method=Method.WINDOW,
         top="triaxis_threshold_formal",
-        dut_files=(*_LEAVES, "triaxis_threshold.sv"),
+        dut_files=(*_LEAVES, *_core("threshold")),
         formal_files=("triaxis_threshold_formal.sv",),
         parameters={"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
         assumptions=("the sum of absolutes fits: shown by the proofs `axes_*`",),
@@ -123,7 +144,7 @@ _MULTIPLY = SbyProof(
     ),
     depth=5,
     cover_depth=6,
-    edits={"triaxis_pkg.sv": (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))},
+    edits={"core/triaxis_pkg.sv": (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))},
 )
 
 _CROSS = SbyProof(
@@ -132,7 +153,7 @@ _CROSS = SbyProof(
     "definition.",
     method=Method.WINDOW,
     top="triaxis_cross_formal",
-    dut_files=(*_LEAVES, "triaxis_cross.sv", "triaxis_dot.sv"),
+    dut_files=(*_LEAVES, *_core("cross", "dot")),
     formal_files=("triaxis_cross_formal.sv",),
     parameters={"W": 2},
     assumptions=(),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.verif.formal.tools import executable, read_command, run_prover
-from triaxis.verif.paths import rtl_sources
 
 _SECONDS = 60.0
 
@@ -49,7 +49,7 @@ def elaborate(
 
     ``folder`` takes a copy of the RTL, the log and the netlist. Raises NetlistError where yosys fails.
     """
-    names = [source.name for source in rtl_sources()]
+    names = [source.relative_to(DUT).as_posix() for source in rtl_sources()]
     closed = "".join(f" --blackboxed-module {name}" for name in boxes)
     reading = f"{read_command(names, top, parameters)}{closed} --no-implicit-memories"
     script = f"{reading}; opt_clean; write_json netlist.json"
@@ -64,7 +64,7 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
     """
     folder.mkdir(parents=True, exist_ok=True)
     # The prover sees files through a sandbox, which has a /tmp of its own: no other paths.
-    for name in (*names, "triaxis_stage.svh"):
+    for name in (*names, "core/triaxis_stage.svh"):
         shutil.copy(dut / name, folder)
     path, log = folder / result, folder / "yosys.log"
     path.unlink(missing_ok=True)

@@ -7,7 +7,7 @@ from pyslang import SVInt
 from pyslang.ast import ScriptSession
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import DUT
+from triaxis.sim.paths import DUT
 
 
 class Package:
@@ -15,7 +15,7 @@ class Package:
 
     def __init__(self, dut: Path = DUT) -> None:
         """Remember where the package is."""
-        self._path = dut / "triaxis_pkg.sv"
+        self._path = dut / "core" / "triaxis_pkg.sv"
         self._known: dict[str, int] = {}
 
     @cached_property

@@ -204,7 +204,7 @@ class PiecesProof:
         """Prove all shapes; see `Proof`."""
         package = Package(dut)
         every = shapes(package)
-        names = ["triaxis_pkg.sv", "triaxis_sum.sv", "triaxis_mul.sv"]
+        names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_mul.sv"]
         script = "; ".join(
             f"{read_command(names, _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
             f"write_json mul_{a}_{b}.json; design -reset"

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.evidence import write_evidence
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.formal.catalogue import proofs
 from triaxis.verif.formal.proof import Finding, Outcome, Proof
 from triaxis.verif.formal.tools import require_tools
-from triaxis.verif.paths import BUILD, DUT, ROOT
 
 FOLDER = BUILD / "formal"
 RESULT = FOLDER / "formal.json"

@@ -93,7 +93,7 @@ class SbyProof:
 
     def _copy(self, dut: Path, sources: Path) -> None:
         """Copy the RTL, with the proof's own edits; raise InputError where these no longer fit."""
-        for path in (dut / "triaxis_stage.svh", *(RTL / name for name in self.formal_files)):
+        for path in (dut / "core" / "triaxis_stage.svh", *(RTL / name for name in self.formal_files)):
             shutil.copy(path, sources)
         for name in self.dut_files:
             text = (dut / name).read_text(encoding="utf-8")

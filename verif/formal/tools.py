@@ -54,9 +54,9 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
 
 
 def read_command(files: Sequence[str], top: str, parameters: Mapping[str, int]) -> str:
-    """Return the yosys command that reads SystemVerilog files of the folder in which it runs.
+    """Return the yosys command that reads copies of SystemVerilog files in the folder in which it runs.
 
     One thread: WebAssembly has no more.
     """
     values = "".join(f"-G {name}={value} " for name, value in parameters.items())
-    return f"read_slang --threads 1 {values}--top {top} {' '.join(files)}"
+    return f"read_slang --threads 1 {values}--top {top} {' '.join(Path(file).name for file in files)}"

@@ -9,14 +9,14 @@ from random import Random
 
 from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
-from triaxis.verif.agents.items import FULL_SPEED
-from triaxis.verif.handles import settings_of
+from triaxis.verif.core.items import FULL_SPEED
 from triaxis.verif.mesh import bare_bfm
 from triaxis.verif.mesh.handles import bare_bfm_of
 from triaxis.verif.mesh.items import LoadItem, RunItem
 from triaxis.verif.mesh.load_agent import LoadDriver, LoadMonitor
 from triaxis.verif.mesh.result_agent import CoreMonitor, NearMonitor, ResultReadyDriver, SummaryMonitor
 from triaxis.verif.mesh.run_agent import RunDriver, RunMonitor
+from triaxis.verif.testbench.handles import settings_of
 
 
 class BareLoadDriver(LoadDriver):

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.verif.agents.items import Pace
-from triaxis.verif.mesh.engine import MeshEngine, Traffic
+from triaxis.sim.mesh_engine import MeshEngine, Traffic
+from triaxis.verif.core.items import Pace
 from triaxis.verif.mesh.items import LoadItem, RunItem
 from triaxis.verif.mesh.observed import AbortAsked, CorePairs, Loaded, NearTaken, RunAccepted, Summary
 

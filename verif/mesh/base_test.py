@@ -11,17 +11,17 @@ from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge, Timer
 from pyuvm import uvm_report_server, uvm_test
 
-from triaxis.verif.clocking import PERIOD_NS
-from triaxis.verif.handles import create, publish
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.mesh_engine import MeshEngine
 from triaxis.verif.mesh.bare_agents import use_bare_engine
 from triaxis.verif.mesh.bare_bfm import BareBfm
-from triaxis.verif.mesh.engine import MeshEngine
 from triaxis.verif.mesh.env import MeshEnv
 from triaxis.verif.mesh.handles import publish_bare
 from triaxis.verif.mesh.items import RunItem, Scene
 from triaxis.verif.mesh.sequences import SceneSequence
 from triaxis.verif.mesh.shapes import Shapes
-from triaxis.verif.settings import PIN, dut_from_environment, from_environment
+from triaxis.verif.testbench.handles import create, publish
+from triaxis.verif.testbench.settings import PIN, dut_from_environment, from_environment
 
 _RESET_CYCLES = 3
 # Clocks after the last summary in which anything too many would show.

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from triaxis.verif.build import cocotb_build
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import DUT, VERIF, mesh_sources, rtl_sources
+from triaxis.sim.build import cocotb_build
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import DUT, VERIF, mesh_sources, rtl_sources
 
 TOP = "triaxis_mesh"
 BARE_TOP = "triaxis_bare_tb"
 
-SVA = VERIF / "sva" / "mesh"
+SVA = VERIF / "mesh" / "sva"
 
 
 def mesh_simulation(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
@@ -19,7 +19,7 @@ def mesh_simulation(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
     """
     sources = [
         SVA / "public.vlt",
-        *(dut / source.name for source in rtl_sources()),
+        *rtl_sources(dut),
         *mesh_sources(dut),
         *sorted(SVA.glob("*.sv")),
     ]

@@ -13,8 +13,8 @@ import numpy as np
 from triaxis.coverage.mesh_sample import MeshRow
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.scene import SceneAnswer, scene_answer
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Status
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Status
 from triaxis.verif.mesh.expectation import expected_status, moved
 from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.pair_lists import begins, difference, first_of

@@ -6,9 +6,9 @@ from pyuvm import uvm_subscriber
 
 from triaxis.coverage.mesh_coverage import MeshCoverage
 from triaxis.coverage.mesh_sample import MeshRow
-from triaxis.verif.handles import settings_of
 from triaxis.verif.mesh.sampling import mesh_build
-from triaxis.verif.settings import coverage_file
+from triaxis.verif.testbench.handles import settings_of
+from triaxis.verif.testbench.settings import coverage_file
 
 # Runs counted at a time: a call has a cost of its own.
 _BATCH = 256

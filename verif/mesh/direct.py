@@ -4,14 +4,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from random import Random
 
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshEngine
+from triaxis.sim.paths import DUT
 from triaxis.verif.mesh import bare_bfm
 from triaxis.verif.mesh.bare_bfm import BareBfm
 from triaxis.verif.mesh.checking import SceneChecker
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import MeshEngine
 from triaxis.verif.mesh.items import LoadItem, RunItem, Scene
 from triaxis.verif.mesh.matching import RunMatcher
-from triaxis.verif.paths import DUT
 
 
 def check_directly(

@@ -2,12 +2,12 @@
 
 from pyuvm import uvm_env
 
-from triaxis.verif.handles import create
 from triaxis.verif.mesh.coverage_subscriber import MeshCoverageSubscriber
 from triaxis.verif.mesh.load_agent import LoadAgent
 from triaxis.verif.mesh.result_agent import ResultAgent
 from triaxis.verif.mesh.run_agent import RunAgent
 from triaxis.verif.mesh.scoreboard import MeshScoreboard
+from triaxis.verif.testbench.handles import create
 
 
 class MeshEnv(uvm_env):

@@ -4,9 +4,9 @@ from typing import cast
 
 from pyuvm import ConfigDB, uvm_component
 
-from triaxis.verif.handles import settings_of
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh.bare_bfm import BareBfm
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.verif.testbench.handles import settings_of
 
 _BARE = "BARE_MESH"
 

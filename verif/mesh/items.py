@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from pyuvm import uvm_sequence_item
 
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.mesh.engine import Mode, Move
+from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.verif.core.items import FULL_SPEED, Pace
 
 
 class LoadItem(uvm_sequence_item):

@@ -8,12 +8,12 @@ from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_seq
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.agents.items import Pace
-from triaxis.verif.handles import create, dut_of, settings_of
+from triaxis.verif.core.items import Pace
 from triaxis.verif.mesh.handles import mesh_configuration_of
 from triaxis.verif.mesh.items import LoadItem
 from triaxis.verif.mesh.observed import Loaded
 from triaxis.verif.mesh.packing import pack_triangle, unpack_triangle
+from triaxis.verif.testbench.handles import create, dut_of, settings_of
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
 

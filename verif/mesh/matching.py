@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from triaxis.verif.batches import ResetSeen
 from triaxis.verif.mesh.observed import (
     AbortAsked,
     CorePairs,
@@ -15,6 +14,7 @@ from triaxis.verif.mesh.observed import (
     RunAccepted,
     Summary,
 )
+from triaxis.verif.testbench.batches import ResetSeen
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh.items import RunRequest
 from triaxis.verif.mesh.observed import Integers
 

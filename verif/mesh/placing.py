@@ -3,8 +3,8 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Move
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Move
 from triaxis.verif.mesh.shapes import Integers
 
 

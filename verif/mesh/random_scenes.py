@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.mesh.engine import Mode, Move
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import as_move, placed, random_margin
 from triaxis.verif.mesh.scene_kinds import KINDS

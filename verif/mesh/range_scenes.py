@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.mesh.engine import Mode
+from triaxis.sim.mesh_engine import Mode
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import as_move, random_margin
 from triaxis.verif.mesh.shapes import Shapes

@@ -5,12 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 
-from triaxis.golden.quantise import centred_grid, quantise
-from triaxis.verif.machine_scenes import machine_scenes
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.quantise import centred_grid, quantise
+from triaxis.host.scenes import scenes
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh.shapes import Integers
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.scenes import scenes
 
 # Margins are this part of the range.
 _MARGIN_PART = 256

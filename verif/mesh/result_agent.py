@@ -9,13 +9,13 @@ from cocotb.triggers import RisingEdge
 from cocotb_bus.drivers import BitDriver
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_monitor, uvm_subscriber
 
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.batches import ResetSeen
-from triaxis.verif.handles import create, dut_of, settings_of
+from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.handles import mesh_configuration_of
 from triaxis.verif.mesh.items import RunTraffic
 from triaxis.verif.mesh.observed import CorePairs, NearTaken, Summary
 from triaxis.verif.mesh.packing import unpack_pair
+from triaxis.verif.testbench.batches import ResetSeen
+from triaxis.verif.testbench.handles import create, dut_of, settings_of
 
 
 class ResultReadyDriver(uvm_subscriber):

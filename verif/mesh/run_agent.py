@@ -3,11 +3,11 @@
 from cocotb.triggers import RisingEdge
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_sequencer
 
-from triaxis.verif.handles import create, dut_of
 from triaxis.verif.mesh.handles import mesh_configuration_of
 from triaxis.verif.mesh.items import RunItem, RunTraffic
 from triaxis.verif.mesh.observed import AbortAsked, RunAccepted
 from triaxis.verif.mesh.packing import pack_run, unpack_run
+from triaxis.verif.testbench.handles import create, dut_of
 
 # Clocks that a run may take for each pair that the meshes can have, and at least: stalls are included.
 _CLOCKS_A_PAIR, _LEAST_CLOCKS = 100, 20_000

@@ -15,7 +15,7 @@ from triaxis.verif.mesh.bare_agents import (
 )
 from triaxis.verif.mesh.observed import CorePairs, Loaded, NearTaken, Summary
 from triaxis.verif.mesh.random_scenes import random_scene
-from triaxis.verif.mesh.tests import MeshVolumeTest
+from triaxis.verif.mesh.uvm_tests import MeshVolumeTest
 
 # Which transactions of some kind are falsified: a few in the middle of a test.
 _FALSE = range(20, 40)

@@ -5,8 +5,8 @@ import numpy as np
 from triaxis.coverage.mesh_sample import UNKNOWN, AbortSeen, MeshBuild, MeshRow
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import SceneAnswer, boxes_of, boxes_of_groups
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Status
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Status
 from triaxis.verif.mesh.expectation import moved
 from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
 

@@ -8,11 +8,11 @@ from typing import Any
 
 from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
-from triaxis.verif.handles import settings_of
+from triaxis.verif.core.scoreboard import write_counts
 from triaxis.verif.mesh.checking import SceneChecker, SceneFailure
 from triaxis.verif.mesh.matching import RunMatcher
-from triaxis.verif.scoreboard import write_counts
-from triaxis.verif.settings import result_file
+from triaxis.verif.testbench.handles import settings_of
+from triaxis.verif.testbench.settings import result_file
 
 # How many transactions that belong to no run are named.
 _SHOWN = 10

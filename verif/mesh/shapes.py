@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.sim.mesh_configuration import MeshConfiguration
 
 Integers = npt.NDArray[np.int64]
 

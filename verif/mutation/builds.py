@@ -12,11 +12,11 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.build import built, content_hash, run_tool
+from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.paths import ROOT
+from triaxis.sim.toolchain import verilator
 from triaxis.verif.mutation.folder import FOLDER, temporary
 from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
-from triaxis.verif.paths import ROOT
-from triaxis.verif.toolchain import verilator
 
 _SOURCES = Path(__file__).parent
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
@@ -97,7 +97,7 @@ def _verilate(
         "--x-initial", "fast",
         # A mutant may look odd: only errors count. What does not settle is found out when it runs.
         "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal", "--top-module", target_.top, "--prefix", "Vmutant",
-        *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut}", *more,
+        *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut / 'core'}", *more,
         "--Mdir", str(folder), *map(str, extra), *map(str, target_.sources(dut)), *checked,
     ]  # fmt: skip
     answer = _answer(command, target_.name)
@@ -172,7 +172,7 @@ def _compile(target_: AnyTarget, folder: Path, optimise: str, selectable: bool, 
 
 
 def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
-    """Return the library of a copy of dut/ that holds mutants, with the assertions of verif/sva/.
+    """Return the library of a copy of dut/ that holds mutants, with the assertions of verif/core/sva/.
 
     ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
     build: the generator's fault, not a mutant's.
@@ -219,8 +219,8 @@ def with_mutant_library(
 ) -> None:
     """Build one mutated copy of dut/, and call ``use`` with its library, which is then removed.
 
-    ``assertions``: with those of verif/sva/. ``unless``: the `elaboration_hash` of a model that need not be
-    built. Raises ElaborationError where Verilator refuses the RTL, InputError where it fails otherwise.
+    ``assertions``: with those of the environment. ``unless``: the `elaboration_hash` of a model that need not
+    be built. Raises ElaborationError where Verilator refuses the RTL, InputError where it fails otherwise.
     """
     with temporary("mutant-") as folder:
         if _elaborate(target_, dut, folder, assertions) != unless:

@@ -6,13 +6,13 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_files
+from triaxis.sim.build import mesh_files
+from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.elaboration import elaboration_mutants
 from triaxis.verif.mutation.macro import macro_mutants
 from triaxis.verif.mutation.mutant import RUNTIME, Mutant
 from triaxis.verif.mutation.statements import Host, hosts, input_ports, shared_enumerators
 from triaxis.verif.mutation.syntax import SourceFile, read_source
-from triaxis.verif.paths import DUT
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Catalogue:
 
 def catalogue(dut: Path = DUT) -> Catalogue:
     """Return all mutants of the RTL in a folder."""
-    paths = (path for path in rtl_files(dut) if path.suffix == ".sv")
+    paths = (path for path in mesh_files(dut) if path.suffix == ".sv")
     # Those of the core first: their numbers stay whatever is done above it.
     ordered = sorted(paths, key=lambda path: (len(path.parts), path))
     sources = tuple(read_source(path, dut) for path in ordered)

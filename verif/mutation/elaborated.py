@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.mutation.targets import AnyTarget
-from triaxis.verif.paths import DUT
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def core_latencies(dut: Path, points: Sequence[tuple[int, int]]) -> list[int] | 
         for number, (width, margin) in enumerate(points)
     )
     compilation = ast.Compilation()
-    compilation.addSyntaxTree(SyntaxTree.fromFile(str(dut / "triaxis_pkg.sv")))
+    compilation.addSyntaxTree(SyntaxTree.fromFile(str(dut / "core" / "triaxis_pkg.sv")))
     compilation.addSyntaxTree(SyntaxTree.fromText(f"module asked; {asked} endmodule"))
     body = compilation.getRoot().topInstances[0].body
     values = [str(body.find(f"V{number}").value) for number in range(len(points))]

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.scene import scene_answer
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Move, Status
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Move, Status
 from triaxis.verif.mesh.expectation import moved, overflows
 
 _Numbers = npt.NDArray[np.int64]

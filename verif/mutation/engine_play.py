@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Move, Status
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Move, Status
 from triaxis.verif.mutation.engine_expectation import Expectation, expected_run
 
 Triangles = npt.NDArray[np.int64]

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Move
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Move
 from triaxis.verif.mutation.engine_play import EnginePlay, Script, Traffic, Triangles
 from triaxis.verif.mutation.targets import EngineTarget
 

@@ -29,11 +29,14 @@ import numpy as np
 from triaxis.fpga.synthesis import yosys, yosys_version
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH
-from triaxis.verif.build import content_hash, rtl_files
-from triaxis.verif.code_coverage_stimulus import flowing
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.build import content_hash, mesh_files
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.packing import COORDINATES
+from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.verif.code_coverage.stimulus import flowing
+from triaxis.verif.core.stimulus.corners import all_corners, orientations, spans
 from triaxis.verif.formal.engine_proofs import engine_proofs
-from triaxis.verif.mesh.configuration import MeshConfiguration
 from triaxis.verif.mutation.builds import FAST, ElaborationError, elaboration_hash, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.folder import FOLDER, temporary
@@ -42,9 +45,6 @@ from triaxis.verif.mutation.models import Killed, Library
 from triaxis.verif.mutation.mutant import Mutant, applied
 from triaxis.verif.mutation.stimulus import Play
 from triaxis.verif.mutation.targets import EngineTarget, Target
-from triaxis.verif.packing import COORDINATES
-from triaxis.verif.paths import DUT, rtl_sources
-from triaxis.verif.sequences.corners import all_corners, orientations, spans
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
@@ -112,9 +112,9 @@ def _entry(path: Path, number: int, entry: Mapping[str, Any]) -> Equivalent:
 
 def _read(folder: Path, entry: Equivalent, name: str) -> str:
     parameters = " ".join(f"-G {key}={value}" for key, value in entry.parameters.items())
-    sources = " ".join(str(folder / source.name) for source in rtl_sources())
+    sources = " ".join(map(str, rtl_sources(folder)))
     return (
-        f"read_slang --threads 1 -I {folder} {parameters} --top {entry.module} {sources}; "
+        f"read_slang --threads 1 -I {folder / 'core'} {parameters} --top {entry.module} {sources}; "
         f"hierarchy -top {entry.module}; proc; flatten; opt_clean; rename {entry.module} {name}; "
         f"design -stash {name}"
     )
@@ -129,7 +129,7 @@ _MITER = (
 
 def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
     folder.mkdir()
-    for source in rtl_files(dut):
+    for source in mesh_files(dut):
         place = folder / source.relative_to(dut)
         place.parent.mkdir(exist_ok=True)
         text = source.read_text()
@@ -358,7 +358,7 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
     solver = _solver() if entry.evidence in (PROOF, CONTRACT) else ""
     key = content_hash(
-        rtl_files(dut), killers_hash(), solver, entry.evidence, entry.module,
+        mesh_files(dut), killers_hash(), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
     mark = FOLDER / "proofs" / key[:24]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from triaxis.verif.paths import BUILD
+from triaxis.sim.paths import BUILD
 
 FOLDER = BUILD / "mutation"
 

@@ -4,18 +4,18 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-from triaxis.verif.build import content_hash
+from triaxis.sim.build import content_hash
+from triaxis.sim.paths import ROOT, VERIF
+from triaxis.sim.toolchain import verilator
 from triaxis.verif.mutation.latencies import latency_section
-from triaxis.verif.paths import ROOT, VERIF
-from triaxis.verif.toolchain import verilator
 
 _PACKAGE = "triaxis"
 _OTHER_THAN_PYTHON = (
     (VERIF / "mutation", ("*.cpp", "*.h", "*.toml")),
     (VERIF / "mutation" / "exact_core", ("*.sv", "*.cpp")),
-    (VERIF / "sva", ("*.sv", "*.vlt")),
-    (VERIF / "sva" / "mesh", ("*.sv", "*.vlt")),
-    (VERIF / "regressions", ("*.json",)),
+    (VERIF / "core" / "sva", ("*.sv", "*.vlt")),
+    (VERIF / "mesh" / "sva", ("*.sv", "*.vlt")),
+    (VERIF / "core" / "kept", ("*.json",)),
     (VERIF / "formal" / "rtl", ("*.sv",)),
     (ROOT / "golden", ("bulk.cpp", "*.h")),
 )

@@ -16,7 +16,8 @@ from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_files
+from triaxis.sim.build import mesh_files
+from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.builds import (
     FAST,
     QUICK,
@@ -37,7 +38,6 @@ from triaxis.verif.mutation.outcomes import Outcome, Store
 from triaxis.verif.mutation.schema import schema, write_support
 from triaxis.verif.mutation.stimulus import directed, volume
 from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, AnyTarget, EngineTarget
-from triaxis.verif.paths import DUT
 
 # Bursts of a mutant's volume on each target; the narrowest model is the fastest.
 _BURSTS = {MAIN.name: 32}
@@ -45,7 +45,7 @@ _OTHER_BURSTS = 4
 # Fewer run-time mutants are built one by one: quicker than a build that can hold all.
 _FEW = 12
 
-_PACKAGE = "triaxis_pkg.sv"
+_PACKAGE = "core/triaxis_pkg.sv"
 
 _SAVED_EVERY = 50
 _LONGER = 8
@@ -245,7 +245,7 @@ def measured(target: EngineTarget, plays: Sequence[EnginePlay], dut: Path) -> Se
 
 def copy_rtl(dut: Path, folder: Path) -> None:
     """Copy all that elaborates into a folder that exists."""
-    for source in rtl_files(dut):
+    for source in mesh_files(dut):
         place = folder / source.relative_to(dut)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(source, place)

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.paths import ROOT
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.models import Killed
-from triaxis.verif.paths import ROOT
 
 # In clocks at M = 0, from the first width that has it; one clock more with margins.
 _FIRST_WIDTHS = {8: 23, 13: 24, 18: 26, 25: 28}

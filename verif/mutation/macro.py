@@ -4,7 +4,7 @@ from pathlib import Path
 
 from triaxis.verif.mutation.mutant import ELABORATION, Edit, Mutant, named, normalised
 
-FILE = "triaxis_stage.svh"
+FILE = "core/triaxis_stage.svh"
 _NAME = "triaxis_stage"
 
 # What in the macro's text gives way to what. The operators' names are those of statements.py.

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.build import content_hash, rtl_hash
+from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.verif.mutation.folder import FOLDER
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.models import Killed

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_hash
-from triaxis.verif.evidence import read_evidence, write_evidence
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence, write_evidence
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
 from triaxis.verif.mutation.folder import FOLDER
@@ -51,7 +51,7 @@ class Fate:
 
     @property
     def file(self) -> str:
-        """Return the file, as in dut/triaxis_box.sv."""
+        """Return the file, as in dut/core/triaxis_box.sv."""
         return self.place.rpartition(":")[0]
 
     @property

@@ -4,7 +4,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from triaxis.verif.build import rtl_hash
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
@@ -20,7 +21,6 @@ from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.stimulus import PAIRS
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
-from triaxis.verif.paths import DUT
 
 
 def mutate(

@@ -12,15 +12,15 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.code_coverage_stimulus import disturbed, flowing
-from triaxis.verif.counterexample.regressions import load_regressions
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.instrumented_core import OFFER, RESET, TAKE
+from triaxis.sim.packing import COORDINATES, data_bytes
+from triaxis.sim.result import NEAR
+from triaxis.verif.code_coverage.instrumented_core import OFFER, RESET, TAKE
+from triaxis.verif.code_coverage.stimulus import disturbed, flowing
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.kept_cases import load_regressions
+from triaxis.verif.core.stimulus.families import FAMILIES, mixed, mixture
+from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.mutation.targets import Target
-from triaxis.verif.packing import COORDINATES, data_bytes
-from triaxis.verif.result import NEAR
-from triaxis.verif.sequences.families import FAMILIES, mixed, mixture
-from triaxis.verif.sequences.stimulus import Stimulus
 
 Steps = npt.NDArray[np.uint8]
 

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.verif.build import core_files, rtl_files
-from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.paths import VERIF, mesh_sources, rtl_sources
+from triaxis.sim.build import core_files, mesh_files
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import VERIF, mesh_sources, rtl_sources
 
-_SVA = VERIF / "sva"
+_SVA = VERIF / "core" / "sva"
 EXACT_CORE = VERIF / "mutation" / "exact_core"
-_DATAPATH = "triaxis_datapath.sv"
+_DATAPATH = "core/triaxis_datapath.sv"
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Target:
 
     @property
     def assertions(self) -> list[Path]:
-        """Return the files of verif/sva/ that go with it."""
+        """Return the files of verif/core/sva/ that go with it."""
         return [] if self.combinational else sorted(_SVA.glob("*.sv"))
 
     @property
@@ -50,7 +50,7 @@ class Target:
 
     def sources(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` in the order in which they compile."""
-        return [dut / source.name for source in rtl_sources()]
+        return rtl_sources(dut)
 
     def depends_on(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` that a build depends on."""
@@ -82,8 +82,8 @@ class EngineTarget:
 
     @property
     def assertions(self) -> list[Path]:
-        """Return the files of verif/sva/ that go with it."""
-        return sorted((_SVA / "mesh").glob("*.sv"))
+        """Return the files of verif/core/sva/ that go with it."""
+        return sorted((VERIF / "mesh" / "sva").glob("*.sv"))
 
     @property
     def defines(self) -> tuple[str, ...]:
@@ -103,14 +103,14 @@ class EngineTarget:
 
     def sources(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` in the order in which they compile."""
-        core = [dut / source.name for source in rtl_sources()]
+        core = rtl_sources(dut)
         if self.exact_core:
             core = [EXACT_CORE / path.name if path.name == _DATAPATH else path for path in core]
         return [*core, *mesh_sources(dut)]
 
     def depends_on(self, dut: Path) -> list[Path]:
         """Return the files of ``dut`` that a build depends on."""
-        return rtl_files(dut)
+        return mesh_files(dut)
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""

@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from triaxis.verif.regression.run_record import RunRecord
+from triaxis.verif.regress.run_record import RunRecord
 
 _LONGEST = 160
 # A bracket that the cut left open.

@@ -5,8 +5,8 @@ from typing import Any
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.mesh_coverage import mesh_model
-from triaxis.verif.configuration import parse_configuration
-from triaxis.verif.mesh.configuration import is_mesh_configuration, parse_mesh_configuration
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration
 from triaxis.verif.mesh.sampling import mesh_build
 
 _CORE = "core_"

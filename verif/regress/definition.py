@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.coverage_models import model_of
-from triaxis.verif.paths import ROOT
-from triaxis.verif.regression.planned_run import add_options
+from triaxis.sim.paths import ROOT
+from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.regress.planned_run import add_options
 
 DEFINITION = Path(__file__).with_name("triaxis_sim_cfg.hjson")
 _INSTALL = "run `make regress`, which installs it"

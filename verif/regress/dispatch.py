@@ -14,13 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import ROOT
-from triaxis.verif.provenance import provenance
-from triaxis.verif.regression.definition import Definition
-from triaxis.verif.regression.launchers import Launcher
-from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.paths import ROOT
+from triaxis.sim.provenance import provenance
+from triaxis.verif.regress.definition import Definition
+from triaxis.verif.regress.launchers import Launcher
+from triaxis.verif.regress.planned_run import PlannedRun
 
 _DVSIM = Path(sys.executable).with_name("dvsim")
 _POLL_SECONDS = 0.25
@@ -112,7 +112,7 @@ def _configuration(one: Pass, tests: Sequence[_Test]) -> dict[str, Any]:
 
 def _command(one: Pass, configuration: Path, tests: Sequence[_Test]) -> list[str]:
     return [
-        sys.executable, "-m", "triaxis.verif.regression.die_with_parent", str(os.getpid()),
+        sys.executable, "-m", "triaxis.verif.regress.die_with_parent", str(os.getpid()),
         str(_DVSIM), str(configuration),
         "--proj-root", str(ROOT), "--scratch-root", str(one.scratch), "--branch", "regress",
         # Local names of an outer dvsim's configuration file are none of ours.

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.regression.buckets import bucket_of
-from triaxis.verif.regression.file_lock import locked
-from triaxis.verif.regression.planned_run import PlannedRun, from_dict
-from triaxis.verif.regression.run_record import RunRecord
+from triaxis.golden.whole_files import write_whole
+from triaxis.verif.regress.buckets import bucket_of
+from triaxis.verif.regress.file_lock import locked
+from triaxis.verif.regress.planned_run import PlannedRun, from_dict
+from triaxis.verif.regress.run_record import RunRecord
 
 _FEW = 3
 

@@ -2,25 +2,24 @@
 
 from pathlib import Path
 
-from triaxis.verif.build import content_hash, rtl_hash
-from triaxis.verif.paths import ROOT
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.sim.paths import ROOT
+from triaxis.sim.toolchain import verilator
 
 # What a simulation loads, and no more: a change of a report or of the command line voids no results. Kept
 # cases are left out, so that a failing run, which adds one, does not void what passed before it.
 FOLDERS = (
     "golden",
+    "sim",
     "coverage",
-    "verif",
-    "verif/agents",
-    "verif/board",
-    "verif/burst",
+    "verif/testbench",
+    "verif/core",
+    "verif/core/burst",
+    "verif/core/stimulus",
+    "verif/core/sva",
     "verif/counterexample",
     "verif/mesh",
-    "verif/sequences",
-    "verif/sva",
-    "verif/sva/mesh",
-    "verif/testlist",
+    "verif/mesh/sva",
 )
 _SOURCES = (".py", ".cpp", ".h", ".sv", ".vlt", ".csv")
 

@@ -5,10 +5,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.regression.buckets import bucket_of
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.run_record import RunRecord
+from triaxis.golden.whole_files import write_whole
+from triaxis.verif.regress.buckets import bucket_of
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.run_record import RunRecord
 
 NAME = "junit.xml"
 # What XML cannot hold, however it is written.

@@ -7,7 +7,7 @@ import subprocess
 from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.toolchain import verilator
 
 LOCAL, SLURM, LSF = "local", "slurm", "lsf"
 LAUNCHERS = (LOCAL, SLURM, LSF)
@@ -90,5 +90,5 @@ def _default_partition() -> str:
     names = answer.stdout.split()
     if answer.returncode or not names:
         reason = (answer.stderr.strip().splitlines() or ["no partition"])[0]
-        raise InputError(f"Slurm does not answer: {reason}; see verif/regression/slurm_node.sh for one node")
+        raise InputError(f"Slurm does not answer: {reason}; see verif/regress/slurm_node.sh for one node")
     return next((name for name in names if name.endswith("*")), names[0]).rstrip("*")

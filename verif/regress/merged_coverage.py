@@ -7,10 +7,10 @@ from triaxis.coverage.counts import load
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
-from triaxis.verif.coverage_models import model_of
-from triaxis.verif.regression.planned_run import PlannedRun
-from triaxis.verif.regression.run_record import RunRecord
-from triaxis.verif.settings import coverage_file
+from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.run_record import RunRecord
+from triaxis.verif.testbench.settings import coverage_file
 
 
 def merge_coverage(

@@ -7,12 +7,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.mesh.configuration import parse_mesh_configuration
-from triaxis.verif.settings import BURST, PIN
-from triaxis.verif.simulation import build_for, run_settings
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import parse_mesh_configuration
+from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.simulation import build_for, run_settings
 
 
 def error_file(folder: Path, config: str) -> Path:

@@ -12,13 +12,13 @@ import time
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.regression.failing import FailingSeeds
-from triaxis.verif.regression.file_lock import locked
-from triaxis.verif.regression.identity import identity
-from triaxis.verif.regression.planned_run import PlannedRun, add_options
-from triaxis.verif.regression.run_record import RunRecord, read_record, record_file, write_record
-from triaxis.verif.simulation import RunResult
-from triaxis.verif.simulation import run as simulate
+from triaxis.verif.regress.failing import FailingSeeds
+from triaxis.verif.regress.file_lock import locked
+from triaxis.verif.regress.identity import identity
+from triaxis.verif.regress.planned_run import PlannedRun, add_options
+from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
+from triaxis.verif.testbench.simulation import RunResult
+from triaxis.verif.testbench.simulation import run as simulate
 
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress`.
 ANY = "any"

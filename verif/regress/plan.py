@@ -2,8 +2,8 @@
 
 import hashlib
 
-from triaxis.verif.regression.definition import Definition
-from triaxis.verif.regression.planned_run import PlannedRun
+from triaxis.verif.regress.definition import Definition
+from triaxis.verif.regress.planned_run import PlannedRun
 
 # Seeds go through SystemVerilog's int.
 _SEEDS = 1 << 31

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.verif.settings import BURST, PIN, RunSettings
-from triaxis.verif.simulation import run_settings
+from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
+from triaxis.verif.testbench.simulation import run_settings
 
 
 @dataclass(frozen=True)

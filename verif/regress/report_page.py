@@ -6,16 +6,16 @@ from pathlib import Path
 
 from triaxis.coverage.html import Marked, code, folded, mark, page, table
 from triaxis.coverage.report import percent
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.coverage_models import model_of
-from triaxis.verif.provenance import provenance
-from triaxis.verif.regression.buckets import Bucket
-from triaxis.verif.regression.history import now
-from triaxis.verif.regression.junit import NAME as JUNIT
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.results_file import NAME as RESULTS
-from triaxis.verif.regression.run_record import RunRecord
-from triaxis.verif.toolchain import verilator
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.provenance import provenance
+from triaxis.sim.toolchain import verilator
+from triaxis.verif.regress.buckets import Bucket
+from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.regress.history import now
+from triaxis.verif.regress.junit import NAME as JUNIT
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.results_file import NAME as RESULTS
+from triaxis.verif.regress.run_record import RunRecord
 
 NAME = "report.html"
 

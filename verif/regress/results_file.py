@@ -3,12 +3,12 @@
 from dataclasses import asdict
 from pathlib import Path
 
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.provenance import provenance
-from triaxis.verif.regression.buckets import bucket_of
-from triaxis.verif.regression.history import NightlyRecord, now
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.run_record import RunRecord
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.provenance import provenance
+from triaxis.verif.regress.buckets import bucket_of
+from triaxis.verif.regress.history import NightlyRecord, now
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.run_record import RunRecord
 
 NAME = "results.json"
 

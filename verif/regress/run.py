@@ -10,37 +10,37 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import BUILD, ROOT
-from triaxis.verif.regression.definition import DEFINITION, Definition, in_checkout, read_definition
-from triaxis.verif.regression.dispatch import (
+from triaxis.sim.paths import BUILD, ROOT
+from triaxis.verif.regress.definition import DEFINITION, Definition, in_checkout, read_definition
+from triaxis.verif.regress.dispatch import (
     Pass,
     check_dvsim,
     last_error,
     run_pass,
     terminated_as_interrupted,
 )
-from triaxis.verif.regression.failing import FailingSeed, FailingSeeds, few_of_each_bucket
-from triaxis.verif.regression.file_lock import locked
-from triaxis.verif.regression.history import HISTORY, append_record
-from triaxis.verif.regression.identity import identity
-from triaxis.verif.regression.junit import write_junit
-from triaxis.verif.regression.launchers import LOCAL, Launcher, launcher
-from triaxis.verif.regression.merged_coverage import merge_coverage
-from triaxis.verif.regression.one_build import error_file
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.plan import plan
-from triaxis.verif.regression.planned_run import PlannedRun
-from triaxis.verif.regression.report_page import write_report
-from triaxis.verif.regression.results_file import history_record, write_results
-from triaxis.verif.regression.run_record import (
+from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
+from triaxis.verif.regress.file_lock import locked
+from triaxis.verif.regress.history import HISTORY, append_record
+from triaxis.verif.regress.identity import identity
+from triaxis.verif.regress.junit import write_junit
+from triaxis.verif.regress.launchers import LOCAL, Launcher, launcher
+from triaxis.verif.regress.merged_coverage import merge_coverage
+from triaxis.verif.regress.one_build import error_file
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.plan import plan
+from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.report_page import write_report
+from triaxis.verif.regress.results_file import history_record, write_results
+from triaxis.verif.regress.run_record import (
     RunRecord,
     read_record,
     read_records,
     record_file,
     write_record,
 )
-from triaxis.verif.regression.state import State, begin, read_state, write_state
-from triaxis.verif.regression.testplan_view import write_view
+from triaxis.verif.regress.state import State, begin, read_state, write_state
+from triaxis.verif.regress.testplan_view import write_view
 
 FOLDER = BUILD / "regress"
 # The regression whose outcomes the history keeps, and whose seed is the date where none is given.

@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.regression.planned_run import PlannedRun, from_dict
+from triaxis.golden.whole_files import write_whole
+from triaxis.verif.regress.planned_run import PlannedRun, from_dict
 
 
 @dataclass(frozen=True)

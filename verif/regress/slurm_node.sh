@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A Slurm of one node, this machine, to try `triaxis regress --launcher slurm` on.
 #
-#   verif/regression/slurm_node.sh start|stop|status
+#   verif/regress/slurm_node.sh start|stop|status
 #
 # Needs Debian's packages and root: apt-get install slurm-wlm munge. Installs nothing, and leaves
 # /etc/slurm and /etc/munge alone: configuration, key, logs and state are in build/slurm, or in the folder that

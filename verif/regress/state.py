@@ -6,8 +6,8 @@ import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.regression.run_record import RunRecord
+from triaxis.golden.whole_files import write_whole
+from triaxis.verif.regress.run_record import RunRecord
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.whole_files import write_whole
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import ROOT
-from triaxis.verif.regression.definition import Item
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.paths import ROOT
+from triaxis.verif.regress.definition import Item
 
 TESTPLAN = ROOT / "coverage" / "testplan.hjson"
 # dvsim's word for a testpoint that no simulation is mapped to.

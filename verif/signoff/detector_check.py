@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, coordinate_range
-from triaxis.verif.detector import WIDTH, detect
-from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.sequences.seed_vectors import seed_normals, seed_vectors
+from triaxis.sim.detector import WIDTH, detect
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
 
 SEED_VECTORS = 15
 _PAIRS = 3_000

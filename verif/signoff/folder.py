@@ -1,6 +1,6 @@
 """Where a sign-off leaves its results."""
 
-from triaxis.verif.paths import BUILD
+from triaxis.sim.paths import BUILD
 
 FOLDER = BUILD / "signoff"
 RESULT = FOLDER / "signoff.json"

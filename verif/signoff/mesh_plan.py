@@ -1,8 +1,8 @@
 """Which tests of the mesh engine a sign-off runs, in which configurations, and on how many pairs."""
 
-from triaxis.verif.settings import BURST, PIN, RunSettings
 from triaxis.verif.signoff.folder import FOLDER
-from triaxis.verif.simulation import run_settings
+from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
+from triaxis.verif.testbench.simulation import run_settings
 
 # A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; the
 # widest; one lane, in the width of the board's finer build; the engine as it stands on the board.

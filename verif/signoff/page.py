@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from triaxis.coverage import plots
-from triaxis.coverage import signoff_details as details
 from triaxis.coverage.html import Cell, Marked, code, folded, mark, page, table
 from triaxis.coverage.stages import STAGES, Figure, share
+from triaxis.verif.signoff import page_details as details
+from triaxis.verif.signoff import plots
 
 Content = Mapping[str, Any]
 

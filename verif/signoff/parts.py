@@ -6,9 +6,9 @@ from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.verif import code_coverage
-from triaxis.verif.engine import CoreError
-from triaxis.verif.evidence import read_evidence
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.evidence import read_evidence
+from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, run_grid
 from triaxis.verif.faults import run as faults

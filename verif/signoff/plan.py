@@ -1,11 +1,11 @@
 """Which tests a sign-off runs, in which configurations, and on how many pairs."""
 
-from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.settings import BURST, PIN, RunSettings
+from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import FOLDER
-from triaxis.verif.simulation import run_settings
-from triaxis.verif.testnames import FAMILY_TESTS, REGRESSIONS
+from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
+from triaxis.verif.testbench.simulation import run_settings
+from triaxis.verif.testbench.testnames import FAMILY_TESTS, REGRESSIONS
 
 # Pairs of the volume runs in all.
 VOLUME = 100_000_000

@@ -9,14 +9,14 @@ from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
-from triaxis.verif.assertions import SVA, assertion_names
-from triaxis.verif.coverage_models import model_of
 from triaxis.verif.faults.run import signed_off_names
 from triaxis.verif.formal.run import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
+from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
-from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS
+from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
+from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS
 
 # Runs that check and are no UVM tests: the wrapper, whole meshes, the small grid in full, code coverage.
 DETECTOR, SCENES, EXHAUSTIVE, CODE_COVERAGE = "detector", "scenes", "exhaustive", "code_coverage"
@@ -37,7 +37,12 @@ def inventory() -> Inventory:
         proofs=frozenset(proof_names()),
         faults=frozenset(signed_off_names()),
         checks=frozenset(CHECKS),
-        assertions=frozenset(name for path in sorted(SVA.rglob("*.sv")) for name in assertion_names(path)),
+        assertions=frozenset(
+            name
+            for folder in (CORE_SVA, MESH_SVA)
+            for path in sorted(folder.glob("*.sv"))
+            for name in assertion_names(path)
+        ),
         mutants=frozenset(mutant_names()),
         bins=goals,
         illegal=illegal,

@@ -7,13 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.signoff_page import signoff_page
 from triaxis.coverage.stages import Judgement, judge, read_figures
-from triaxis.coverage.whole_files import write_whole
-from triaxis.verif.evidence import write_evidence
-from triaxis.verif.provenance import Provenance, provenance
+from triaxis.golden.whole_files import write_whole
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.provenance import Provenance, provenance
 from triaxis.verif.signoff.figures import Value, figures
 from triaxis.verif.signoff.folder import PAGE, RESULT
+from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.tools import tool_versions
 

@@ -3,14 +3,14 @@
 import time
 from collections.abc import Callable
 
-from triaxis.coverage.gate import PARTS
 from triaxis.coverage.report import ModelReport
-from triaxis.verif.code_coverage import CORES
+from triaxis.sim.provenance import provenance
+from triaxis.verif.code_coverage.run import CORES
 from triaxis.verif.faults.run import signed_off_names
 from triaxis.verif.formal.run import proof_names
-from triaxis.verif.provenance import provenance
 from triaxis.verif.signoff import simulation_part
 from triaxis.verif.signoff.folder import PAGE, RESULT
+from triaxis.verif.signoff.gate import PARTS
 from triaxis.verif.signoff.parts import (
     Evidence,
     Part,

@@ -9,11 +9,11 @@ import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
-from triaxis.golden.stl import read_stl
-from triaxis.verif.engine import RtlEngine, configuration_for
-from triaxis.verif.mesh_data import mesh_data
-from triaxis.verif.meshcheck import check_meshes, prepare
-from triaxis.verif.scenes import write_scenes, write_stl
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.meshcheck import check_meshes, prepare
+from triaxis.host.scenes import write_scenes, write_stl
+from triaxis.host.stl import read_stl
+from triaxis.sim.core_engine import RtlEngine, configuration_for
 
 
 @dataclass(frozen=True)

@@ -12,18 +12,18 @@ from triaxis.coverage.counts import load
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
-from triaxis.verif.build import library
-from triaxis.verif.coverage_models import model_of
-from triaxis.verif.engine import configuration_for
-from triaxis.verif.provenance import provenance
-from triaxis.verif.settings import RunSettings
+from triaxis.sim.build import library
+from triaxis.sim.core_engine import configuration_for
+from triaxis.sim.provenance import provenance
+from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.detector_check import check_detector
 from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
 from triaxis.verif.signoff.simulation_result import SimulationResult
-from triaxis.verif.simulation import RunResult, build_for, run
+from triaxis.verif.testbench.settings import RunSettings
+from triaxis.verif.testbench.simulation import RunResult, build_for, run
 
 Answer = TypeVar("Answer")
 

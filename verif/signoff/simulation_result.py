@@ -8,10 +8,10 @@ from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.verif.provenance import Provenance, provenance
+from triaxis.sim.provenance import Provenance, provenance
 from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
 from triaxis.verif.signoff.scene_checks import SceneResult
-from triaxis.verif.simulation import RunResult
+from triaxis.verif.testbench.simulation import RunResult
 
 # Tests send whole groups: some pairs less than they were asked for.
 _MOST_OF = 0.9

@@ -5,11 +5,18 @@ from collections.abc import Mapping, Sequence
 
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
-from triaxis.verif.paths import ROOT
-from triaxis.verif.plan_check import CODE_COVERAGE, DETECTOR, EXHAUSTIVE, SCENES, check_plan, inventory
-from triaxis.verif.provenance import provenance
+from triaxis.sim.paths import ROOT
+from triaxis.sim.provenance import provenance
 from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.parts import Evidence, Part
+from triaxis.verif.signoff.plan_check import (
+    CODE_COVERAGE,
+    DETECTOR,
+    EXHAUSTIVE,
+    SCENES,
+    check_plan,
+    inventory,
+)
 
 
 def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | None) -> Evidence:

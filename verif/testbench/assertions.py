@@ -1,4 +1,4 @@
-"""The assertions of verif/sva/, by name."""
+"""The assertions of verif/core/sva/, by name."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -6,9 +6,10 @@ from typing import TypeVar
 import pyslang
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import VERIF
+from triaxis.sim.paths import VERIF
 
-SVA = VERIF / "sva"
+CORE_SVA = VERIF / "core" / "sva"
+MESH_SVA = VERIF / "mesh" / "sva"
 
 Node = TypeVar("Node", bound=pyslang.syntax.SyntaxNode)
 

@@ -6,19 +6,19 @@ that runs is registered, here and not where it is defined.
 
 import pyuvm
 
-from triaxis.verif.settings import from_environment
+from triaxis.verif.testbench.settings import from_environment
 
 _SETTINGS = from_environment()
 # Only what is needed: each import is a part of every run.
 if _SETTINGS.of_mesh_engine:
-    from triaxis.verif.mesh import sabotage_tests, tests
+    from triaxis.verif.mesh import sabotage_tests, uvm_tests
 
-    _MODULES = (tests, sabotage_tests)
+    _MODULES = (uvm_tests, sabotage_tests)
 else:
-    from triaxis.verif.faults import uvm_tests
-    from triaxis.verif.testlist import bench_tests, sabotage_tests, tests
+    from triaxis.verif.core import bench_tests, sabotage_tests, uvm_tests
+    from triaxis.verif.faults import fault_tests
 
-    _MODULES = (tests, bench_tests, sabotage_tests, uvm_tests)
+    _MODULES = (uvm_tests, bench_tests, sabotage_tests, fault_tests)
 _FOUND = [vars(module)[_SETTINGS.test] for module in _MODULES if _SETTINGS.test in vars(module)]
 
 SELECTED = pyuvm.test()(_FOUND[0])

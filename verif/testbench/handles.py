@@ -5,8 +5,8 @@ from typing import Any, Protocol, TypeVar, cast
 from cocotb.handle import LogicArrayObject, LogicObject
 from pyuvm import ConfigDB, uvm_component
 
-from triaxis.verif.agents.burst_bfm import BurstBfm
-from triaxis.verif.settings import RunSettings
+from triaxis.verif.core.burst_bfm import BurstBfm
+from triaxis.verif.testbench.settings import RunSettings
 
 Component = TypeVar("Component", bound=uvm_component)
 

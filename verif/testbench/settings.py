@@ -5,14 +5,14 @@ import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.golden_sample import Share
-from triaxis.verif.mesh.configuration import (
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.mesh_configuration import (
     MeshConfiguration,
     is_mesh_configuration,
     parse_mesh_configuration,
 )
-from triaxis.verif.paths import DUT
+from triaxis.sim.paths import DUT
+from triaxis.verif.testbench.golden_sample import Share
 
 _VARIABLE = "TRIAXIS_RUN"
 _DUT_VARIABLE = "TRIAXIS_DUT"

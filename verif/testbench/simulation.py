@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from triaxis.verif.build import burst_simulation, mesh_library, simulation
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.build import burst_simulation, mesh_library, simulation
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.verif.core.kept_cases import REGRESSIONS
 from triaxis.verif.counterexample.explaining import explain_failures
-from triaxis.verif.counterexample.regressions import REGRESSIONS
 from triaxis.verif.mesh.build import BARE_TOP, TOP, bare_simulation, mesh_simulation
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
+from triaxis.verif.testbench.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
 
 # How often an error line of the log is repeated to the user.
 _SHOWN = 5
@@ -141,7 +141,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
         runner.test(
             hdl_toplevel=_top_level(settings),
             hdl_toplevel_lang="verilog",
-            test_module="triaxis.verif.testlist.entry",
+            test_module="triaxis.verif.testbench.entry",
             test_filter=f"{settings.test}$",
             seed=settings.seed,
             build_dir=build,

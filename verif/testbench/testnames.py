@@ -1,7 +1,7 @@
 """The names of the UVM tests, for those who run them from outside the simulator."""
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.mesh.configuration import is_mesh_configuration
+from triaxis.sim.mesh_configuration import is_mesh_configuration
 
 REPLAY = "ReplayTest"
 REGRESSIONS = "RegressionsTest"

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from triaxis.bench.error.peers.peer import Ask, PeerAbsentError
+from triaxis.bench.error.truth import Triangles
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.bench.peers.peer import Ask, PeerAbsentError
-from triaxis.verif.bench.truth import Triangles
-from triaxis.verif.build import built, content_hash, run_tool
-from triaxis.verif.paths import BUILD
+from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.paths import BUILD
 
 _SOURCE = Path(__file__).with_name("cgal_native.cpp")
 # Its interval arithmetic rests on the rounding mode.

@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from types import ModuleType
 from typing import Any
 
-from triaxis.verif.bench.peers.peer import PeerAbsentError
+from triaxis.bench.error.peers.peer import PeerAbsentError
 
 _INSTALL = "`make peers` installs it"
 

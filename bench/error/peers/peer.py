@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.bench.truth import Triangles
+from triaxis.bench.error.truth import Triangles
 
 # Asks about all pairs once more, and returns the verdicts (N,), true: they collide.
 Ask = Callable[[], npt.NDArray[np.bool_]]

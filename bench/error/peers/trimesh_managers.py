@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.verif.bench.peers.installed import imported, installed_version
-from triaxis.verif.bench.peers.peer import Ask, doubles, one_by_one
-from triaxis.verif.bench.truth import Triangles
+from triaxis.bench.error.peers.installed import imported, installed_version
+from triaxis.bench.error.peers.peer import Ask, doubles, one_by_one
+from triaxis.bench.error.truth import Triangles
 
 
 class Trimesh:

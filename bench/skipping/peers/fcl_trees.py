@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.error.peers.peer import PeerAbsentError
+from triaxis.bench.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
-from triaxis.verif.bench.peers.peer import PeerAbsentError
-from triaxis.verif.build import built, content_hash, run_tool
-from triaxis.verif.paths import BUILD
-from triaxis.verif.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
+from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.paths import BUILD
 
 _SOURCE = Path(__file__).with_suffix(".cpp")
 # Not for this processor: FCL is compiled for all, and its types are aligned by what they are compiled for.

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from triaxis.verif.bench.peers.installed import imported, installed_version
-from triaxis.verif.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
+from triaxis.bench.error.peers.installed import imported, installed_version
+from triaxis.bench.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
 
 
 class RtreeBoxes:

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.verif.bench.peers.installed import imported, installed_version
-from triaxis.verif.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
+from triaxis.bench.error.peers.installed import imported, installed_version
+from triaxis.bench.skipping.peers.mesh_peer import Counted, Integers, Question, Reals
 
 
 class TrimeshManagers:

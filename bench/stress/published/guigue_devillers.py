@@ -9,9 +9,9 @@ and so does B; which ends come first is the orientation of two edges, one of eac
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.stress.published.lone_vertex import all_on_one_side, lone_vertex
-from triaxis.verif.stress.published.planar import overlap_by_turns, seen_flat
-from triaxis.verif.stress.published.vectors import (
+from triaxis.bench.stress.published.lone_vertex import all_on_one_side, lone_vertex
+from triaxis.bench.stress.published.planar import overlap_by_turns, seen_flat
+from triaxis.bench.stress.published.vectors import (
     Mask,
     Numbers,
     Triangles,

@@ -6,9 +6,9 @@ common to both planes meets the two triangles, seen along the coordinate axis cl
 
 import numpy as np
 
-from triaxis.verif.stress.published.lone_vertex import all_on_one_side, lone_vertex
-from triaxis.verif.stress.published.planar import overlap_by_edges, seen_flat
-from triaxis.verif.stress.published.vectors import (
+from triaxis.bench.stress.published.lone_vertex import all_on_one_side, lone_vertex
+from triaxis.bench.stress.published.planar import overlap_by_edges, seen_flat
+from triaxis.bench.stress.published.vectors import (
     Mask,
     Numbers,
     Triangles,

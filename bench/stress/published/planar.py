@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.stress.published.vectors import (
+from triaxis.bench.stress.published.vectors import (
     Mask,
     Numbers,
     Triangles,

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from triaxis.verif.stress.published.vectors import Mask, Triangles, Vectors, cross, dot, normal
+from triaxis.bench.stress.published.vectors import Mask, Triangles, Vectors, cross, dot, normal
 
 
 def _axes(edges_a: Triangles, edges_b: Triangles, normal_a: Vectors, normal_b: Vectors) -> Iterator[Vectors]:

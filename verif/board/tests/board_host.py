@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.simulated_top import SimulatedTop
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.simulated_board import SimulatedTop
 
 HELLO, LOAD, MOVE, RUN, RESULTS, STATUS, ABORT = range(1, 8)
 OK, UNKNOWN, LENGTH, SESSION, SEQUENCE, BUSY, VALUE, PLACE, COUNTS, EMPTY, OVERFULL = range(11)

@@ -5,9 +5,9 @@ import struct
 import numpy as np
 import pytest
 
-from triaxis.verif.board.parameters import BoardParameters
-from triaxis.verif.board.simulated_top import SimulatedTop
-from triaxis.verif.tests.board_host import (
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.verif.board.tests.board_host import (
     ABORT,
     ALL,
     BUSY,

@@ -5,8 +5,8 @@ import zlib
 
 import pytest
 
-from triaxis.verif.board.simulated_top import SimulatedTop
-from triaxis.verif.tests.board_host import (
+from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.verif.board.tests.board_host import (
     ABORT,
     HELLO,
     LENGTH,

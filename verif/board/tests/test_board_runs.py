@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.verif.tests.board_host import (
+from triaxis.verif.board.tests.board_host import (
     ABORT,
     ABORTED,
     ALL,

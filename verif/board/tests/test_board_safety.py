@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
 from triaxis.verif.board.safety import (
     ALIVE,
     COMPLETE,
@@ -19,7 +20,6 @@ from triaxis.verif.board.safety import (
     mutated,
     random_events,
 )
-from triaxis.verif.board.sources import BOARD_RTL
 
 CLOCKS = 20_000
 CLEAR = ALIVE | DONE | COMPLETE << STATUS_SHIFT
@@ -27,7 +27,7 @@ CLEAR = ALIVE | DONE | COMPLETE << STATUS_SHIFT
 
 @pytest.fixture(scope="module")
 def mutants(tmp_path_factory):
-    return SafetyModule(mutated(BOARD_RTL, tmp_path_factory.mktemp("safety")))
+    return SafetyModule(mutated(DUT / "board", tmp_path_factory.mktemp("safety")))
 
 
 def said(events, allow):
@@ -36,7 +36,7 @@ def said(events, allow):
 
 def test_the_module_does_what_the_model_says(rng):
     events = random_events(rng, 10 * CLOCKS)
-    before, outputs = SafetyModule(BOARD_RTL).run(events)
+    before, outputs = SafetyModule(DUT / "board").run(events)
     allow = allowed(events)
     assert before == STOP
     assert (outputs == said(events, allow)).all()
@@ -75,7 +75,7 @@ def test_every_condition_is_needed(mutants, rng):
 
 
 def test_a_condition_that_is_gone_is_no_mutant(tmp_path):
-    text = (BOARD_RTL / "triaxis_safety.sv").read_text()
+    text = (DUT / "board" / "triaxis_safety.sv").read_text()
     (tmp_path / "triaxis_safety.sv").write_text(text.replace("|| refused_i ", ""))
     with pytest.raises(InputError, match="refused_i"):
         mutated(tmp_path, tmp_path)

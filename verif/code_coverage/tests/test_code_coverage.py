@@ -20,14 +20,13 @@ from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waivers import KINDS, Waiver, read_waivers
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.build import run_tool
-from triaxis.verif.cli import main
-from triaxis.verif.code_coverage import CORES, DETECTOR_WIDTH, ENGINES, CodeCoverage, Run, write_json
-from triaxis.verif.code_coverage_stimulus import disturbed, flowing, pairs_with_margins, stimulus
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import CoreError
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.instrumented_core import (
+from triaxis.host.cli import main
+from triaxis.sim.build import run_tool
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.paths import mesh_sources, rtl_sources
+from triaxis.sim.toolchain import verilator
+from triaxis.verif.code_coverage.instrumented_core import (
     COUNTERS,
     DELIVERED,
     DISCARDED,
@@ -40,9 +39,10 @@ from triaxis.verif.instrumented_core import (
     detector_model,
     elaborated,
 )
-from triaxis.verif.instrumented_engine import engine_model
-from triaxis.verif.paths import mesh_sources, rtl_sources
-from triaxis.verif.toolchain import verilator
+from triaxis.verif.code_coverage.instrumented_engine import engine_model
+from triaxis.verif.code_coverage.run import CORES, DETECTOR_WIDTH, ENGINES, CodeCoverage, Run, write_json
+from triaxis.verif.code_coverage.stimulus import disturbed, flowing, pairs_with_margins, stimulus
+from triaxis.verif.core.expectation import expected_words
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
@@ -249,8 +249,8 @@ def test_the_exit_code_says_whether_all_is_covered(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     result = coverage(covered() if passed else replace(covered(), uncovered=[hole()] * 50))
-    monkeypatch.setattr("triaxis.verif.cli.code_coverage.measure", lambda *_, **__: result)
-    monkeypatch.setattr("triaxis.verif.cli.code_coverage.write_json", lambda *_: tmp_path / "code.json")
+    monkeypatch.setattr("triaxis.host.cli.code_coverage.measure", lambda *_, **__: result)
+    monkeypatch.setattr("triaxis.host.cli.code_coverage.write_json", lambda *_: tmp_path / "code.json")
     assert main(["code-coverage"]) == code
     said = capsys.readouterr().out
     assert ("PASSED" in said) is passed

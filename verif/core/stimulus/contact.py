@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.draws import around, chance, up_to
-from triaxis.verif.sequences.stimulus import (
+from triaxis.verif.core.stimulus.draws import around, chance, up_to
+from triaxis.verif.core.stimulus.stimulus import (
     Ints,
     Mask,
     Rng,
@@ -21,7 +21,7 @@ from triaxis.verif.sequences.stimulus import (
     largest_extents,
     largest_span,
 )
-from triaxis.verif.sequences.symmetry import random_cube_symmetries, random_orders, random_translations
+from triaxis.verif.core.stimulus.symmetry import random_cube_symmetries, random_orders, random_translations
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from triaxis.verif.sequences.contact import Contact
-from triaxis.verif.sequences.draws import around, chance, sizes, up_to
-from triaxis.verif.sequences.lattice import side
-from triaxis.verif.sequences.near_miss import any_rank
-from triaxis.verif.sequences.near_miss_box import edge_box, edge_box_level
-from triaxis.verif.sequences.stimulus import Ints, Pairs32, Rng, bounds, largest_span
-from triaxis.verif.sequences.symmetry import random_translations
+from triaxis.verif.core.stimulus.contact import Contact
+from triaxis.verif.core.stimulus.draws import around, chance, sizes, up_to
+from triaxis.verif.core.stimulus.lattice import side
+from triaxis.verif.core.stimulus.near_miss import any_rank
+from triaxis.verif.core.stimulus.near_miss_box import edge_box, edge_box_level
+from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, Rng, bounds, largest_span
+from triaxis.verif.core.stimulus.symmetry import random_translations
 
 
 def tilted(rng: Rng, flat: Ints, room: int) -> Ints:

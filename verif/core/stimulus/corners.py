@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs, coordinate_range
-from triaxis.verif.sequences.margins import at_any_margin
-from triaxis.verif.sequences.stimulus import Rng, Stimulus
+from triaxis.verif.core.stimulus.margins import at_any_margin
+from triaxis.verif.core.stimulus.stimulus import Rng, Stimulus
 
 Corners = npt.NDArray[np.int64]
 

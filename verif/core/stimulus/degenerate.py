@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from triaxis.verif.sequences.draws import around, chance, sizes, up_to
-from triaxis.verif.sequences.stimulus import Ints, Pairs32, Rng, largest_span
-from triaxis.verif.sequences.symmetry import random_translations
+from triaxis.verif.core.stimulus.draws import around, chance, sizes, up_to
+from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, Rng, largest_span
+from triaxis.verif.core.stimulus.symmetry import random_translations
 
 _STEPS = 6
 

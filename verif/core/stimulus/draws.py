@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.stimulus import Ints, Rng
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng
 
 
 def words(rng: Rng, shape: Sequence[int]) -> npt.NDArray[np.int32]:

@@ -8,23 +8,23 @@ come up at every scale.
 import numpy as np
 
 from triaxis.golden.pairs import Pairs
-from triaxis.verif.sequences.contact import Contact, one_step
-from triaxis.verif.sequences.containment import contained_pairs
-from triaxis.verif.sequences.coplanar import coplanar_near_miss, coplanar_pairs
-from triaxis.verif.sequences.corners import at_corners
-from triaxis.verif.sequences.degenerate import degenerate_pairs
-from triaxis.verif.sequences.margins import at_any_margin, random_margins
-from triaxis.verif.sequences.mixture import Mixture, mixed_once
-from triaxis.verif.sequences.penetrating import penetrating_pairs
-from triaxis.verif.sequences.random_pairs import (
+from triaxis.verif.core.stimulus.contact import Contact, one_step
+from triaxis.verif.core.stimulus.containment import contained_pairs
+from triaxis.verif.core.stimulus.coplanar import coplanar_near_miss, coplanar_pairs
+from triaxis.verif.core.stimulus.corners import at_corners
+from triaxis.verif.core.stimulus.degenerate import degenerate_pairs
+from triaxis.verif.core.stimulus.margins import at_any_margin, random_margins
+from triaxis.verif.core.stimulus.mixture import Mixture, mixed_once
+from triaxis.verif.core.stimulus.penetrating import penetrating_pairs
+from triaxis.verif.core.stimulus.random_pairs import (
     extreme_pairs,
     far_pairs,
     random_pairs,
     shared_pairs,
     tiny_pairs,
 )
-from triaxis.verif.sequences.slivers import sliver_pairs
-from triaxis.verif.sequences.sole_axis import (
+from triaxis.verif.core.stimulus.slivers import sliver_pairs
+from triaxis.verif.core.stimulus.sole_axis import (
     Construction,
     family_of,
     near_box,
@@ -33,9 +33,9 @@ from triaxis.verif.sequences.sole_axis import (
     near_face,
     sole_axis_small,
 )
-from triaxis.verif.sequences.stimulus import Family, PairFamily, Rng, Stimulus
-from triaxis.verif.sequences.symmetry import all_orders
-from triaxis.verif.sequences.touching import FEATURE_PAIRS, sharing_edge, touching
+from triaxis.verif.core.stimulus.stimulus import Family, PairFamily, Rng, Stimulus
+from triaxis.verif.core.stimulus.symmetry import all_orders
+from triaxis.verif.core.stimulus.touching import FEATURE_PAIRS, sharing_edge, touching
 
 __all__ = [
     "FAMILIES",

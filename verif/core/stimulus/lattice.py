@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.stimulus import Ints, Mask
+from triaxis.verif.core.stimulus.stimulus import Ints, Mask
 
 Reals = npt.NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.sequences.draws import around, chance
-from triaxis.verif.sequences.stimulus import Ints, Rng
+from triaxis.verif.core.stimulus.draws import around, chance
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng
 
 AnyPairs = npt.NDArray[np.int32] | npt.NDArray[np.int64]
 Reals = npt.NDArray[np.float64]

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from triaxis.verif.sequences.stimulus import Family, Pairs32, Rng, Stimulus, bounds, divided, joined
-from triaxis.verif.sequences.symmetry import random_cube_symmetries, random_orders, random_translations
+from triaxis.verif.core.stimulus.stimulus import Family, Pairs32, Rng, Stimulus, bounds, divided, joined
+from triaxis.verif.core.stimulus.symmetry import random_cube_symmetries, random_orders, random_translations
 
 # How often a base pair is used, on average.
 TIMES = 16

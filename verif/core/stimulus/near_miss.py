@@ -8,10 +8,10 @@ are at most 2^31 - 1 (see `lattice`).
 
 import numpy as np
 
-from triaxis.verif.sequences.contact import Contact
-from triaxis.verif.sequences.draws import around, sizes, up_to
-from triaxis.verif.sequences.lattice import INSIDE, LARGEST_EDGE, Step, cross, exact, plane_step, side
-from triaxis.verif.sequences.stimulus import Ints, Mask, Rng, bounds, largest_extents, largest_span
+from triaxis.verif.core.stimulus.contact import Contact
+from triaxis.verif.core.stimulus.draws import around, sizes, up_to
+from triaxis.verif.core.stimulus.lattice import INSIDE, LARGEST_EDGE, Step, cross, exact, plane_step, side
+from triaxis.verif.core.stimulus.stimulus import Ints, Mask, Rng, bounds, largest_extents, largest_span
 
 
 def reach(rng: Rng, count: int, width: int) -> Ints:

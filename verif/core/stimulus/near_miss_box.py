@@ -6,11 +6,11 @@ where the pair is flat: in a coordinate plane for edge x box, along a coordinate
 
 import numpy as np
 
-from triaxis.verif.sequences.contact import Contact
-from triaxis.verif.sequences.draws import around, chance, sizes, up_to
-from triaxis.verif.sequences.lattice import INSIDE, Reals, line_step, side
-from triaxis.verif.sequences.near_miss import any_rank, first_on, vertices_at
-from triaxis.verif.sequences.stimulus import Ints, Mask, Rng, bounds, largest_span
+from triaxis.verif.core.stimulus.contact import Contact
+from triaxis.verif.core.stimulus.draws import around, chance, sizes, up_to
+from triaxis.verif.core.stimulus.lattice import INSIDE, Reals, line_step, side
+from triaxis.verif.core.stimulus.near_miss import any_rank, first_on, vertices_at
+from triaxis.verif.core.stimulus.stimulus import Ints, Mask, Rng, bounds, largest_span
 
 
 def _over_edge(

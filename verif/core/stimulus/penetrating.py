@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from triaxis.verif.sequences.draws import around, chance, up_to
-from triaxis.verif.sequences.stimulus import Ints, Pairs32, Rng, largest_span
-from triaxis.verif.sequences.symmetry import random_orders, random_translations
-from triaxis.verif.sequences.touching import coefficient_sizes, face, in_space
+from triaxis.verif.core.stimulus.draws import around, chance, up_to
+from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, Rng, largest_span
+from triaxis.verif.core.stimulus.symmetry import random_orders, random_translations
+from triaxis.verif.core.stimulus.touching import coefficient_sizes, face, in_space
 
 
 def _inside(rng: Rng, triangle: Ints) -> Ints:

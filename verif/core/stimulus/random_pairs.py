@@ -3,9 +3,9 @@
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.sequences.draws import of_bits, words
-from triaxis.verif.sequences.stimulus import Pairs32, Rng
-from triaxis.verif.sequences.symmetry import random_translations
+from triaxis.verif.core.stimulus.draws import of_bits, words
+from triaxis.verif.core.stimulus.stimulus import Pairs32, Rng
+from triaxis.verif.core.stimulus.symmetry import random_translations
 
 
 def random_pairs(rng: Rng, count: int, width: int) -> Pairs32:

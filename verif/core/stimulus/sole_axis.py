@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from triaxis.golden.pairs import MIN_WIDTH
-from triaxis.verif.sequences.contact import Contact, placed
-from triaxis.verif.sequences.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
-from triaxis.verif.sequences.near_miss_box import box, edge_box, edge_box_level
-from triaxis.verif.sequences.stimulus import Family, Rng, Stimulus, collected, divided, joined
+from triaxis.verif.core.stimulus.contact import Contact, placed
+from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
+from triaxis.verif.core.stimulus.near_miss_box import box, edge_box, edge_box_level
+from triaxis.verif.core.stimulus.stimulus import Family, Rng, Stimulus, collected, divided, joined
 
 Construction = Callable[[Rng, int, int], Contact]
 FlatOrNot = Callable[[Rng, int, int, bool], Contact]

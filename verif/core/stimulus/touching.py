@@ -9,10 +9,10 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from triaxis.verif.sequences.contact import Contact
-from triaxis.verif.sequences.draws import around, chance, sizes, up_to
-from triaxis.verif.sequences.lattice import cross, side
-from triaxis.verif.sequences.stimulus import Ints, Mask, Rng, bounds, largest_span
+from triaxis.verif.core.stimulus.contact import Contact
+from triaxis.verif.core.stimulus.draws import around, chance, sizes, up_to
+from triaxis.verif.core.stimulus.lattice import cross, side
+from triaxis.verif.core.stimulus.stimulus import Ints, Mask, Rng, bounds, largest_span
 
 # Triangles (N, 3, 3) within -size..size in c >= 0, given size (N,), at least LEAST: the feature holds 0.
 Feature = Callable[[Rng, Ints], Ints]

@@ -5,12 +5,12 @@ import shutil
 
 import pytest
 
-from triaxis.verif import simulation
-from triaxis.verif.configuration import parse_configuration
-from triaxis.verif.paths import DUT
-from triaxis.verif.settings import BURST
-from triaxis.verif.simulation import build_for, run, run_settings
-from triaxis.verif.testnames import REPLAY, TESTS
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.paths import DUT
+from triaxis.verif.testbench import simulation
+from triaxis.verif.testbench.settings import BURST
+from triaxis.verif.testbench.simulation import build_for, run, run_settings
+from triaxis.verif.testbench.testnames import REPLAY, TESTS
 
 # One build serves all of them.
 CONFIG = "w8_m8"
@@ -74,7 +74,7 @@ def test_a_simulator_that_ends_badly_has_not_passed(tmp_path, seed, monkeypatch)
 
 def test_a_failing_assertion_fails_the_burst(tmp_path, seed):
     gate = "assign open = valid && (!Gating || separated == '0);"
-    dut = broken(tmp_path, "triaxis_boxes.sv", gate, "assign open = valid;")
+    dut = broken(tmp_path, "core/triaxis_boxes.sv", gate, "assign open = valid;")
     result = run(burst("FarTest", seed, 3000, tmp_path / "run"), dut, shrink=False)
     assert not result.passed
     assert "moved for a pair that its boxes decide" in result.explain()
@@ -92,7 +92,7 @@ def broken(tmp_path, file, old, new):
 def test_a_hung_core_ends_its_burst(tmp_path, seed):
     """A tag that is never accepted: the burst's budget of clocks ends it, not a time limit."""
     full = "&& (in_flight_q != count_t'(Depth))"
-    dut = broken(tmp_path, "triaxis_core.sv", full, f"{full} && (tag != 16'd1700)")
+    dut = broken(tmp_path, "core/triaxis_core.sv", full, f"{full} && (tag != 16'd1700)")
     # With stalls: otherwise an assertion on the throughput ends the run first.
     result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut, shrink=False)
     assert not result.passed
@@ -102,7 +102,7 @@ def test_a_hung_core_ends_its_burst(tmp_path, seed):
 
 def test_lost_and_wrong_results_are_caught_and_replayed(tmp_path, seed):
     push = ".push_i (valid_q[Latency-1])"
-    dut = broken(tmp_path, "triaxis_core.sv", push, f"{push[:-1]} && result.tag[9:0] != 10'd977)")
+    dut = broken(tmp_path, "core/triaxis_core.sv", push, f"{push[:-1]} && result.tag[9:0] != 10'd977)")
     # With stalls: otherwise an assertion on the latency ends the run first.
     result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut, shrink=False)
     assert not result.passed

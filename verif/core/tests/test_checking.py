@@ -7,14 +7,14 @@ import pytest
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.facts import axis_bit
-from triaxis.verif import checking
-from triaxis.verif.checking import DESCRIBED, Checker
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.golden_sample import GoldenSample, Share, kinds
-from triaxis.verif.result import COPLANAR, NEAR
-from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.tests.traffic import Traffic
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.result import COPLANAR, NEAR
+from triaxis.verif.core import checking
+from triaxis.verif.core.checking import DESCRIBED, Checker
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.tests.traffic import Traffic
+from triaxis.verif.testbench.golden_sample import GoldenSample, Share, kinds
 
 CONFIGURATION = Configuration(16, 16)
 COUNT = 150

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.sequences.corners import (
+from triaxis.verif.core.stimulus.corners import (
     ORIENTATION,
     SPAN,
     all_corners,

@@ -7,14 +7,14 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import coplanar, triangle_rank
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.verif.scenes import mesh_pairs
-from triaxis.verif.sequences import mixture as mixtures
-from triaxis.verif.sequences.coplanar import coplanar_near_miss, coplanar_pairs
-from triaxis.verif.sequences.families import FAMILIES, mixed, mixed_pairs, mixture
-from triaxis.verif.sequences.penetrating import penetrating_pairs
-from triaxis.verif.sequences.seed_vectors import seed_vectors
-from triaxis.verif.sequences.slivers import sliver_pairs
-from triaxis.verif.sequences.stimulus import Stimulus, collected, divided
+from triaxis.host.scenes import mesh_pairs
+from triaxis.verif.core.stimulus import mixture as mixtures
+from triaxis.verif.core.stimulus.coplanar import coplanar_near_miss, coplanar_pairs
+from triaxis.verif.core.stimulus.families import FAMILIES, mixed, mixed_pairs, mixture
+from triaxis.verif.core.stimulus.penetrating import penetrating_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
+from triaxis.verif.core.stimulus.slivers import sliver_pairs
+from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
 
 WIDTHS = range(8, 33)
 

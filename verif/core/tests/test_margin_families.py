@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.sequences.families import mixed, mixed_pairs
-from triaxis.verif.sequences.margins import (
+from triaxis.verif.core.stimulus.families import mixed, mixed_pairs
+from triaxis.verif.core.stimulus.margins import (
     at_any_margin,
     box_gaps,
     distances,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from triaxis.verif.checking import Checker
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.matching import Matcher
-from triaxis.verif.tests.traffic import Traffic
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.checking import Checker
+from triaxis.verif.core.matching import Matcher
+from triaxis.verif.core.tests.traffic import Traffic
 
 CONFIGURATION = Configuration(16, 16)
 COUNT = 120

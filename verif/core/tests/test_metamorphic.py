@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.engine import RtlEngine
-from triaxis.verif.metamorphic import (
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.result import COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
+from triaxis.verif.core.metamorphic import (
     GROUPS,
     MOVES,
     ORDERS,
@@ -14,8 +15,7 @@ from triaxis.verif.metamorphic import (
     gated_flags_are_zero,
     groups_agree,
 )
-from triaxis.verif.result import COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
-from triaxis.verif.sequences.families import mixed_pairs, random_margins
+from triaxis.verif.core.stimulus.families import mixed_pairs, random_margins
 
 GATED = Configuration(16, 0)
 UNGATED = Configuration(16, 16, gating=False)

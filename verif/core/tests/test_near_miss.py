@@ -12,8 +12,8 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import dot
 from triaxis.golden.facts import axis_bit
 from triaxis.golden.pairs import check_pairs
-from triaxis.verif.sequences.families import FAMILIES
-from triaxis.verif.sequences.lattice import (
+from triaxis.verif.core.stimulus.families import FAMILIES
+from triaxis.verif.core.stimulus.lattice import (
     LARGEST_EDGE,
     bezout,
     cross,
@@ -23,10 +23,10 @@ from triaxis.verif.sequences.lattice import (
     raised,
     side,
 )
-from triaxis.verif.sequences.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
-from triaxis.verif.sequences.near_miss_box import box, edge_box, edge_box_level
-from triaxis.verif.sequences.sole_axis import sole_axis, sole_axis_small
-from triaxis.verif.sequences.stimulus import largest_extents, largest_span
+from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
+from triaxis.verif.core.stimulus.near_miss_box import box, edge_box, edge_box_level
+from triaxis.verif.core.stimulus.sole_axis import sole_axis, sole_axis_small
+from triaxis.verif.core.stimulus.stimulus import largest_extents, largest_span
 
 WIDTHS = range(8, 33)
 

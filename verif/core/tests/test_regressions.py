@@ -10,9 +10,10 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge_pairs
-from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.counterexample.finding import Counterexample, describe
-from triaxis.verif.counterexample.regressions import (
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.result import NEAR
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.kept_cases import (
     REGRESSIONS,
     RegressionCase,
     case_of,
@@ -21,10 +22,9 @@ from triaxis.verif.counterexample.regressions import (
     read_cases,
     write_case,
 )
-from triaxis.verif.counterexample.stream import Stream
+from triaxis.verif.core.stream import Stream
+from triaxis.verif.counterexample.finding import Counterexample, describe
 from triaxis.verif.counterexample.symptom import Symptom
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.result import NEAR
 
 
 def case(pairs, margins, config="w16_m16"):

@@ -4,9 +4,9 @@ import pytest
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
-from triaxis.verif.configuration import parse_configuration
-from triaxis.verif.simulation import run, run_settings
-from triaxis.verif.testnames import REPLAY, TESTS
+from triaxis.sim.configuration import parse_configuration
+from triaxis.verif.testbench.simulation import run, run_settings
+from triaxis.verif.testbench.testnames import REPLAY, TESTS
 
 RUNS = [(test, "w16_m16", 1500) for test in TESTS if test != REPLAY] + [
     ("RandomTest", "w13_m4_t1", 500),

@@ -7,8 +7,8 @@ import pytest
 
 from triaxis.golden.axes import separating
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.sequences import symmetry
-from triaxis.verif.sequences.families import mixed_pairs, random_margins
+from triaxis.verif.core.stimulus import symmetry
+from triaxis.verif.core.stimulus.families import mixed_pairs, random_margins
 
 TYPES = [np.int32, np.int64]
 

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.sequences.contact import one_step, placed
-from triaxis.verif.sequences.families import FAMILIES, TOUCHING
-from triaxis.verif.sequences.sole_axis import family_of
-from triaxis.verif.sequences.stimulus import Stimulus
+from triaxis.verif.core.stimulus.contact import one_step, placed
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING
+from triaxis.verif.core.stimulus.sole_axis import family_of
+from triaxis.verif.core.stimulus.stimulus import Stimulus
 
 # How many vertices of the two span what touches, and whether any axis is at the margin at all: triangles that
 # overlap in one plane touch in all of both.

@@ -3,9 +3,9 @@
 import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.batches import PairBatch, ResultBatch
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.sequences.families import mixed
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stimulus.families import mixed
+from triaxis.verif.testbench.batches import PairBatch, ResultBatch
 
 
 class Traffic:

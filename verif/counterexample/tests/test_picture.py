@@ -9,17 +9,17 @@ from matplotlib.figure import Figure
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.verif.configuration import parse_configuration
+from triaxis.host.figure_style import A, B
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.axis_view import project
 from triaxis.verif.counterexample.finding import Counterexample
 from triaxis.verif.counterexample.picture import draw
 from triaxis.verif.counterexample.scene_view import draw_scene
-from triaxis.verif.counterexample.stream import Stream
-from triaxis.verif.counterexample.style import A, B
 from triaxis.verif.counterexample.symptom import Symptom, symptoms
 from triaxis.verif.counterexample.witness_view import points_of
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.result import AXIS_SHIFT, COPLANAR, NEAR
 
 FLOOR = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
 POINT = [[0, 0, 0]] * 3

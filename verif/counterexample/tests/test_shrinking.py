@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.paths import DUT
+from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
+from triaxis.verif.core.kept_cases import read_cases
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.candidates import candidates
 from triaxis.verif.counterexample.explaining import explain_failures
 from triaxis.verif.counterexample.failing import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import find
 from triaxis.verif.counterexample.minimising import minimise
-from triaxis.verif.counterexample.regressions import read_cases
 from triaxis.verif.counterexample.shrinking import Budget, shrink
 from triaxis.verif.counterexample.size import sizes, smaller, smallest_first
-from triaxis.verif.counterexample.stream import Stream
 from triaxis.verif.counterexample.symptom import Symptom, symptoms
-from triaxis.verif.engine import CoreError
-from triaxis.verif.paths import DUT
-from triaxis.verif.result import AXIS_SHIFT, COPLANAR, NEAR
 
 CONFIGURATION = Configuration(8, 8)
 NO_MARGIN = np.zeros(1, np.int64)
@@ -212,12 +212,12 @@ def test_a_core_that_hangs(monkeypatch, rng):
 # Two faults in one core, to be told apart by their symptoms: one needs the pair before it.
 FAULTS = (
     (
-        "triaxis_projections.sv",
+        "core/triaxis_projections.sv",
         "assign far_d[2][j] = qf_3[j] - q_normal_3;",
         "assign far_d[2][j] = qf_3[j] - p_normal_3;",
     ),
     (
-        "triaxis_boxes.sv",
+        "core/triaxis_boxes.sv",
         "        operand_margin_o <= margin;\n",
         "        if (margin != '0) operand_margin_o <= margin;\n",
     ),

@@ -14,17 +14,17 @@ from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.cli import exhaustive, main
-from triaxis.verif.engine import RtlEngine
+from triaxis.host.cli import exhaustive, main
+from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.result import NEAR
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.symmetry import COORDINATES, REFLECTED
 from triaxis.verif.exhaustive import run
 from triaxis.verif.exhaustive.check import CONFIGURATION, ClassChecker
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import load, other_states, save, state_file
-from triaxis.verif.expectation import expected_words
-from triaxis.verif.failing_pairs import read_failing_pairs
-from triaxis.verif.result import NEAR
-from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.sequences.symmetry import COORDINATES, REFLECTED
 
 
 class Answers:

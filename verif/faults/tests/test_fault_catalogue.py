@@ -12,17 +12,20 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.verif.build import rtl_files
-from triaxis.verif.cli import faults as command
-from triaxis.verif.cli import main
-from triaxis.verif.configuration import Configuration, parse_configuration
+from triaxis.host.cli import faults as command
+from triaxis.host.cli import main
+from triaxis.sim.build import rtl_files
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.detector import WIDTH, detect
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import DUT, ROOT
+from triaxis.verif.core.kept_cases import REGRESSIONS
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors, seed_vectors_as_written
+from triaxis.verif.core.stream import Stream
 from triaxis.verif.counterexample.bare_core import BareCore
-from triaxis.verif.counterexample.regressions import REGRESSIONS
 from triaxis.verif.counterexample.size import bit_lengths
-from triaxis.verif.counterexample.stream import Stream
 from triaxis.verif.counterexample.symptom import Symptom
-from triaxis.verif.detector import WIDTH, detect
-from triaxis.verif.evidence import read_evidence
 from triaxis.verif.faults import broken_rtl, core_faults, entrances, environment_faults, result, runs
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of
@@ -31,11 +34,8 @@ from triaxis.verif.faults.patching import apply_patch, read_hunks
 from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.run import catch, catch_all, control
 from triaxis.verif.faults.runs import Sign, core_sign_of, engine_sign_of, run_test, sign_of
-from triaxis.verif.paths import DUT, ROOT
-from triaxis.verif.sequences.families import mixed_pairs
-from triaxis.verif.sequences.seed_vectors import seed_vectors, seed_vectors_as_written
-from triaxis.verif.settings import BURST, PIN, failure_file
-from triaxis.verif.simulation import RunResult, run_settings
+from triaxis.verif.testbench.settings import BURST, PIN, failure_file
+from triaxis.verif.testbench.simulation import RunResult, run_settings
 
 ENGINE_CONFIG = fault_of("engine-lane-mask").config
 CORE = [fault.name for fault in FAULTS if fault.replaced and fault.kind is Kind.CORE]
@@ -84,7 +84,7 @@ def test_changed_rtl_is_noticed(tmp_path):
     """By every fault of that file, before anything is built."""
     dut = tmp_path / "dut"
     shutil.copytree(DUT, dut)
-    cross = dut / "triaxis_cross.sv"
+    cross = dut / "core/triaxis_cross.sv"
     cross.write_text(cross.read_text().replace("plus - minus", "minus - plus"))
     for name in ("F4", "narrow-cross"):
         with pytest.raises(InputError, match=r"triaxis_cross\.sv is there 0 times.*adapt the fault"):
@@ -93,9 +93,9 @@ def test_changed_rtl_is_noticed(tmp_path):
     with pytest.raises(InputError, match="adapt the fault"):
         apply_patch(PATCHES / "F4.patch", dut)
     # What it replaces may stand elsewhere, but not twice.
-    cross.write_text("\n\n" + (DUT / "triaxis_cross.sv").read_text())
+    cross.write_text("\n\n" + (DUT / "core/triaxis_cross.sv").read_text())
     apply_patch(PATCHES / "F4.patch", dut)
-    cross.write_text(2 * (DUT / "triaxis_cross.sv").read_text())
+    cross.write_text(2 * (DUT / "core/triaxis_cross.sv").read_text())
     with pytest.raises(InputError, match="there 2 times"):
         apply_patch(PATCHES / "F4.patch", dut)
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from triaxis.verif.configuration import parse_configuration
+from triaxis.sim.configuration import parse_configuration
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, fault_of
-from triaxis.verif.simulation import run, run_settings
+from triaxis.verif.testbench.simulation import run, run_settings
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration, parse_configuration
-from triaxis.verif.evidence import read_evidence
+from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import DUT
 from triaxis.verif.formal import run
 from triaxis.verif.formal.axis_proofs import AxesProof
 from triaxis.verif.formal.catalogue import proofs
@@ -20,7 +21,6 @@ from triaxis.verif.formal.proof import Finding, Outcome, Proof
 from triaxis.verif.formal.sby_proof import SbyProof
 from triaxis.verif.formal.tools import require_tools
 from triaxis.verif.formal.widths import WidthsProof
-from triaxis.verif.paths import DUT
 
 
 @pytest.fixture
@@ -45,32 +45,32 @@ class Broken:
 
 STREAMS = (
     Broken(
-        "accepts more than the queue holds", "streams_m0", "triaxis_core.sv",
+        "accepts more than the queue holds", "streams_m0", "core/triaxis_core.sv",
         "(in_flight_q != count_t'(Depth))", "1'b1", "Occupancy",
     ),
     Broken(
-        "a clock too early", "streams_m0", "triaxis_core.sv",
+        "a clock too early", "streams_m0", "core/triaxis_core.sv",
         ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-2])", "check",
     ),
     Broken(
-        "loses results now and then", "streams_m16", "triaxis_core.sv",
+        "loses results now and then", "streams_m16", "core/triaxis_core.sv",
         ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
         "check",
     ),
     Broken(
-        "duplicates a result", "streams_m0", "triaxis_fifo.sv",
+        "duplicates a result", "streams_m0", "core/triaxis_fifo.sv",
         "if (pop_i) read_q", "if (pop_i && !(push_i && read_q[3:0] == 4'd9)) read_q", "check",
     ),
     Broken(
-        "withdraws a waiting result", "streams_m0", "triaxis_fifo.sv",
+        "withdraws a waiting result", "streams_m0", "core/triaxis_fifo.sv",
         "if (pop_i) read_q", "if (pop_i || (valid_o && read_q[3:0] == 4'd9)) read_q", "check",
     ),
     Broken(
-        "a result out of a reset", "streams_m0", "triaxis_fifo.sv",
+        "a result out of a reset", "streams_m0", "core/triaxis_fifo.sv",
         "write_q <= '0;", "write_q <= ptr_t'(1);", "check",
     ),
     Broken(
-        "ready two clocks after reset", "streams_m0", "triaxis_core.sv",
+        "ready two clocks after reset", "streams_m0", "core/triaxis_core.sv",
         "awake_q <= 1'b1;", "awake_q <= valid_q[0] || in_flight_q == count_t'(0);\n"
         "      if (!awake_q) awake_q <= tag[0];", "check",
     ),
@@ -78,81 +78,81 @@ STREAMS = (
 
 LEAVES = (
     Broken(
-        "touching taken for clear", "interval_m0", "triaxis_interval.sv",
+        "touching taken for clear", "interval_m0", "core/triaxis_interval.sv",
         "points[i] > ceiling;", "points[i] >= ceiling;", "Interval",
     ),
     Broken(
-        "threshold a clock late", "interval_m16", "triaxis_interval.sv",
+        "threshold a clock late", "interval_m16", "core/triaxis_interval.sv",
         "`TRIAXIS_STAGE(points, points_q)", "assign points = points_q;", "Interval",
     ),
     Broken(
-        "one side alone", "box_m0", "triaxis_box.sv",
+        "one side alone", "box_m0", "core/triaxis_box.sv",
         "(a_to_b_q > margin) || (b_to_a_q > margin)", "(a_to_b_q > margin)", "Box",
     ),
     Broken(
-        "margin one clock late", "box_m16", "triaxis_box.sv",
+        "margin one clock late", "box_m16", "core/triaxis_box.sv",
         ".Cycles(Comb ? 0 : BoxLatency - 1)", ".Cycles(Comb ? 0 : BoxLatency)", "Box",
     ),
     Broken(
-        "a middle point taken for the lowest", "box_m0", "triaxis_extent.sv",
+        "a middle point taken for the lowest", "box_m0", "core/triaxis_extent.sv",
         "if (below_q[0] && !below_q[2]) low_d", "if (below_q[0]) low_d", "Lowest",
     ),
     Broken(
-        "claims the last axis", "verdict_m0", "triaxis_verdict.sv",
+        "claims the last axis", "verdict_m0", "core/triaxis_verdict.sv",
         "for (int i = NumAxes - 1; i >= 0; i--)", "for (int i = 0; i < NumAxes; i++)", "ClaimIsLowest",
     ),
     Broken(
-        "flags of a masked pair", "verdict_m0", "triaxis_verdict.sv",
+        "flags of a masked pair", "verdict_m0", "core/triaxis_verdict.sv",
         "coplanar_i && !gated_i", "coplanar_i", "FlagCoplanar",
     ),
     Broken(
-        "coplanar without the last triple product", "verdict_m0", "triaxis_flags.sv",
+        "coplanar without the last triple product", "verdict_m0", "core/triaxis_flags.sv",
         "assign det_zero_d[9] = rst_i == 0;", "assign det_zero_d[9] = 1'b1;", "FlagCoplanar",
     ),
     Broken(
-        "the most negative component overflows", "threshold_space", "triaxis_threshold.sv",
+        "the most negative component overflows", "threshold_space", "core/triaxis_threshold.sv",
         "-norm_t'(axis_i[k])", "norm_t'(CWidth'(-axis_i[k]))", "Norm",
     ),
     Broken(
-        "margin before its components", "threshold_plane", "triaxis_threshold.sv",
+        "margin before its components", "threshold_plane", "core/triaxis_threshold.sv",
         ".Cycles(Comb ? 0 : NormLatency)", ".Cycles(Comb ? 0 : NormLatency - 1)", "Margin",
     ),
     Broken(
-        "threshold a bit too low", "threshold_small", "triaxis_threshold.sv",
+        "threshold a bit too low", "threshold_small", "core/triaxis_threshold.sv",
         "product[CWidth+M-1:0]", "product[CWidth+M:1]", "Product",
     ),
     Broken(
-        "low piece with a sign", "multiply_small", "triaxis_mul.sv",
+        "low piece with a sign", "multiply_small", "core/triaxis_mul.sv",
         "assign x_piece[i] = {1'b0, x[i*XStep+:XStep]};",
         "assign x_piece[i] = {x[i*XStep+XStep-1], x[i*XStep+:XStep]};", "Product",
     ),
     Broken(
-        "low pieces of the second operand with a sign", "multiply_wide", "triaxis_mul.sv",
+        "low pieces of the second operand with a sign", "multiply_wide", "core/triaxis_mul.sv",
         "assign y_piece[j] = {1'b0, y[j*YStep+:YStep]};",
         "assign y_piece[j] = {y[j*YStep+YStep-1], y[j*YStep+:YStep]};", "not the operand",
     ),
     Broken(
-        "a piece at the wrong place", "multiply_wide", "triaxis_mul.sv",
+        "a piece at the wrong place", "multiply_wide", "core/triaxis_mul.sv",
         "<<< (i * XStep + j * YStep)", "<<< (i * XStep + j * XStep)", "do not add up",
     ),
     Broken(
-        "a piece's product one bit too narrow", "multiply_wide", "triaxis_mul.sv",
+        "a piece's product one bit too narrow", "multiply_wide", "core/triaxis_mul.sv",
         "logic signed [XBits+YBits-1:0] piece_d, piece_q;",
         "logic signed [XBits+YBits-3:0] piece_d, piece_q;",
         "does not fit",
     ),
     Broken(
-        "cross product one bit too narrow", "cross_w2", "triaxis_cross.sv",
+        "cross product one bit too narrow", "cross_w2", "core/triaxis_cross.sv",
         "assign cross_d[k] = CrossWidth'(plus - minus);",
         "assign cross_d[k] = CrossWidth'($signed(plus[CrossWidth-2:0] - minus[CrossWidth-2:0]));",
         "CrossProduct",
     ),
     Broken(
-        "determinants one bit too narrow", "widths", "triaxis_pkg.sv",
+        "determinants one bit too narrow", "widths", "core/triaxis_pkg.sv",
         "return 3 * w + 2;", "return 3 * w + 1;", "too few at W = 8",
     ),
     Broken(
-        "operands one bit wider than needed", "widths", "triaxis_pkg.sv",
+        "operands one bit wider than needed", "widths", "core/triaxis_pkg.sv",
         "return w + 1;", "return w + 2;", "more than needed",
     ),
 )  # fmt: skip
@@ -210,63 +210,63 @@ ENGINE = (
 # The proof of this group is the algebra of the core in the configuration named.
 AXES = (
     Broken(
-        "wrong edge in one axis", "w16_m0", "triaxis_projections.sv",
+        "wrong edge in one axis", "w16_m0", "core/triaxis_projections.sv",
         "assign far_d[2][j] = qf_3[j] - q_normal_3;", "assign far_d[2][j] = qf_3[j] - p_normal_3;",
         "not the projections on its axis",
     ),
     Broken(
-        "projection one register short", "w16_m0", "triaxis_projections.sv",
+        "projection one register short", "w16_m0", "core/triaxis_projections.sv",
         "`TRIAXIS_STAGE(p_normal_3, p_normal_2)", "assign p_normal_3 = p_normal_2;", "several clocks",
     ),
     Broken(
-        "a component of an edge with the wrong sign", "w16_m0", "triaxis_planar.sv",
+        "a component of an edge with the wrong sign", "w16_m0", "core/triaxis_planar.sv",
         "cross_t'(axis_comp_t'(f_1[j]) + edge2_1[j])", "cross_t'(axis_comp_t'(f_1[j]) - edge2_1[j])",
         "too few",
     ),
     Broken(
-        "differences one bit too narrow", "w16_m0", "triaxis_pkg.sv",
+        "differences one bit too narrow", "w16_m0", "core/triaxis_pkg.sv",
         "return w + 1;", "return w;", "too few",
     ),
     Broken(
-        "axis from the wrong vertex", "w16_m0", "triaxis_differences.sv",
+        "axis from the wrong vertex", "w16_m0", "core/triaxis_differences.sv",
         "diff_t'(a_i[2][k]) - diff_t'(a_i[0][k])", "diff_t'(a_i[2][k]) - diff_t'(a_i[1][k])", "",
     ),
     Broken(
-        "the thresholds of two axes swapped", "w8_m8", "triaxis_thresholds.sv",
+        "the thresholds of two axes swapped", "w8_m8", "core/triaxis_thresholds.sv",
         "assign axes[AxisNormalA][k] = axis_comp_t'(normal_a_i[k]);",
         "assign axes[AxisNormalA][k] = axis_comp_t'(normal_b_i[k]);", "not the components of the axis",
     ),
     Broken(
-        "interval tests that ignore their thresholds", "w8_m8", "triaxis_plane_axes.sv",
+        "interval tests that ignore their thresholds", "w8_m8", "core/triaxis_plane_axes.sv",
         "          .M(M),\n          .Comb(Comb)\n      ) u_b (",
         "          .M(0),\n          .Comb(Comb)\n      ) u_b (",
         "its M is not the core's",
     ),
     Broken(
-        "operands move for decided pairs", "w16_m0", "triaxis_boxes.sv",
+        "operands move for decided pairs", "w16_m0", "core/triaxis_boxes.sv",
         "valid && (!Gating || separated == '0)", "valid", "gate",
     ),
     Broken(
-        "a decision of the boxes one clock early", "w16_m0", "triaxis_datapath.sv",
+        "a decision of the boxes one clock early", "w16_m0", "core/triaxis_datapath.sv",
         ".Cycles(TimeDecision * Stage)", ".Cycles((TimeDecision - 1) * Stage)", "several clocks",
     ),
     Broken(
-        "the tag of the pair before", "w16_m0", "triaxis_core.sv",
+        "the tag of the pair before", "w16_m0", "core/triaxis_core.sv",
         "      .T(tag_t),\n      .Cycles(Latency)\n", "      .T(tag_t),\n      .Cycles(Latency + 1)\n",
         "the tag of another pair",
     ),
     Broken(
-        "two coordinates swapped at the input", "w16_m0", "triaxis_core.sv",
+        "two coordinates swapped at the input", "w16_m0", "core/triaxis_core.sv",
         "assign b[v][k] = s_axis_tdata_i[(9+3*v+k)*W+:W];",
         "assign b[v][k] = s_axis_tdata_i[(9+3*v+(k+1)%3)*W+:W];", "not the coordinates of its axis",
     ),
     Broken(
-        "an axis at the wrong bit", "w16_m0", "triaxis_space_axes.sv",
+        "an axis at the wrong bit", "w16_m0", "core/triaxis_space_axes.sv",
         ".separated_o(separated_o[AxisEdgeEdge+3*i+j])", ".separated_o(separated_o[AxisEdgeEdge+3*j+i])",
         "axis",
     ),
     Broken(
-        "a swapped port of the wrapper", "detector", "CollisionDetector.sv",
+        "a swapped port of the wrapper", "detector", "core/CollisionDetector.sv",
         "'{B1_x, B1_y, B1_z}", "'{B1_x, B1_z, B1_y}", "",
     ),
 )  # fmt: skip
@@ -334,10 +334,10 @@ def test_what_is_not_covered_fails(tmp_path):
 
 @pytest.mark.usefixtures("tools")
 def test_what_does_not_compile_fails(tmp_path):
-    broken = Broken("", "cross_w2", "triaxis_dot.sv", "endmodule", "endmodul", "ERROR")
+    broken = Broken("", "cross_w2", "core/triaxis_dot.sv", "endmodule", "endmodul", "ERROR")
     finding = _named("cross_w2").prove(_break(broken, tmp_path), tmp_path / "proof")
     assert any("ERROR" in problem for problem in finding.problems)
-    broken = replace(broken, file="triaxis_sum.sv")
+    broken = replace(broken, file="core/triaxis_sum.sv")
     finding = AxesProof("axes", (Configuration(),)).prove(
         _break(broken, tmp_path / "again"), tmp_path / "again" / "proof"
     )

@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from triaxis.verif.paths import DUT
+from triaxis.sim.paths import DUT
 
 CORNERS = np.array(list(product((0, 1), repeat=18)), np.int8).reshape(-1, 6, 3)
 

@@ -7,18 +7,18 @@ from itertools import chain
 import numpy as np
 import pytest
 
-from triaxis.verif.build import built, content_hash, rtl_files, rtl_hash
-from triaxis.verif.engine import CoreError
-from triaxis.verif.mesh.configuration import MeshConfiguration
+from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshEngine
+from triaxis.sim.paths import BUILD, DUT
 from triaxis.verif.mesh.direct import check_directly
-from triaxis.verif.mesh.engine import MeshEngine
-from triaxis.verif.mesh.engine_scene import MeshEngineScene
 from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.random_scenes import random_scene
 from triaxis.verif.mesh.shapes import Shapes
-from triaxis.verif.paths import BUILD, DUT
-from triaxis.verif.settings import PIN
-from triaxis.verif.simulation import run, run_settings
+from triaxis.verif.testbench.settings import PIN
+from triaxis.verif.testbench.simulation import run, run_settings
 
 CONFIGURATION = MeshConfiguration(8, 4, 16, 4, 2, 8)
 _SCENES = 60

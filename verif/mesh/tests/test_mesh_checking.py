@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from triaxis.golden.scene import scene_answer
-from triaxis.verif.batches import ResetSeen
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Status
 from triaxis.verif.mesh.checking import SceneChecker
-from triaxis.verif.mesh.configuration import MeshConfiguration
-from triaxis.verif.mesh.engine import Mode, Status
 from triaxis.verif.mesh.items import RunRequest
 from triaxis.verif.mesh.matching import RunMatcher
 from triaxis.verif.mesh.observed import AbortAsked, CorePairs, Loaded, NearTaken, RunAccepted, Summary
+from triaxis.verif.testbench.batches import ResetSeen
 
 CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
 MOVE, MARGIN = (3, -2, 1), 5

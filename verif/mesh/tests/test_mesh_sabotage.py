@@ -3,8 +3,8 @@
 import pytest
 
 from triaxis.verif.mesh import sabotage_tests
-from triaxis.verif.settings import BURST
-from triaxis.verif.simulation import run, run_settings
+from triaxis.verif.testbench.settings import BURST
+from triaxis.verif.testbench.simulation import run, run_settings
 
 CONFIG = "mesh_w16_m16_d64_g8_l8"
 

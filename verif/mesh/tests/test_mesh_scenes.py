@@ -9,7 +9,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import boxes_of, boxes_of_groups, scene_answer
-from triaxis.verif.mesh.configuration import MeshConfiguration, parse_mesh_configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration, parse_mesh_configuration
 from triaxis.verif.mesh.expectation import moved, overflows
 from triaxis.verif.mesh.gap_scenes import GROUP, LEVELS, PAIR, ROW, gap_scene
 from triaxis.verif.mesh.packing import pack_run, pack_triangle, unpack_pair, unpack_run, unpack_triangle

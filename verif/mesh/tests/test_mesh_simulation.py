@@ -6,12 +6,12 @@ import pytest
 
 from triaxis.coverage.counts import load
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli import sim
-from triaxis.verif.coverage_models import model_named, model_of
-from triaxis.verif.settings import BURST, PIN
+from triaxis.host.cli import sim
+from triaxis.verif.regress.coverage_models import model_named, model_of
 from triaxis.verif.signoff.mesh_plan import BOARD, ONE_LANE, SQUARE, WIDEST, WORDS, mesh_plan
-from triaxis.verif.simulation import run, run_settings
-from triaxis.verif.testnames import MESH_TESTS, check_test_fits, check_test_name
+from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.simulation import run, run_settings
+from triaxis.verif.testbench.testnames import MESH_TESTS, check_test_fits, check_test_name
 
 
 def passed(folder, test, seed, pairs, agent, config=SQUARE):

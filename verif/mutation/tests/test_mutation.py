@@ -5,7 +5,8 @@ import re
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.build import rtl_files
+from triaxis.sim.build import rtl_files
+from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.catalogue import catalogue, mutant_names
 from triaxis.verif.mutation.elaborated import core_latencies, elaborated
 from triaxis.verif.mutation.elaboration import elaboration_mutants
@@ -16,7 +17,6 @@ from triaxis.verif.mutation.schema import schema
 from triaxis.verif.mutation.statements import hosts
 from triaxis.verif.mutation.syntax import read_source
 from triaxis.verif.mutation.targets import TARGETS
-from triaxis.verif.paths import DUT
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -245,8 +245,8 @@ def test_the_latency_table_finds_a_wrong_latency(tmp_path):
     table = every_latency() | readme_latencies()
     assert every_latency().items() <= table.items()
     assert core_latencies(DUT, list(table)) == list(table.values())
-    package = (DUT / "triaxis_pkg.sv").read_text()
-    (tmp_path / "triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))
+    package = (DUT / "core/triaxis_pkg.sv").read_text()
+    (tmp_path / "core/triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))
     assert core_latencies(tmp_path, list(table)) == [value + 1 for value in table.values()]
 
 

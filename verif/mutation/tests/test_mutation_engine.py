@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.mesh.engine import Mode, Status
+from triaxis.sim.mesh_engine import Mode, Status
+from triaxis.sim.paths import DUT, VERIF
 from triaxis.verif.mutation import killing, outcomes
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.engine_play import LOAD, RUN, STEP, Script, Traffic
@@ -17,7 +18,6 @@ from triaxis.verif.mutation.models import SYMPTOMS
 from triaxis.verif.mutation.result import KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.targets import ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN, TARGETS, EngineTarget
-from triaxis.verif.paths import DUT, VERIF
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 

@@ -14,7 +14,9 @@ import pytest
 from triaxis.fpga.synthesis import yosys
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli import mutate as command
+from triaxis.host.cli import mutate as command
+from triaxis.sim.paths import DUT
+from triaxis.sim.result import AXIS_SHIFT, NEAR
 from triaxis.verif.mutation import builds, folder, killers, killing, outcomes, result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
@@ -29,8 +31,6 @@ from triaxis.verif.mutation.equivalence import (
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.targets import MAIN
-from triaxis.verif.paths import DUT
-from triaxis.verif.result import AXIS_SHIFT, NEAR
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -184,14 +184,14 @@ def test_a_mutant_is_not_listed_twice(tmp_path):
 
 def test_the_fifo_from_generator_to_result(tmp_path, seed):
     """All mutants of one file, in one build that holds them."""
-    found = run(tmp_path, catalogue().restricted("triaxis_fifo.sv", "*/[!pg]*/*"), seed)
+    found = run(tmp_path, catalogue().restricted("core/triaxis_fifo.sv", "*/[!pg]*/*"), seed)
     assert len(found.fates) > 30
     assert [fate.place for fate in found.survivors] == []
     assert {fate.by for fate in found.fates} >= {"run"}
     path = result.write_result(found, "test", tmp_path / "mutation.json")
     content = json.loads(path.read_text())
     assert content["total"]["score"] == 100
-    assert content["files"]["dut/triaxis_fifo.sv"]["mutants"] == len(found.fates)
+    assert content["files"]["dut/core/triaxis_fifo.sv"]["mutants"] == len(found.fates)
     stored = result.store_result(found, tmp_path / "result.json")
     again = result.store_result(replace(found, seconds=1.0), tmp_path / "again.json")
     lines = [text for text in stored.read_text().splitlines() if "git_" not in text]

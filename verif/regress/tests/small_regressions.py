@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from triaxis.verif.regression.definition import read_definition
+from triaxis.verif.regress.definition import read_definition
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
 DVSIM = Path(sys.executable).with_name("dvsim")

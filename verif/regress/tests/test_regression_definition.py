@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.paths import ROOT
-from triaxis.verif.settings import PIN
-from triaxis.verif.testnames import MESH_TESTS, REPLAY, TESTS
+from triaxis.sim.paths import ROOT
+from triaxis.verif.testbench.settings import PIN
+from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS
 
 pytest.importorskip("hjson", reason="hjson is not installed: run `make regress`, which installs it")
 
-from triaxis.verif.regression.definition import DEFINITION, read_definition
-from triaxis.verif.regression.identity import source_files
-from triaxis.verif.regression.plan import plan
+from triaxis.verif.regress.definition import DEFINITION, read_definition
+from triaxis.verif.regress.identity import source_files
+from triaxis.verif.regress.plan import plan
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan as signoff_plan
 
@@ -171,9 +171,9 @@ def test_unknown_regression(definition):
 def test_results_are_valid_for_all_that_a_simulation_loads():
     """Whatever Python files the simulator's process imports of ours count among what results are of."""
     code = (
-        "import json, os, sys; from triaxis.verif.settings import RunSettings; "
+        "import json, os, sys; from triaxis.verif.testbench.settings import RunSettings; "
         "os.environ.update(RunSettings('MixedTest', 1, 'w16_m0', 1, '.').to_environment()); "
-        "import triaxis.verif.testlist.tests, triaxis.verif.simulation; "
+        "import triaxis.verif.core.uvm_tests, triaxis.verif.testbench.simulation; "
         "files = [getattr(m, '__file__', None) for n, m in sys.modules.items() if n.startswith('triaxis.')]; "
         "print(json.dumps([f for f in files if f]))"
     )

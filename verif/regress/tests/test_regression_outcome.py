@@ -7,19 +7,19 @@ from xml.etree import ElementTree
 import pytest
 
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
-from triaxis.verif.evidence import read_evidence
-from triaxis.verif.provenance import provenance
-from triaxis.verif.regression.definition import Regression
-from triaxis.verif.regression.failing import FailingSeed
-from triaxis.verif.regression.history import NightlyRecord
-from triaxis.verif.regression.junit import write_junit
-from triaxis.verif.regression.outcome import Outcome
-from triaxis.verif.regression.planned_run import PlannedRun
-from triaxis.verif.regression.report_page import write_report
-from triaxis.verif.regression.results_file import history_record, write_results
-from triaxis.verif.regression.run import Request
-from triaxis.verif.regression.run_record import RunRecord
-from triaxis.verif.regression.state import State
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.provenance import provenance
+from triaxis.verif.regress.definition import Regression
+from triaxis.verif.regress.failing import FailingSeed
+from triaxis.verif.regress.history import NightlyRecord
+from triaxis.verif.regress.junit import write_junit
+from triaxis.verif.regress.outcome import Outcome
+from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.report_page import write_report
+from triaxis.verif.regress.results_file import history_record, write_results
+from triaxis.verif.regress.run import Request
+from triaxis.verif.regress.run_record import RunRecord
+from triaxis.verif.regress.state import State
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(

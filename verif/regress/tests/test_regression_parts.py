@@ -9,17 +9,17 @@ from datetime import UTC, datetime
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.regression import dispatch
-from triaxis.verif.regression.buckets import buckets, general
-from triaxis.verif.regression.definition import Item
-from triaxis.verif.regression.failing import FailingSeed, FailingSeeds, few_of_each_bucket
-from triaxis.verif.regression.history import NightlyRecord, append_record, now, read_history
-from triaxis.verif.regression.launchers import LSF, SLURM, launcher
-from triaxis.verif.regression.one_build import error_file
-from triaxis.verif.regression.planned_run import PlannedRun
-from triaxis.verif.regression.run_record import RunRecord, read_record, record_file, write_record
-from triaxis.verif.regression.state import State, begin, previous, read_state, write_state
-from triaxis.verif.regression.testplan_view import write_view
+from triaxis.verif.regress import dispatch
+from triaxis.verif.regress.buckets import buckets, general
+from triaxis.verif.regress.definition import Item
+from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
+from triaxis.verif.regress.history import NightlyRecord, append_record, now, read_history
+from triaxis.verif.regress.launchers import LSF, SLURM, launcher
+from triaxis.verif.regress.one_build import error_file
+from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
+from triaxis.verif.regress.state import State, begin, previous, read_state, write_state
+from triaxis.verif.regress.testplan_view import write_view
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -225,7 +225,7 @@ def test_a_failed_build_leaves_its_reason(tmp_path):
     def build(config, margin_bits):
         words = ["--config", config, "--width", "16", "--margin-bits", str(margin_bits), "--agent", "burst"]
         words += ["--folder", str(tmp_path)]
-        command = [sys.executable, "-m", "triaxis.verif.regression.one_build", *words]
+        command = [sys.executable, "-m", "triaxis.verif.regress.one_build", *words]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
     for config, margin_bits, reason in (
@@ -241,7 +241,7 @@ def test_a_failed_build_leaves_its_reason(tmp_path):
 def test_a_run_of_other_sources_leaves_no_result(tmp_path):
     words = ["--item", RUN.item, "--test", RUN.test, "--config", RUN.config, "--seed", "7", "--pairs", "1"]
     words += ["--folder", str(tmp_path), "--failing", str(tmp_path / "failing.json"), "--identity", "other"]
-    command = [sys.executable, "-m", "triaxis.verif.regression.one_run", *words]
+    command = [sys.executable, "-m", "triaxis.verif.regress.one_run", *words]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     assert answer.returncode == 1
     assert answer.stdout == "FAILED: the RTL or its environment changed during the regression\n"

@@ -11,12 +11,12 @@ pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`,
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.evidence import read_evidence
-from triaxis.verif.regression.identity import identity
-from triaxis.verif.regression.planned_run import PlannedRun
-from triaxis.verif.regression.run_record import read_records
-from triaxis.verif.tests.small_regressions import (
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.evidence import read_evidence
+from triaxis.verif.regress.identity import identity
+from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.run_record import read_records
+from triaxis.verif.regress.tests.small_regressions import (
     CONFIG,
     LONG,
     await_results,

@@ -1,4 +1,4 @@
-"""A small regression on a real Slurm, where there is one: see verif/regression/slurm_node.sh."""
+"""A small regression on a real Slurm, where there is one: see verif/regress/slurm_node.sh."""
 
 import json
 import os
@@ -13,9 +13,9 @@ import pytest
 
 pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
 
-from triaxis.verif.paths import BUILD
-from triaxis.verif.regression.run_record import read_records
-from triaxis.verif.tests.small_regressions import (
+from triaxis.sim.paths import BUILD
+from triaxis.verif.regress.run_record import read_records
+from triaxis.verif.regress.tests.small_regressions import (
     LONG,
     await_results,
     await_silence,
@@ -25,7 +25,7 @@ from triaxis.verif.tests.small_regressions import (
     write_definition,
 )
 
-_HOW = "verif/regression/slurm_node.sh start (as root, with Debian's slurm-wlm and munge) brings one up"
+_HOW = "verif/regress/slurm_node.sh start (as root, with Debian's slurm-wlm and munge) brings one up"
 
 
 @pytest.fixture

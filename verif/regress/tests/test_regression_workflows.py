@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from triaxis.verif.paths import ROOT
+from triaxis.sim.paths import ROOT
 
 yaml = pytest.importorskip("yaml", reason="PyYAML is not installed: run `make regress`, which installs it")
 
@@ -65,7 +65,7 @@ def test_pictures_and_kept_cases_are_uploaded_and_each_attempt_has_its_own_cache
         steps = [step for job in workflow(name)["jobs"].values() for step in job["steps"]]
         for step in steps:
             if step.get("uses", "").startswith("actions/upload-artifact"):
-                assert "verif/regressions/*.json" in step["with"]["path"]
+                assert "verif/core/kept/*.json" in step["with"]["path"]
                 assert "/**/*.png" in step["with"]["path"]
             if step.get("uses", "").startswith("actions/cache/"):
                 assert step["with"]["key"].endswith("${{ github.run_id }}-${{ github.run_attempt }}")

@@ -3,7 +3,7 @@
 from triaxis.coverage.stages import STAGES
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
-from triaxis.verif.provenance import provenance
+from triaxis.sim.provenance import provenance
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.result import Signoff
 

@@ -16,7 +16,7 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
-from triaxis.verif.cli import export
+from triaxis.host.cli import export
 
 HERE = "1234567890abcdef"
 MODELS = [core_model(16, 0), core_model(13, 4), core_model(16, 0, False, False)]

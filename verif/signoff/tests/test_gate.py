@@ -5,10 +5,10 @@ from datetime import date, timedelta
 
 import pytest
 
-from triaxis.coverage.gate import PARTS, refusals, remarks
 from triaxis.coverage.stages import read_figures
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
+from triaxis.verif.signoff.gate import PARTS, refusals, remarks
 
 RTL = "a" * 64
 WAIVERS = read_waivers()

@@ -12,12 +12,12 @@ from triaxis.coverage.report import report
 from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
 from triaxis.golden.errors import InputError
-from triaxis.verif.assertions import SVA, assertion_names
-from triaxis.verif.cli.testplan import CLEAN, REFUSED, run
-from triaxis.verif.coverage_models import model_of
-from triaxis.verif.plan_check import check_plan, inventory
+from triaxis.host.cli.testplan import CLEAN, REFUSED, run
+from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
+from triaxis.verif.signoff.plan_check import check_plan, inventory
+from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
 
 TEXT = TESTPLAN.read_text()
 
@@ -102,7 +102,7 @@ def test_a_missing_bin_and_an_illegal_one_fail_their_owners():
 
 
 def test_assertions_are_all_of_those_in_the_files():
-    for path in SVA.rglob("*.sv"):
+    for path in (*CORE_SVA.glob("*.sv"), *MESH_SVA.glob("*.sv")):
         text = re.sub(r"//.*", "", path.read_text())
         found = assertion_names(path)
         assert len(set(found)) == len(found) == len(re.findall(r"\bassert property\b", text))

@@ -9,15 +9,15 @@ from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
-from triaxis.verif.configuration import Configuration
-from triaxis.verif.provenance import provenance
-from triaxis.verif.settings import BURST, PIN, coverage_file
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.provenance import provenance
 from triaxis.verif.signoff.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.signoff.simulation_part import collect_coverage
 from triaxis.verif.signoff.simulation_result import SimulationResult
-from triaxis.verif.simulation import RunResult, run_settings
+from triaxis.verif.testbench.settings import BURST, PIN, coverage_file
+from triaxis.verif.testbench.simulation import RunResult, run_settings
 
 ALL_AXES = list(range(-1, 32))
 COUNTS = {

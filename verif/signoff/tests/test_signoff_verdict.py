@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from triaxis.coverage.gate import refusals
-from triaxis.coverage.signoff_page import signoff_page
 from triaxis.coverage.stages import read_figures
+from triaxis.verif.signoff.gate import refusals
+from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
-from triaxis.verif.tests.signoff_evidence import good_parts, signed
+from triaxis.verif.signoff.tests.signoff_evidence import good_parts, signed
 
 
 def changed(name, change):

@@ -7,15 +7,15 @@ from cocotb.handle import HierarchyObject, LogicObject
 from cocotb.triggers import RisingEdge
 from pyuvm import uvm_factory
 
-from triaxis.verif.agents.source_agent import SourceDriver
-from triaxis.verif.agents.source_bus import SourceBus
-from triaxis.verif.env import CoreEnv
-from triaxis.verif.handles import dut_of
-from triaxis.verif.packing import COORDINATES
-from triaxis.verif.sequences.pair_sequence import ArraySequence
-from triaxis.verif.sequences.seed_vectors import seed_vectors_as_written
-from triaxis.verif.testlist.base_test import CoreTest
-from triaxis.verif.testlist.tests import MixedTest, StallsTest
+from triaxis.sim.packing import COORDINATES
+from triaxis.verif.core.base_test import CoreTest
+from triaxis.verif.core.env import CoreEnv
+from triaxis.verif.core.pair_sequence import ArraySequence
+from triaxis.verif.core.source_agent import SourceDriver
+from triaxis.verif.core.source_bus import SourceBus
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
+from triaxis.verif.core.uvm_tests import MixedTest, StallsTest
+from triaxis.verif.testbench.handles import dut_of
 
 
 class WrappingVectorsTest(CoreTest):

@@ -22,4 +22,3 @@ triaxis_safety.sv
 triaxis_beat.sv
 triaxis_decimal.sv
 triaxis_display.sv
-nexys4ddr_top.sv

@@ -8,11 +8,11 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.spatial_order import spatial_order
-from triaxis.verif.agents.items import FULL_SPEED, Pace
-from triaxis.verif.clocking import PERIOD_NS
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.mesh_engine import Mode
+from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
-from triaxis.verif.mesh.engine import Mode
 from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.placing import random_margin

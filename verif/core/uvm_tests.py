@@ -5,30 +5,30 @@ from pathlib import Path
 import cocotb
 import numpy as np
 
-from triaxis.verif.agents.items import FULL_SPEED, BurstItem, Pace
-from triaxis.verif.clocking import PERIOD_NS
-from triaxis.verif.counterexample.regressions import load_regressions
-from triaxis.verif.failing_pairs import read_failing_pairs
-from triaxis.verif.metamorphic import GROUPS
-from triaxis.verif.metamorphic_check import MetamorphicCheck
-from triaxis.verif.scenes import mesh_pairs
-from triaxis.verif.sequences.families import (
-    FAMILIES,
-    TOUCHING,
-    mixed,
-    mixture,
-)
-from triaxis.verif.sequences.margins import at_any_margin
-from triaxis.verif.sequences.pair_sequence import (
+from triaxis.host.scenes import mesh_pairs
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.verif.core.base_test import CoreTest
+from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.core.kept_cases import load_regressions
+from triaxis.verif.core.metamorphic import GROUPS
+from triaxis.verif.core.metamorphic_check import MetamorphicCheck
+from triaxis.verif.core.pair_sequence import (
     ArraySequence,
     StimulusSequence,
     item_pairs,
     of_families,
 )
-from triaxis.verif.sequences.seed_vectors import seed_vectors
-from triaxis.verif.sequences.stimulus import Stimulus
-from triaxis.verif.sequences.symmetry import all_orders
-from triaxis.verif.testlist.base_test import CoreTest
+from triaxis.verif.core.stimulus.families import (
+    FAMILIES,
+    TOUCHING,
+    mixed,
+    mixture,
+)
+from triaxis.verif.core.stimulus.margins import at_any_margin
+from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
+from triaxis.verif.core.stimulus.stimulus import Stimulus
+from triaxis.verif.core.stimulus.symmetry import all_orders
 
 
 class FamilyTest(CoreTest):
@@ -233,7 +233,7 @@ class ResetsTest(CoreTest):
 
 
 class RegressionsTest(CoreTest):
-    """Counterexamples that were found before and kept: see verif/regressions/."""
+    """Counterexamples that were found before and kept: see verif/core/kept/."""
 
     async def stimulus(self) -> None:
         """Send those that fit the configuration."""

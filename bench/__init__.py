@@ -1,0 +1,1 @@
+"""Measurements: run time against error, stability, skipping, activity, speed of simulation."""

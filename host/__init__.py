@@ -1,0 +1,1 @@
+"""What a machine builder uses: meshes, poses, checks, paths, the board, advice, the command line."""

@@ -1,0 +1,1 @@
+"""The pyuvm environment of the core: agents, sequences, scoreboard, tests."""

@@ -1,0 +1,1 @@
+"""What every environment stands on: one run of one test in its own simulator process."""
