@@ -12,9 +12,9 @@ from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
 from triaxis.host.cli.progress import progress_bar
 from triaxis.sim.toolchain import verilator
+from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.regress.history import read_history
 from triaxis.verif.regress.run import NIGHTLY
-from triaxis.verif.signoff.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import RESULT
 from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff, write

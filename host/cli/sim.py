@@ -10,11 +10,11 @@ from triaxis.sim.mesh_configuration import parse_mesh_configuration
 from triaxis.sim.paths import DUT
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
+from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN
-from triaxis.verif.testbench.simulation import run as simulate
 from triaxis.verif.testbench.simulation import run_settings
 from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
 
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
         judged_one_in=options.judged,
         soak=options.soak,
     )
-    result = simulate(settings, DUT if options.fault is None else faulty_rtl(fault_of(options.fault)))
+    result = run_and_explain(settings, DUT if options.fault is None else faulty_rtl(fault_of(options.fault)))
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
@@ -119,7 +119,7 @@ def _run_mesh(options: argparse.Namespace) -> int:
     settings = run_settings(
         options.test, name, options.seed, options.pairs, agent=options.agent, judged_one_in=options.judged
     )
-    result = simulate(settings)
+    result = run_and_explain(settings)
     if not result.passed or not result.counts:
         print(result.explain(), file=sys.stderr)
         return FAILED

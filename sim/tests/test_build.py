@@ -7,7 +7,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_files, rtl_hash
-from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
+from triaxis.sim.paths import DUT, listed
 
 
 @pytest.fixture
@@ -18,8 +18,9 @@ def dut(tmp_path: Path) -> Path:
 
 def test_all_of_the_rtl_counts(dut: Path) -> None:
     names = {path.name for path in rtl_files()}
-    listed = [*rtl_sources(), *mesh_sources()]
-    assert names == {"triaxis.f", "triaxis_mesh.f", "triaxis_stage.svh", *(path.name for path in listed)}
+    files = [path for folder in ("core", "mesh", "board") for path in DUT.glob(f"{folder}/*.f")]
+    named = [path.name for listing in files for path in listed(listing)]
+    assert names == {"triaxis_stage.svh", *(path.name for path in files), *named}
     assert rtl_hash(dut) == rtl_hash() == content_hash(sorted(DUT.rglob("*.*")))
 
 
@@ -35,7 +36,7 @@ def test_a_new_file_is_another_rtl(dut: Path, name: str) -> None:
     "entry", ["../other.sv", "/other.sv", "other.inc", "+incdir+other", "sub/../../x.sv"]
 )
 def test_a_list_that_names_what_is_not_hashed_is_refused(dut: Path, entry: str) -> None:
-    with (dut / "triaxis.f").open("a") as file:
+    with (dut / "core" / "triaxis.f").open("a") as file:
         file.write(f"{entry}\n")
     with pytest.raises(InputError, match="must be a file of RTL"):
         rtl_hash(dut)

@@ -32,6 +32,7 @@ from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.evidence import write_evidence
+from triaxis.sim.file_lock import locked
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
 from triaxis.verif.code_coverage.instrumented_core import (
@@ -49,7 +50,6 @@ from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.mutation.engine_play import RUN
 from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_extremes
 from triaxis.verif.mutation.targets import EngineTarget
-from triaxis.verif.regress.file_lock import locked
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"

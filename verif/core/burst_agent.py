@@ -9,6 +9,7 @@ import numpy.typing as npt
 from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.core.burst_bfm import BurstBfm
 from triaxis.verif.core.items import BurstItem, Pace
 from triaxis.verif.core.sink_agent import ReadyDriver, SinkMonitor
 from triaxis.verif.core.source_agent import SourceDriver, SourceMonitor, check_margins
@@ -21,7 +22,7 @@ class BurstSourceDriver(SourceDriver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm = bfm_of(self)
+        self.bfm: BurstBfm = bfm_of(self)
         self.rng = np.random.default_rng([self.settings.seed, *b"source"])
 
     def check(self, item: BurstItem) -> None:
@@ -44,7 +45,7 @@ class BurstMonitor(uvm_monitor):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm = bfm_of(self)
+        self.bfm: BurstBfm = bfm_of(self)
         self._moved = 0
 
     async def run_phase(self) -> None:
@@ -95,7 +96,7 @@ class BurstReadyDriver(ReadyDriver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
-        self.bfm = bfm_of(self)
+        self.bfm: BurstBfm = bfm_of(self)
         self.rng = np.random.default_rng([settings_of(self).seed, *b"sink"])
 
     def write(self, tt: Pace) -> None:

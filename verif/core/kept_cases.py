@@ -22,7 +22,6 @@ from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import VERIF
 from triaxis.verif.core.stream import Stream
-from triaxis.verif.counterexample.finding import Counterexample
 
 REGRESSIONS = VERIF / "core" / "kept"
 _HASH_DIGITS = 12
@@ -55,20 +54,6 @@ class RegressionCase:
 def _holds(width: int, low: int, high: int) -> bool:
     smallest, largest = coordinate_range(width)
     return smallest <= low and high <= largest
-
-
-def case_of(counterexample: Counterexample, fault: str = "") -> RegressionCase:
-    """Return the case that keeps a counterexample; ``fault`` says what it revealed, where known."""
-    symptom = counterexample.symptom
-    found = {
-        "configuration": counterexample.configuration.name,
-        "symptom": symptom.word,
-        "meaning": symptom.description,
-        "core_said": counterexample.core_said,
-        "right": counterexample.right_answer,
-        "fault": fault,
-    }
-    return RegressionCase(counterexample.stream, found)
 
 
 def case_text(case: RegressionCase) -> str:

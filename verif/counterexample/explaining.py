@@ -1,17 +1,18 @@
 """Failing pairs made small, drawn and kept, and said in a few lines."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.verif.core.kept_cases import case_of, write_case
+from triaxis.verif.core.kept_cases import REGRESSIONS, RegressionCase, write_case
 from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.failing import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import Counterexample, find
-from triaxis.verif.testbench.settings import failure_file
+from triaxis.verif.testbench.settings import RunSettings, failure_file
+from triaxis.verif.testbench.simulation import RunResult, run
 
 PICTURES = BUILD / "counterexamples"
 # Failing pairs of a run that are tried: mostly they all show the same fault.
@@ -48,6 +49,20 @@ class Explanation:
             yield f"        drawn: {self.picture}"
         if self.kept:
             yield f"        kept:  {self.kept}"
+
+
+def case_of(counterexample: Counterexample, fault: str = "") -> RegressionCase:
+    """Return the case that keeps a counterexample; ``fault`` says what it revealed, where known."""
+    symptom = counterexample.symptom
+    found = {
+        "configuration": counterexample.configuration.name,
+        "symptom": symptom.word,
+        "meaning": symptom.description,
+        "core_said": counterexample.core_said,
+        "right": counterexample.right_answer,
+        "fault": fault,
+    }
+    return RegressionCase(counterexample.stream, found)
 
 
 def explain(
@@ -101,3 +116,16 @@ def explain_failures(
         reason = error if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
         lines.append(f"not shrunk: {' '.join(str(reason).split())}")
     return tuple(lines)
+
+
+def run_and_explain(settings: RunSettings, dut: Path = DUT) -> RunResult:
+    """Run a test; make the failing pairs of the core small.
+
+    What comes out of the RTL of this checkout is kept, and sent first from then on.
+    """
+    result = run(settings, dut)
+    if result.passed or settings.of_mesh_engine:
+        return result
+    store = REGRESSIONS if dut == DUT else None
+    found = explain_failures(Path(settings.folder), settings.configuration, dut, store)
+    return replace(result, counterexamples=found)

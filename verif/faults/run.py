@@ -9,6 +9,7 @@ from pathlib import Path
 
 from triaxis.golden.judge import default_solver
 from triaxis.sim.build import rtl_hash
+from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.attempt import Attempt
@@ -19,7 +20,6 @@ from triaxis.verif.faults.engine_faults import try_engine
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.faults.wrapper_faults import try_wrapper
-from triaxis.verif.regress.file_lock import locked
 
 __all__ = ["catch", "catch_all", "control", "signed_off_names", "write_json"]
 

@@ -108,7 +108,7 @@ def run_test(
     settings = run_settings(
         test, configuration, seed, pairs, folder=folder, agent=agent, judged_one_in=_JUDGED_ONE_IN
     )
-    return run(settings, dut=dut, shrink=False)
+    return run(settings, dut=dut)
 
 
 def sign_of(result: RunResult) -> Sign | None:

@@ -10,10 +10,10 @@ import numpy.typing as npt
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import Pairs
 from triaxis.sim.detector import detect
+from triaxis.verif.core.detector_check import wrapper_questions
 from triaxis.verif.counterexample.shrinking import Predicate, shrink
 from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.result import Catch, Example
-from triaxis.verif.signoff.detector_check import wrapper_questions
 
 CHECK = "CollisionDetector"
 

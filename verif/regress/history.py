@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import BUILD
-from triaxis.verif.regress.file_lock import locked
 
 HISTORY = BUILD / "history" / "nightly.jsonl"
 

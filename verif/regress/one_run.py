@@ -12,13 +12,13 @@ import time
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.file_lock import locked
+from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.failing import FailingSeeds
-from triaxis.verif.regress.file_lock import locked
 from triaxis.verif.regress.identity import identity
 from triaxis.verif.regress.planned_run import PlannedRun, add_options
 from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
 from triaxis.verif.testbench.simulation import RunResult
-from triaxis.verif.testbench.simulation import run as simulate
 
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress`.
 ANY = "any"
@@ -56,7 +56,7 @@ def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
     started = time.time()
     counts, found, errors, silent = None, (), (), False
     try:
-        result = simulate(settings)
+        result = run_and_explain(settings)
         errors = result.errors + _too_few(run, result)
         counts, found = result.counts, result.counterexamples
         passed = result.passed and not errors

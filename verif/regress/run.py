@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import BUILD, ROOT
 from triaxis.verif.regress.definition import DEFINITION, Definition, in_checkout, read_definition
 from triaxis.verif.regress.dispatch import (
@@ -20,7 +21,6 @@ from triaxis.verif.regress.dispatch import (
     terminated_as_interrupted,
 )
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
-from triaxis.verif.regress.file_lock import locked
 from triaxis.verif.regress.history import HISTORY, append_record
 from triaxis.verif.regress.identity import identity
 from triaxis.verif.regress.junit import write_junit

@@ -1,7 +1,7 @@
 """Which tests a sign-off runs, in which configurations, and on how many pairs."""
 
 from triaxis.sim.configuration import Configuration, parse_configuration
-from triaxis.verif.signoff.detector_check import SEED_VECTORS
+from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
 from triaxis.verif.testbench.simulation import run_settings

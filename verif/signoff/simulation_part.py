@@ -15,15 +15,16 @@ from triaxis.coverage.report import ModelReport, report
 from triaxis.sim.build import library
 from triaxis.sim.core_engine import configuration_for
 from triaxis.sim.provenance import provenance
+from triaxis.verif.core.detector_check import check_detector
+from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import model_of
-from triaxis.verif.signoff.detector_check import check_detector
 from triaxis.verif.signoff.folder import FOLDER
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import check_real_meshes, check_scenes
 from triaxis.verif.signoff.simulation_result import SimulationResult
 from triaxis.verif.testbench.settings import RunSettings
-from triaxis.verif.testbench.simulation import RunResult, build_for, run
+from triaxis.verif.testbench.simulation import RunResult, build_for
 
 Answer = TypeVar("Answer")
 
@@ -60,7 +61,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
         return answer
 
     def one_run(settings: RunSettings) -> RunResult:
-        result = run(settings)
+        result = run_and_explain(settings)
         progress(1)
         return result
 

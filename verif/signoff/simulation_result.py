@@ -9,7 +9,7 @@ from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.provenance import Provenance, provenance
-from triaxis.verif.signoff.detector_check import SEED_VECTORS, DetectorResult
+from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.testbench.simulation import RunResult
 

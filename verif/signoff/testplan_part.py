@@ -7,7 +7,7 @@ from triaxis.coverage.report import ModelReport
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
 from triaxis.sim.paths import ROOT
 from triaxis.sim.provenance import provenance
-from triaxis.verif.signoff.detector_check import SEED_VECTORS
+from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.signoff.parts import Evidence, Part
 from triaxis.verif.signoff.plan_check import (
     CODE_COVERAGE,

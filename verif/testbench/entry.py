@@ -4,21 +4,18 @@ Registering a test costs a tenth of a second each (pyuvm inspects the whole stac
 that runs is registered, here and not where it is defined.
 """
 
+from importlib import import_module
+
 import pyuvm
 
 from triaxis.verif.testbench.settings import from_environment
 
 _SETTINGS = from_environment()
-# Only what is needed: each import is a part of every run.
-if _SETTINGS.of_mesh_engine:
-    from triaxis.verif.mesh import sabotage_tests, uvm_tests
-
-    _MODULES = (uvm_tests, sabotage_tests)
-else:
-    from triaxis.verif.core import bench_tests, sabotage_tests, uvm_tests
-    from triaxis.verif.faults import fault_tests
-
-    _MODULES = (uvm_tests, bench_tests, sabotage_tests, fault_tests)
+# By name, for what is run stands above what runs it; and only what is needed: each import takes time.
+_OF_MESH_ENGINE = ("mesh.uvm_tests", "mesh.sabotage_tests")
+_OF_CORE = ("core.uvm_tests", "core.bench_tests", "core.sabotage_tests", "faults.fault_tests")
+_NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE
+_MODULES = [import_module(f"triaxis.verif.{name}") for name in _NAMES]
 _FOUND = [vars(module)[_SETTINGS.test] for module in _MODULES if _SETTINGS.test in vars(module)]
 
 SELECTED = pyuvm.test()(_FOUND[0])

@@ -14,9 +14,7 @@ from xml.etree import ElementTree
 from triaxis.sim.build import burst_simulation, mesh_library, simulation
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.verif.core.kept_cases import REGRESSIONS
-from triaxis.verif.counterexample.explaining import explain_failures
-from triaxis.verif.mesh.build import BARE_TOP, TOP, bare_simulation, mesh_simulation
+from triaxis.verif.testbench.mesh_build import BARE_TOP, TOP, bare_simulation, mesh_simulation
 from triaxis.verif.testbench.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
 
 # How often an error line of the log is repeated to the user.
@@ -114,12 +112,8 @@ def _top_level(settings: RunSettings) -> str:
     return "triaxis_burst_tb" if settings.agent == BURST else "triaxis_core"
 
 
-def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResult:
-    """Build where needed, simulate, and say how it went. Never raises for a failing test.
-
-    ``shrink``: make failing pairs small, which builds the bare core; what comes out of the RTL of this
-    checkout is kept as a regression case.
-    """
+def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
+    """Build where needed, simulate, and say how it went. Never raises for a failing test."""
     from cocotb_tools.runner import get_runner
 
     build = build_for(settings, dut)
@@ -163,11 +157,7 @@ def run(settings: RunSettings, dut: Path = DUT, shrink: bool = True) -> RunResul
     seconds = time.monotonic() - start
     counts = _counts(result_file(folder))
     passed = ended_well and _passed(results) and counts is not None and counts["failed"] == 0
-    found: tuple[str, ...] = ()
-    if not passed and shrink and not settings.of_mesh_engine:
-        store = REGRESSIONS if dut == DUT else None
-        found = explain_failures(folder, settings.configuration, dut, store)
-    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, found)
+    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
 
 
 def _counts(path: Path) -> dict[str, Any] | None:

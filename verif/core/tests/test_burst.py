@@ -46,7 +46,7 @@ def test_passes_in_bursts(tmp_path, seed, test):
     ],
 )
 def test_a_scoreboard_that_is_lied_to_fails(tmp_path, seed, test, message):
-    result = run(burst(test, seed, 3000, tmp_path), shrink=False)
+    result = run(burst(test, seed, 3000, tmp_path))
     assert not result.passed
     assert message in result.log.read_text()
 
@@ -69,13 +69,13 @@ def test_a_simulator_that_ends_badly_has_not_passed(tmp_path, seed, monkeypatch)
     script.write_text(f"#!/bin/sh\n{honest}/triaxis_burst_tb\nexit 3\n")
     script.chmod(0o755)
     monkeypatch.setattr(simulation, "build_for", lambda *_: crashing)
-    assert not run(settings, shrink=False).passed
+    assert not run(settings).passed
 
 
 def test_a_failing_assertion_fails_the_burst(tmp_path, seed):
     gate = "assign open = valid && (!Gating || separated == '0);"
     dut = broken(tmp_path, "core/triaxis_boxes.sv", gate, "assign open = valid;")
-    result = run(burst("FarTest", seed, 3000, tmp_path / "run"), dut, shrink=False)
+    result = run(burst("FarTest", seed, 3000, tmp_path / "run"), dut)
     assert not result.passed
     assert "moved for a pair that its boxes decide" in result.explain()
 
@@ -94,7 +94,7 @@ def test_a_hung_core_ends_its_burst(tmp_path, seed):
     full = "&& (in_flight_q != count_t'(Depth))"
     dut = broken(tmp_path, "core/triaxis_core.sv", full, f"{full} && (tag != 16'd1700)")
     # With stalls: otherwise an assertion on the throughput ends the run first.
-    result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut, shrink=False)
+    result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut)
     assert not result.passed
     assert re.search(r"\d+ of 100 pairs accepted in \d+ clocks", result.explain()), result.explain()
     assert "the core hangs" in result.explain()
@@ -104,7 +104,7 @@ def test_lost_and_wrong_results_are_caught_and_replayed(tmp_path, seed):
     push = ".push_i (valid_q[Latency-1])"
     dut = broken(tmp_path, "core/triaxis_core.sv", push, f"{push[:-1]} && result.tag[9:0] != 10'd977)")
     # With stalls: otherwise an assertion on the latency ends the run first.
-    result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut, shrink=False)
+    result = run(burst("StallsTest", seed, 3600, tmp_path / "run"), dut)
     assert not result.passed
     assert "was due" in result.explain()
     command = f"triaxis sim StallsTest --seed {seed} --config {CONFIG} --pairs 3600 --agent burst"

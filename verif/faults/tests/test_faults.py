@@ -60,7 +60,7 @@ def test_fault_is_caught(tmp_path, seed, expected):
     configuration = parse_configuration(fault.config)
 
     settings = run_settings(expected.test, configuration, seed, 1500, folder=tmp_path / "run")
-    result = run(settings, dut=broken, shrink=False)
+    result = run(settings, dut=broken)
     assert not result.passed
     explanation = result.explain()
     assert expected.message in explanation, explanation
@@ -76,5 +76,5 @@ def test_fault_is_caught(tmp_path, seed, expected):
         again = run_settings(
             "ReplayTest", configuration, seed, 1, str(result.failing_pairs), folder=tmp_path / "again"
         )
-        assert not run(again, dut=broken, shrink=False).passed
+        assert not run(again, dut=broken).passed
         assert run(again).passed

@@ -11,7 +11,7 @@ from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.provenance import provenance
-from triaxis.verif.signoff.detector_check import DetectorResult
+from triaxis.verif.core.detector_check import DetectorResult
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.signoff.simulation_part import collect_coverage

@@ -16,13 +16,13 @@ from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.kept_cases import (
     REGRESSIONS,
     RegressionCase,
-    case_of,
     load_regressions,
     read_case,
     read_cases,
     write_case,
 )
 from triaxis.verif.core.stream import Stream
+from triaxis.verif.counterexample.explaining import case_of
 from triaxis.verif.counterexample.finding import Counterexample, describe
 from triaxis.verif.counterexample.symptom import Symptom
 
