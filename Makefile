@@ -20,7 +20,7 @@ SEED ?= 1
 LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly mutate faults formal gate test lint format sim exhaustive
+.PHONY: help setup signoff regress nightly mutate faults formal gate test unit lint format sim exhaustive
 .PHONY: code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report fpga-timing activity
 .PHONY: bitstream lock clean
 
@@ -61,6 +61,7 @@ signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in bu
 
 regress: $(READY) $(DVSIM) ## every test and every configuration at least once, on dvsim: minutes
 	@$(BIN)/triaxis regress smoke --launcher $(LAUNCHER)
+	@$(BIN)/pytest -n 2 -m regress
 
 nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
 	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
@@ -78,7 +79,10 @@ gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 	@$(BIN)/triaxis gate
 
 test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
-	@$(BIN)/pytest -n 2
+	@$(BIN)/pytest -n 2 -m "not regress"
+
+unit: $(READY) ## the tests that need no simulator, prover or synthesiser: within a minute
+	@$(BIN)/pytest -n 2 -m "not (simulator or prover or synthesiser or regress)"
 
 lint: $(READY) ## check style and types: Verilator, verible, ruff, basedpyright
 	@$(BIN)/python -m triaxis.verif.lint
