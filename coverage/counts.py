@@ -12,6 +12,7 @@ import numpy as np
 from triaxis.coverage.cover_model import CoverModel, Sample
 from triaxis.coverage.sampling import Hits, Sampler
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.golden.whole_files import write_whole
 
 _FORMAT = "triaxis coverage 1"
@@ -86,11 +87,10 @@ def write_counts(path: Path, counts: Iterable[Counts]) -> None:
 def read_counts(path: Path, models: Iterable[CoverModel[Any]]) -> list[Counts]:
     """Read what `write_counts` wrote; raise InputError where it is damaged, or of none of the models."""
     known = {model.name: model for model in models}
+    data = read_input(path)
     try:
-        content = json.loads(path.read_text())
+        content = json.loads(data)
         whole = content["format"] == _FORMAT and content["digest"] == _digest(content["models"])
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{path}: not a coverage file; delete it and run again") from error
     if not whole:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 
 STAGES = ("V1", "V2", "V3")
 STAGES_FILE = Path(__file__).with_name("stages.toml")
@@ -85,9 +86,10 @@ def judge(figures: Sequence[Figure], values: Values) -> Judgement:
 
 def read_figures(path: Path = STAGES_FILE) -> tuple[Figure, ...]:
     """Return the figures with their bounds; raise InputError where the file is wrong."""
+    data = read_input(path)
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        content = tomllib.loads(data.decode())
+    except ValueError as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
     if not content:
         raise InputError(f"{path}: holds no figure: a sign-off that asks for nothing would pass")

@@ -28,6 +28,7 @@ from typing import Any
 import hjson
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 
 TESTPLAN = Path(__file__).with_name("testplan.hjson")
 # What dvsim takes for "not mapped to simulations".
@@ -80,10 +81,9 @@ class Testplan:
 
 def read_testplan(path: Path = TESTPLAN) -> Testplan:
     """Read a testplan; raise InputError where its form is wrong. Whether it is complete, `lint` says."""
+    data = read_input(path)
     try:
-        content = hjson.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_object)
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+        content = hjson.loads(data.decode(), object_pairs_hook=_object)
     # Of both kinds: what is no Hjson, what is no text, and a key that comes twice.
     except ValueError as error:
         raise InputError(f"{path}: not a testplan: {error}") from error

@@ -39,6 +39,7 @@ from typing import Any
 
 from triaxis.coverage.arithmetic import BoundError, evaluate
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 
 WAIVERS = Path(__file__).with_name("waivers.toml")
 
@@ -231,10 +232,9 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
 
 def read_waivers(path: Path = WAIVERS) -> list[Waiver]:
     """Read the waivers; raise InputError naming the first that is not well formed."""
+    data = read_input(path)
     try:
-        content = tomllib.loads(path.read_text())
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+        content = tomllib.loads(data.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not TOML: {error}") from error
     unknown = [name for name in content if name != "waiver"]

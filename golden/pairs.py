@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_array
 
 MIN_WIDTH = 8
 MAX_WIDTH = 32
@@ -74,18 +75,7 @@ def check_pairs(array: npt.NDArray[Any], width: int, name: str = "pairs") -> Pai
 
 def read_pairs(path: Path, width: int) -> Pairs:
     """Read a file of pairs; raise InputError where it is not one, or out of range for ``width``."""
-    try:
-        array = np.load(path, allow_pickle=False)
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
-    except MemoryError:
-        raise
-    # A damaged header makes NumPy raise almost anything.
-    except Exception as error:
-        raise InputError(f"{path}: not a NumPy .npy file of numbers") from error
-    if not isinstance(array, np.ndarray):
-        raise InputError(f"{path}: an archive: must be a single .npy array")
-    return check_pairs(array, width, str(path))
+    return check_pairs(read_array(path), width, str(path))
 
 
 def check_output(path: Path, source: Path) -> None:

@@ -6,6 +6,7 @@ either would let a collision be missed.
 
 import io
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy.typing as npt
 import stl
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import Place, read_input
 
 _HEADER_BYTES = 84
 _FACET_BYTES = 50
@@ -23,14 +25,29 @@ _LARGEST = 1e30
 
 Facets = npt.NDArray[np.floating]
 
-# One facet of an ASCII file, word by word; None is a number.
-_FACET_WORDS: tuple[str | None, ...] = (
-    *("facet", "normal", None, None, None, "outer", "loop"),
-    *("vertex", None, None, None) * 3,
-    *("endloop", "endfacet"),
+# One facet of an ASCII file in lower case, word by word; None is a number.
+_FACET_WORDS: tuple[bytes | None, ...] = (
+    *(b"facet", b"normal", None, None, None, b"outer", b"loop"),
+    *(b"vertex", None, None, None) * 3,
+    *(b"endloop", b"endfacet"),
 )
-_COORDINATES = np.array([8, 9, 10, 12, 13, 14, 16, 17, 18])
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_FIRST_COORDINATE = 8
+# A number written in full, as %f does, has 39 digits before its point at most, if it is a float32.
+_LONGEST_WORD = 100
+_NUMBER = rb"[+-]?(?:\d++\.?\d*+|\.\d++)(?:e[+-]?\d++)?+"
+# Exporters write normals of facets without area as nan, -nan(ind), 1.#QNAN, inf ..
+_NORMAL = rb"(?:" + _NUMBER + rb"(?:#\w++)?+|[+-]?(?:nan|inf|infinity)(?:\(\w++\))?+)"
+_COORDINATES, _NORMALS = (re.compile(rb"(?:" + number + rb" )*+") for number in (_NUMBER, _NORMAL))
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_ASCII = re.compile(rb"(?:" + _BYTE_ORDER_MARK + rb")?\s*solid", re.IGNORECASE)
+_WORD = re.compile(rb"\S+")
+_FACET_END = re.compile(rb"endfacet\s")
+_LINE_END = re.compile(rb"[\r\n]")
+# Set apart by anything but visible ASCII: some readers take more for blanks than others.
+_IN_NAME = re.compile(rb"(?<![!-~])(?:facet|normal|outer|loop|vertex|endloop|endfacet)(?![!-~])")
+# Bytes split into words at a time: bounds the memory.
+_BLOCK = 1 << 22
 
 
 @dataclass(frozen=True)
@@ -51,16 +68,12 @@ def read_stl(path: Path) -> StlMesh:
     Raises InputError where the file is missing, empty, truncated, malformed, holds no facet, or a
     coordinate is not finite.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror}") from error
+    data = read_input(path)
     if not data:
         raise InputError(f"{path}: empty file: an STL with at least one facet is needed")
-    text = data.removeprefix(b"\xef\xbb\xbf").lstrip()
     # Binary files whose header begins with "solid" exist: the size has the last word, and text has no zeros.
-    is_ascii = text[:5].lower() == b"solid" and len(data) != _binary_size(data) and b"\0" not in data
-    facets = _read_ascii(path, text) if is_ascii else _read_binary(path, data)
+    is_ascii = bool(_ASCII.match(data)) and len(data) != _binary_size(data) and b"\0" not in data
+    facets = _read_ascii(path, data) if is_ascii else _read_binary(path, data)
     if len(facets) == 0:
         raise InputError(f"{path}: no facets: an STL with at least one is needed")
     wrong = ~(np.abs(facets) <= _LARGEST)
@@ -103,33 +116,96 @@ def _read_binary(path: Path, data: bytes) -> Facets:
 
 
 def _read_ascii(path: Path, data: bytes) -> Facets:
-    """Read an ASCII STL of any number of solids, word by word."""
-    text = data.decode("ascii", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-    # A solid's name runs to the end of its line, and may hold any word.
-    body, ends = re.subn(r"^[ \t]*endsolid\b.*$", "", text, flags=re.MULTILINE | re.IGNORECASE)
-    body, begins = re.subn(r"^[ \t]*solid\b.*$", "", body, flags=re.MULTILINE | re.IGNORECASE)
-    words = body.split()
-    size = len(_FACET_WORDS)
-    for position in range(0, len(words), size):
-        _check_facet(path, position // size, words[position : position + size])
-    if begins != ends:
-        raise InputError(
-            f"{path}: {len(words) // size} facets, then the end: {begins} solids begin, {ends} end; "
-            "truncated, export it again"
+    """Read the facets of all solids of an ASCII STL, word by word. Lines matter to names alone."""
+    text = data.removeprefix(_BYTE_ORDER_MARK).lower()
+    tables = [np.empty((0, 9))]
+    start = count = 0
+    while word := _WORD.search(text, start):
+        start = _end_of_name(path, word, b"solid")
+        end = text.find(b"endsolid", start)
+        for block in _blocks(text, start, end if end >= 0 else len(text)):
+            tables.append(_facets(path, text, *block, count))
+            count += len(tables[-1])
+        last = _WORD.search(text, end) if end >= 0 else None
+        if last is None:
+            raise InputError(
+                f"{path}: {count} facets, then the end, without 'endsolid': truncated, export it again"
+            )
+        start = _end_of_name(path, last, b"endsolid")
+    return np.concatenate(tables).reshape(-1, 3, 3)
+
+
+def _end_of_name(path: Path, word: re.Match[bytes], wanted: bytes) -> int:
+    """Return where the line ends that a word begins; raise InputError where it is not the one wanted.
+
+    A name may hold any words, but not those of a facet, which would be lost with it.
+    """
+    if word[0] != wanted:
+        raise _error(path, word, f"'{wanted.decode()}' must stand here: export it again")
+    line_end = _LINE_END.search(word.string, word.end())
+    end = line_end.start() if line_end else len(word.string)
+    if found := _IN_NAME.search(word.string, word.end(), end):
+        raise _error(
+            path, found, "in the name of a solid, where a facet may get lost: end the line before it"
         )
-    table = np.array(words, np.str_).reshape(-1, size)
-    return table[:, _COORDINATES].astype(np.float64).reshape(-1, 3, 3)
+    return end
 
 
-def _check_facet(path: Path, facet: int, words: list[str]) -> None:
-    """Raise InputError where the words are not one whole facet."""
-    for index, wanted in enumerate(_FACET_WORDS):
-        if index >= len(words):
-            raise InputError(f"{path}: facet {facet}: the file ends within it; truncated, export it again")
-        word = words[index]
-        if wanted is not None and word.lower() != wanted:
-            raise InputError(f"{path}: facet {facet}: {word[:20]!r} where {wanted!r} was expected")
-        # Normals are ignored, whatever they are.
-        is_coordinate = wanted is None and index > _FACET_WORDS.index("vertex")
-        if is_coordinate and not _NUMBER.fullmatch(word):
-            raise InputError(f"{path}: facet {facet}: {word[:20]!r} is not a finite decimal number")
+def _blocks(text: bytes, start: int, end: int) -> Iterator[tuple[int, int]]:
+    """Yield where blocks of whole facets begin and end."""
+    while start < end:
+        cut = _FACET_END.search(text, min(start + _BLOCK, end), end)
+        stop = cut.end() if cut else end
+        yield start, stop
+        start = stop
+
+
+def _facets(path: Path, text: bytes, start: int, stop: int, before: int) -> npt.NDArray[np.float64]:
+    """Return the coordinates (N, 9) of the facets in a block, which come after ``before`` others."""
+    words = text[start:stop].split()
+    size = len(_FACET_WORDS)
+    count, rest = divmod(len(words), size)
+    columns = [words[index::size] for index in range(size)]
+    # The last word may go on beyond the block.
+    if (
+        rest
+        or not (stop == len(text) or text[stop - 1 : stop].isspace())
+        or not all(_is_right(index, column) for index, column in enumerate(columns))
+    ):
+        raise _wrong_word(path, text, start, before)
+    coordinates = [c for i, c in enumerate(columns) if i >= _FIRST_COORDINATE and _FACET_WORDS[i] is None]
+    return np.stack([np.fromiter(map(float, column), np.float64, count) for column in coordinates], axis=1)
+
+
+def _is_right(index: int, words: list[bytes]) -> bool:
+    """Return whether all these words may stand at a place in a facet."""
+    wanted = _FACET_WORDS[index]
+    if wanted is not None:
+        return words == [wanted] * len(words)
+    numbers = _NORMALS if index < _FIRST_COORDINATE else _COORDINATES
+    joined = b" ".join([*words, b""])
+    return max(map(len, words), default=0) <= _LONGEST_WORD and numbers.fullmatch(joined) is not None
+
+
+def _wrong_word(path: Path, text: bytes, start: int, facet: int) -> InputError:
+    """Return the error that names the first word after ``start``, where a facet begins, that is wrong."""
+    for number, word in enumerate(_WORD.finditer(text, start)):
+        index = number % len(_FACET_WORDS)
+        if _is_right(index, [word[0]]):
+            facet += index == len(_FACET_WORDS) - 1
+            continue
+        wanted = _FACET_WORDS[index]
+        if wanted is not None:
+            why = f"'{wanted.decode()}' must stand here"
+        elif len(word[0]) > _LONGEST_WORD:
+            why = f"longer than {_LONGEST_WORD} characters"
+        else:
+            why = "not a finite decimal number"
+        return _error(path, word, f"facet {facet}: {why}: export it again")
+    return InputError(f"{path}: facet {facet}: the file ends within it; truncated, export it again")
+
+
+def _error(path: Path, word: re.Match[bytes], why: str) -> InputError:
+    before = word.string[: word.start()]
+    line = 1 + before.count(b"\n") + before.count(b"\r") - before.count(b"\r\n")
+    return Place(path, line).error(word[0].decode(errors="replace"), why)

@@ -67,6 +67,29 @@ def test_unreadable_files(tmp_path):
             read_pairs(tmp_path / name, 16)
 
 
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("dtype", ["<i8", ">i2", "u1"])
+def test_pairs_of_any_layout(tmp_path, rng, order, dtype):
+    pairs = np.asarray(rng.integers(0, 99, (5, 2, 3, 3)), dtype, order=order)
+    np.save(tmp_path / "pairs.npy", pairs)
+    assert (read_pairs(tmp_path / "pairs.npy", 16) == pairs).all()
+
+
+def test_data_are_as_many_as_the_header_says(tmp_path):
+    path = tmp_path / "pairs.npy"
+    np.save(path, np.zeros((5, 2, 3, 3), np.int64))
+    whole = path.read_bytes()
+    for data, message in (
+        (whole + b"\0", "720 bytes of numbers .* holds 721"),
+        (whole + whole, "720 bytes of numbers"),
+        (whole[:-9], "holds 711"),
+        (whole.replace(b"(5, ", b"(5000000000000, "), "holds 7"),
+    ):
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=message):
+            read_pairs(path, 16)
+
+
 def test_verdicts_are_written_whole_or_not_at_all(tmp_path, monkeypatch):
     path = tmp_path / "out.npy"
     write_verdicts(path, np.zeros(3, VERDICT))

@@ -11,6 +11,7 @@ from triaxis.coverage.interchange.code_points import CodePoint, read_code_points
 from triaxis.coverage.interchange.lcov import write_lcov
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import BUILD, ROOT
 from triaxis.verif.code_coverage.run import COUNTERS, RESULT
@@ -87,11 +88,12 @@ def run(options: argparse.Namespace) -> int:
 
 def _evidence(path: Path, here: str, remedy: str) -> dict[str, Any]:
     """Return a stored result; raise InputError where there is none, or it is of another RTL."""
+    if not path.exists():
+        raise InputError(f"{path}: no such file: {remedy} first")
+    data = read_input(path)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file: {remedy} first") from error
-    except (OSError, ValueError) as error:
+        content = json.loads(data)
+    except ValueError as error:
         raise InputError(f"{path}: not readable: {remedy} again") from error
     if not isinstance(content, dict) or any(key not in content for key in _NEEDED):
         raise InputError(f"{path}: does not say {', '.join(_NEEDED)}: {remedy} again")
@@ -135,9 +137,10 @@ def _functional(sources: list[Path], here: str) -> tuple[CoverageDatabase, list[
 
 
 def _model_names(path: Path) -> list[str]:
+    data = read_input(path)
     try:
-        names = [model["model"] for model in json.loads(path.read_text(encoding="utf-8"))["models"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        names = [model["model"] for model in json.loads(data)["models"]]
+    except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a coverage file: {_SIGN_OFF} again") from error
     if not names or not all(isinstance(name, str) for name in names):
         raise InputError(f"{path}: counts of no model: {_SIGN_OFF} again")

@@ -12,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import Place, read_input
 
 # What follows a program could be run by a control: nothing of a file is passed over.
 AFTER_THE_END = "stands after the end of the program: remove it, or split the file"
@@ -21,19 +22,6 @@ _DIGITS = 15
 
 _WORD = re.compile(r"([A-Za-z])[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.ASCII)
 _LINE_END = re.compile(r"\r\n|\n|\r")
-
-
-@dataclass(frozen=True)
-class Place:
-    """A line of a file, counted from 1."""
-
-    path: Path
-    line: int
-
-    def error(self, word: str, why: str) -> InputError:
-        """Return the error that names file, line and word. ``why`` ends with what to do."""
-        shown = "".join(c if c.isprintable() else "?" for c in word[:20])
-        return InputError(f"{self.path}: line {self.line}: word '{shown}': {why}")
 
 
 @dataclass(frozen=True)
@@ -66,10 +54,7 @@ def read_blocks(path: Path) -> Iterator[Block]:
     Raises InputError where the file cannot be read, a line is not made of words, comments and blanks, or
     anything follows the closing %.
     """
-    try:
-        text = path.read_bytes().removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror}") from error
+    text = read_input(path).removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
     started = closed = False
     for number, line in enumerate(_LINE_END.split(text), 1):
         place = Place(path, number)

@@ -12,7 +12,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.host.motion.gcode import AFTER_THE_END, Block, Place, Word, read_blocks
+from triaxis.golden.input_file import Place
+from triaxis.host.motion.gcode import AFTER_THE_END, Block, Word, read_blocks
 from triaxis.host.motion.refused_words import WHY_REFUSED
 from triaxis.host.quantise import Vector
 

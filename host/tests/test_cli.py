@@ -1,5 +1,7 @@
 """The command line as its users meet it: results, exit codes, one-line errors."""
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -7,9 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from triaxis.golden.pairs import VERDICT
+from triaxis.coverage.counts import read_counts
+from triaxis.coverage.testplan import read_testplan
+from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import VERDICT, read_pairs
 from triaxis.host import scenes
+from triaxis.host.motion.gcode import read_blocks
+from triaxis.host.stl import read_stl
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.kept_cases import read_case
 from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.counterexample.failing import read_failing
+from triaxis.verif.regress.definition import read_definition
+from triaxis.verif.signoff.gate import refusals
 from triaxis.verif.signoff.scene_checks import mesh_data
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
@@ -157,13 +169,54 @@ def test_check_refuses_bad_input(meshes, tmp_path):
     assert "cannot read" in refused("check", tmp_path / "no.stl", b)
 
 
+READERS = {
+    "STL": read_stl,
+    "pairs": lambda path: read_pairs(path, 16),
+    "failing pairs": lambda path: read_failing(path, Configuration(16, 0)),
+    "G-code": lambda path: list(read_blocks(path)),
+    "counts of coverage": lambda path: read_counts(path, ()),
+    "testplan": read_testplan,
+    "definition of regressions": read_definition,
+    "regression case": read_case,
+    "sign-off": lambda path: refusals(path, ""),
+}
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_only_ordinary_files_are_read(tmp_path, reader):
+    os.mkfifo(tmp_path / "pipe")
+    # A reader that waits must end as a failure.
+    signal.signal(signal.SIGALRM, lambda *_: pytest.fail("waits for a pipe"))
+    signal.alarm(10)
+    try:
+        for path, kind in ((tmp_path / "pipe", "pipe"), (tmp_path, "folder"), (Path("/dev/null"), "device")):
+            with pytest.raises(
+                InputError, match=rf"^{path}: is a [^\n]*{kind}[^\n]*: name an ordinary file$"
+            ):
+                READERS[reader](path)
+    finally:
+        signal.alarm(0)
+
+
+def test_commands_refuse_a_pipe(meshes, tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for command in (
+        ("check", pipe, meshes[0]),
+        ("path", *meshes, pipe),
+        ("verdict", pipe, "--engine", "bulk", "--out", tmp_path / "out.npy"),
+        ("sim", "ReplayTest", "--replay", pipe),
+    ):
+        assert f"{pipe}: is a pipe" in refused(*command)
+
+
 def test_sim_refuses_bad_arguments(tmp_path):
     assert "unknown; one of: SeedVectorsTest" in refused("sim", "NoTest")
     assert "must read w<width>_m<margin bits>" in refused("sim", "RandomTest", "--config", "w99")
     assert "8..32" in refused("sim", "RandomTest", "--config", "w99_m0")
     assert "at least 1" in refused("sim", "RandomTest", "--pairs", "0")
     assert "goes with ReplayTest" in refused("sim", "ReplayTest")
-    assert "no such file" in refused("sim", "ReplayTest", "--replay", tmp_path / "no.npz")
+    assert "cannot read" in refused("sim", "ReplayTest", "--replay", tmp_path / "no.npz")
 
 
 def test_sim_runs_a_test_by_name(seed):

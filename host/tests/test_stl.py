@@ -1,3 +1,4 @@
+import re
 import struct
 from fractions import Fraction
 
@@ -43,12 +44,15 @@ def test_binary_and_ascii(tmp_path):
         (binary(FACETS[:0]), "no facets"),
         (binary(FACETS, b"solid cube")[:-1], "183 bytes, but its header announces 2 facets, 184"),
         (b"solid\nendsolid\n", "no facets"),
-        (b"solid x", "0 facets, then the end: 1 solids begin, 0 end"),
+        (b"solid x", "0 facets, then the end, without 'endsolid'"),
         (ascii_text(FACETS).split("endloop")[0].encode(), "the file ends within it"),
-        (ascii_text(FACETS).replace("endsolid made by a test", "").encode(), "1 solids begin, 0 end"),
+        (
+            ascii_text(FACETS).replace("endsolid made by a test", "").encode(),
+            "2 facets, then the end, without",
+        ),
         (
             ascii_text(FACETS).replace("      vertex 0 1 0\n", "").encode(),
-            "'endloop' where 'vertex' was expected",
+            "line 6: word 'endloop': facet 0: 'vertex' must stand here",
         ),
         (b"\x89PNG not a mesh at all, but long enough to be one, as files go." * 3, "not an STL"),
     ],
@@ -76,7 +80,7 @@ def test_not_finite_names_the_facet(tmp_path, value):
 def test_malformed_numbers_name_the_facet(tmp_path, number):
     path = tmp_path / "words.stl"
     path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
-    with pytest.raises(InputError, match=rf"words\.stl: facet 1: '{number}' is not a finite"):
+    with pytest.raises(InputError, match=rf"words\.stl: line 12: word '{number}': facet 1: .* number"):
         read_stl(path)
 
 
@@ -91,14 +95,16 @@ def test_numbers_beyond_any_length(tmp_path, number, read):
 
 
 VARIANTS = {
-    "several solids": lambda text: text + text.replace("made by a test", "facet vertex endsolid"),
+    "several solids": lambda text: text + text.replace("made by a test", "solid endsolid facets"),
     "upper case": str.upper,
     "tabs": lambda text: text.replace("  ", "\t"),
     "double spaces": lambda text: text.replace("facet normal", "facet  normal").replace("outer ", "outer   "),
     "DOS line ends": lambda text: text.replace("\n", "\r\n"),
     "old Mac line ends": lambda text: text.replace("\n", "\r"),
     "byte order mark": lambda text: "\ufeff" + text,
-    "strange normals": lambda text: text.replace("normal 0 0 1", "normal -nan(ind) nan inf"),
+    "strange normals": lambda text: text.replace("normal 0 0 1", "normal -nan(ind) 1.#QNAN INF"),
+    "one line a solid": lambda text: "solid\n" + " ".join(text.split("\n")[1:]),
+    "names of any letters": lambda text: text.replace("made by", "\u00e9t\u00e9\t"),
     "no name": lambda text: text.replace(" made by a test", ""),
 }
 
@@ -110,6 +116,148 @@ def test_ascii_variants(tmp_path, variant):
     facets = read_stl(path).facets
     expected = np.concatenate([FACETS, FACETS]) if variant == "several solids" else FACETS
     assert (facets.astype(np.float32) == expected).all()
+
+
+FACET = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet"
+
+
+@pytest.mark.parametrize("glue", [" ", "\t", "\f", "\v", "\x1c", "\x85", "\u2028", " name "])
+@pytest.mark.parametrize("line", ["solid", "endsolid", "solid named", "endsolid named"])
+def test_no_facet_hides_in_a_name(tmp_path, line, glue):
+    begins, ends = (
+        ("solid", f"{line}{glue}{FACET}") if line[0] == "e" else (f"{line}{glue}{FACET}", "endsolid")
+    )
+    path = tmp_path / "hidden.stl"
+    path.write_bytes(f"{begins}\n{FACET}\n{ends}\n".encode())
+    with pytest.raises(InputError, match=rf"line {1 + 2 * (line[0] == 'e')}: word '"):
+        read_stl(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (f"solid\n{FACET}\nendsolid\n{FACET}\n", "line 4: word 'facet': 'solid' must"),
+        (f"solid\n{FACET}\nsolid\nendsolid\nendsolid\n", "line 3: word 'solid': facet 1: 'facet' must"),
+        (f"solid\r\n{FACET}\r\nendsolidx\r\n", "line 3: word 'endsolidx': 'endsolid' must"),
+        (f"solid\n{FACET}endsolid\n", "line 2: word 'endfacetendsolid': facet 0: 'endfacet' must"),
+        (f"solid\n{FACET}{FACET}\nendsolid\n", "word 'endfacetfacet'"),
+        (f"solidity\n{FACET}\nendsolid\n", "line 1: word 'solidity': 'solid' must"),
+        (f"\n\nsolid\n{FACET}\nx\nendsolid\n", "line 5: word 'x': facet 1: 'facet' must"),
+        (f"solid\n{FACET.replace('0 0 1', '0 0 facet')}\nendsolid\n", "word 'facet': facet 0: .* number"),
+        (f"solid\n{FACET.replace('0 0 1', '0 0 ' + '1' * 101)}\nendsolid\n", "longer than 100 characters"),
+        (f"solid\n{FACET.replace('1 0 0', '1 0 ' + '0' * 101)}\nendsolid\n", "longer than 100 characters"),
+    ],
+)
+def test_structure_is_exact(tmp_path, text, message):
+    path = tmp_path / "wrong.stl"
+    path.write_bytes(text.encode())
+    with pytest.raises(InputError, match=message):
+        read_stl(path)
+
+
+@pytest.mark.parametrize("block", [1, 200, 1 << 22])
+def test_blocks_neither_lose_nor_join_facets(tmp_path, monkeypatch, block, rng):
+    monkeypatch.setattr("triaxis.host.stl._BLOCK", block)
+    facets = rng.integers(-999, 999, (40, 3, 3)).astype(np.float32)
+    path = tmp_path / "blocks.stl"
+    text = ascii_text(facets)
+    path.write_text(text)
+    assert (read_stl(path).facets == facets).all()
+    places = [match.end() for match in re.finditer("endfacet", text)]
+    for place in places:
+        path.write_text(text[:place] + text[place:].lstrip())
+        with pytest.raises(InputError, match=r"word 'endfacet(end|facet)"):
+            read_stl(path)
+
+
+def slowly_read(text):
+    """Return the coordinates of a text, word for word; None where it is not an STL."""
+    lines = enumerate(re.split(r"\r\n|\r|\n", text.lower()))
+    words = [(number, word) for number, line in lines for word in re.findall(r"[^\x00-\x20\x7f]+", line)]
+    found = []
+
+    def follows(wanted):
+        return bool(words) and words[0][1] == wanted
+
+    def name_line(keyword):
+        if not follows(keyword):
+            raise ValueError(keyword)
+        line = words.pop(0)[0]
+        while words and words[0][0] == line:
+            if words.pop(0)[1] in set(filter(str.isalpha, FACET.split())):
+                raise ValueError("facet in a name")
+
+    try:
+        while words:
+            name_line("solid")
+            while follows("facet"):
+                numbers = []
+                for (_, word), model in zip(words[:21], FACET.split(), strict=True):
+                    if not model.isalpha():
+                        numbers.append(float(word))
+                    elif word != model:
+                        raise ValueError(word)
+                words = words[21:]
+                found.append(numbers[3:])
+            name_line("endsolid")
+    except ValueError:
+        return None
+    return np.array(found).reshape(-1, 3, 3)
+
+
+def mutated(text, rng):
+    """Return a text with a word or blank dropped, doubled, moved, replaced, or a character put in."""
+    pieces = re.findall(r"\s+|\S+", text)
+    blanks = [" ", "\n", "\r", "\r\n", "\t", "\f", "\v", "\x1c", "\x85", "\x7f", "", " \n "]
+    others = [
+        *blanks,
+        *FACET.split(),
+        "solid",
+        "endsolid",
+        "endsolid x\nsolid y\n",
+        "name",
+        f"\n{FACET}\n",
+        FACET,
+    ]
+    place, other = rng.integers(0, len(pieces), 2)
+    match rng.integers(0, 6):
+        case 0:
+            pieces[place : place + rng.integers(1, 4)] = []
+        case 1:
+            pieces[place:place] = pieces[place : place + rng.integers(1, 50)]
+        case 2:
+            pieces[place] = pieces[other]
+        case 3:
+            pieces[place] = others[rng.integers(0, len(others))]
+        case 4:
+            pieces.insert(place, others[rng.integers(0, len(others))])
+        case _:
+            # Within a line that holds a name, where most of the harm is done.
+            lines = [n for n, piece in enumerate(pieces) if piece.endswith("solid")]
+            near = lines[rng.integers(0, len(lines))] + rng.integers(0, 9) if lines else place
+            pieces[near : near + rng.integers(0, 2)] = [others[rng.integers(0, len(others))]]
+    return "".join(pieces)
+
+
+def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
+    path = tmp_path / "mutated.stl"
+    text = ascii_text(FACETS)
+    outcomes = {"read": 0, "refused": 0}
+    for _ in range(1500):
+        changed = mutated(text + text, rng)
+        for _ in range(rng.integers(0, 2)):
+            changed = mutated(changed, rng)
+        path.write_bytes(changed.encode())
+        wanted = slowly_read(changed)
+        try:
+            facets = read_stl(path).facets
+        except InputError:
+            outcomes["refused"] += 1
+            continue
+        outcomes["read"] += 1
+        assert wanted is not None, repr(changed)
+        assert np.array_equal(facets, wanted), repr(changed)
+    assert min(outcomes.values()) > 150, outcomes
 
 
 def test_decimals_are_not_rounded_to_float32(tmp_path):

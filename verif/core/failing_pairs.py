@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_archive
 from triaxis.golden.pairs import Pairs, check_pairs
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.core.checking import Failure
@@ -47,15 +48,10 @@ def _context(failure: Failure) -> tuple[Integers, Integers]:
 
 def read_failing_pairs(path: Path, configuration: Configuration) -> tuple[Pairs, npt.NDArray[np.int64]]:
     """Read pairs and margins; raise InputError where the file is not one, or does not fit the core."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            pairs, margins = file["pairs"], file["margins"]
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    # A damaged archive makes NumPy raise almost anything.
-    except Exception as error:
-        raise InputError(f"{path}: not a file of failing pairs (.npz with pairs and margins)") from error
-    pairs = check_pairs(pairs, configuration.width, str(path))
+    arrays = read_archive(path)
+    if not {"pairs", "margins"} <= arrays.keys():
+        raise InputError(f"{path}: not a file of failing pairs (.npz with pairs and margins)")
+    pairs, margins = check_pairs(arrays["pairs"], configuration.width, str(path)), arrays["margins"]
     if margins.shape != (len(pairs),) or margins.dtype.kind not in "iu":
         raise InputError(f"{path}: margins: must be {len(pairs)} integers")
     if margins.min(initial=0) < 0 or margins.max(initial=0) > configuration.max_margin:

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import VERIF
@@ -91,10 +92,9 @@ def write_case(case: RegressionCase, folder: Path = REGRESSIONS) -> Path:
 
 def read_case(path: Path) -> RegressionCase:
     """Read a case; raise InputError where the file is damaged, or is not the one that was written."""
+    data = read_input(path)
     try:
-        content = json.loads(path.read_text())
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
+        content = json.loads(data)
     except ValueError as error:
         raise InputError(f"{path}: not JSON ({error}): restore or delete it") from error
     case = _case(path, content)

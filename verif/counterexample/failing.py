@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_archive
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.core.failing_pairs import read_failing_pairs
@@ -41,13 +42,13 @@ def read_failing(path: Path, configuration: Configuration) -> list[FailingPair]:
 
 def _recorded(path: Path, count: int, configuration: Configuration) -> list[Stream | None] | None:
     """Return the recorded context of each pair, None in all where the archive records none."""
-    with np.load(path, allow_pickle=False) as file:
-        present = [name for name in _ARRAYS if name in file]
-        if not present:
-            return None
-        if len(present) < len(_ARRAYS):
-            raise InputError(f"{path}: {', '.join(_ARRAYS)}: only {', '.join(present)}; run the test again")
-        context, margins, counts = (file[name] for name in _ARRAYS)
+    arrays = read_archive(path)
+    present = [name for name in _ARRAYS if name in arrays]
+    if not present:
+        return None
+    if len(present) < len(_ARRAYS):
+        raise InputError(f"{path}: {', '.join(_ARRAYS)}: only {', '.join(present)}; run the test again")
+    context, margins, counts = (arrays[name] for name in _ARRAYS)
     longest = context.shape[1] if context.ndim == 5 else 0
     shapes = (context.shape, margins.shape, counts.shape)
     if shapes != ((count, longest, 2, 3, 3), (count, longest), (count,)):

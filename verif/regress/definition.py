@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.sim.paths import ROOT
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.regress.planned_run import add_options
@@ -75,15 +76,14 @@ def read_definition(path: Path = DEFINITION) -> Definition:
         import hjson
     except ImportError as error:
         raise InputError(f"hjson: not in this Python environment: {_INSTALL}") from error
+    data = read_input(path)
     try:
-        content = hjson.loads(path.read_text(encoding="utf-8"))
+        content = hjson.loads(data.decode())
         items = [_item(raw, content) for raw in content["tests"]]
         by_name = {item.name: item for item in items}
         if len(by_name) != len(items):
             raise ValueError("two tests have the same name")
         regressions = _regressions(content, by_name)
-    except OSError as error:
-        raise InputError(f"{path}: cannot read: {error.strerror or error}") from error
     except (hjson.HjsonDecodeError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a definition of regressions: {error!r}") from error
     return Definition(path, content, by_name, regressions)

@@ -9,6 +9,7 @@ from typing import Any
 from triaxis.coverage.stages import judge, read_figures
 from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 
 # The parts of the evidence, in the order of the report.
 PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
@@ -23,11 +24,12 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
 
     The verdict is computed again from the figures: a file that merely says "passed" opens nothing.
     """
-    try:
-        content = json.loads(result.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not result.exists():
         return [f"{result}: no sign-off: run `make signoff`"]
-    except (OSError, ValueError) as error:
+    data = read_input(result)
+    try:
+        content = json.loads(data)
+    except ValueError as error:
         return [f"{result}: not readable ({error}): run `make signoff` again"]
     if not isinstance(content, dict):
         return [f"{result}: not a sign-off: run `make signoff` again"]
@@ -51,7 +53,7 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
 
 def remarks(result: Path) -> list[str]:
     """Return what to know of a sign-off that opens the gate, a line each."""
-    content = json.loads(result.read_text(encoding="utf-8"))
+    content = json.loads(read_input(result))
     if content.get("git_clean") is True:
         return []
     return ["signed off from a checkout with changes that are in no commit, or from none"]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from triaxis.golden.input_file import read_input
 from triaxis.sim.build import burst_simulation, mesh_library, simulation
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT
@@ -119,7 +120,7 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
     build = build_for(settings, dut)
     folder = Path(settings.folder)
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
-    replay = Path(settings.replay).read_bytes() if settings.replay else None
+    replay = read_input(Path(settings.replay)) if settings.replay else None
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     if replay is not None:

@@ -1,8 +1,10 @@
 """Counterexamples are made small, keep failing in the same way, and come out the same each time."""
 
+import io
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -329,7 +331,7 @@ def test_command(broken, missed, tmp_path, rng):
     assert "none of 1 pairs fails on the bare core w8_m8" in error
 
     _, error = triaxis("shrink", tmp_path / "no.npz", *common, status=2)
-    assert "no such file" in error
+    assert "cannot read" in error
     _, error = triaxis("shrink", failing, *common[:2], "--dut", tmp_path, status=2)
     assert "no triaxis_pkg.sv" in error
 
@@ -345,6 +347,28 @@ def test_a_failed_run_is_explained(broken, missed, tmp_path, rng):
     recorded(tmp_path / "failing_pairs.npz", missed, rng)
     (line,) = explain_failures(tmp_path, CONFIGURATION, tmp_path / "no_rtl")
     assert line.startswith("not shrunk: ")
+
+
+def test_archives_hold_what_they_say_and_no_more(tmp_path):
+    pairs = np.zeros((2, 2, 3, 3), np.int64)
+    path = archive(tmp_path / "failing.npz", pairs, np.zeros(2, np.int64))
+    whole = path.read_bytes()
+    assert len(read_failing(path, CONFIGURATION)) == 2
+    member = io.BytesIO()
+    np.save(member, pairs)
+    longer = io.BytesIO()
+    with zipfile.ZipFile(longer, "w") as file:
+        file.writestr("pairs.npy", member.getvalue() + b"\0")
+    for data, message in (
+        (whole + whole, "more than one archive"),
+        (whole + b"\0", "more than one archive"),
+        (whole[:-9], "not a NumPy .npz archive"),
+        (longer.getvalue(), "pairs: 288 bytes of numbers .* holds 289"),
+        (member.getvalue(), "not a NumPy .npz archive"),
+    ):
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=message):
+            read_failing(path, CONFIGURATION)
 
 
 def test_damaged_contexts_are_refused(tmp_path):
