@@ -123,12 +123,3 @@ def distance_of(mesh_a: StlMesh, i: int, mesh_b: StlMesh, j: int, move: Vector) 
 def exact_distance(meshes: MeshPair, i: int, j: int) -> Fraction:
     """Return the exact Chebyshev distance of two facets as they stand, unrounded."""
     return distance_of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.move)
-
-
-def one_box_holds_the_other(a: npt.NDArray[np.int64], b: npt.NDArray[np.int64]) -> bool:
-    """Return whether the box of one mesh, facets (N, 3, 3), lies inside the box of the other."""
-    low_a, high_a = a.min((0, 1)), a.max((0, 1))
-    low_b, high_b = b.min((0, 1)), b.max((0, 1))
-    a_holds_b = (low_a <= low_b).all() and (high_b <= high_a).all()
-    b_holds_a = (low_b <= low_a).all() and (high_a <= high_b).all()
-    return bool(a_holds_b or b_holds_a)

@@ -11,6 +11,7 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.whole_files import write_whole
+from triaxis.host.enclosure import Enclosure
 from triaxis.host.quantise import Grid
 from triaxis.host.scene_engines import SceneRun
 
@@ -50,6 +51,11 @@ def milliseconds(cycles: int | None) -> float | None:
 def grid_entry(grid: Grid) -> dict[str, Any]:
     """Return the grid's part of a report."""
     return {"width": grid.width, "resolution": grid.resolution, "offset": grid.offset}
+
+
+def enclosure_entry(enclosure: Enclosure, surfaces_only: bool) -> dict[str, Any]:
+    """Return what is known of insides, and whether nobody wanted to know."""
+    return {"surfaces_only": surfaces_only, "enclosure": enclosure}
 
 
 def run_entry(run: SceneRun, pairs: int) -> dict[str, Any]:

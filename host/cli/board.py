@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from triaxis.host.cli.board_check import about, check, checkout_id, warn_of_build
+from triaxis.host.cli.check import add_surfaces_only
 from triaxis.host.cli.numbers import number
 from triaxis.host.link.board import Board
 from triaxis.host.link.codes import Mode
@@ -47,8 +48,9 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         "check",
         help="decide whether two STL meshes come within a clearance, on the board",
         description="Decide on the board what `triaxis check` decides. The verdict is unknown, with exit "
-        "code 2, where anything about the board's answer is not as it must be.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error: the verdict is unknown.",
+        "code 2, where anything about the board's answer is not as it must be. Where one mesh is inside the "
+        "other, or may be, the board is not asked, so it never says go.",
+        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
@@ -72,6 +74,7 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         (Mode.FIRST, "stop at the first near pair"),
     ):
         modes.add_argument(f"--{mode.name.lower()}", dest="mode", action="store_const", const=mode, help=what)
+    add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument(
         "--hold",

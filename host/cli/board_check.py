@@ -12,7 +12,9 @@ import numpy.typing as npt
 from triaxis.fpga.bitstream import board_hash, build_id
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
+from triaxis.host.cli.check import print_without_near_facets
 from triaxis.host.cli.progress import progress_bar
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
 from triaxis.host.link.check import BoardCheck, check_on_board
@@ -20,10 +22,17 @@ from triaxis.host.link.codes import Flag, Mode, RunEnd
 from triaxis.host.link.errors import LinkError
 from triaxis.host.link.line import SerialLine
 from triaxis.host.link.messages import Description, Pose, Status
-from triaxis.host.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.host.meshcheck import MeshPair, exact_distance, prepare
 from triaxis.host.pose import Pose as RealPose
-from triaxis.host.scene_engines import SceneRun
-from triaxis.host.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.scene_engines import BULK, SceneRun, scene_engine
+from triaxis.host.scene_report import (
+    check_written,
+    enclosure_entry,
+    grid_entry,
+    milliseconds,
+    run_entry,
+    write_report,
+)
 from triaxis.host.stl import read_stl
 from triaxis.sim.build import rtl_hash
 
@@ -84,19 +93,50 @@ def check(options: argparse.Namespace) -> int:
             description.width,
             RealPose(move=tuple(options.move)),
         )
+        insides = _insides(options, meshes)
+        if insides.state in (State.INSIDE, State.UNDECIDED):
+            # A clear run would make the board say go, of itself and at once.
+            _print_scene(options, meshes, description)
+            if options.json:
+                write_report(options.json, _report(options, meshes, None, insides, description))
+            print_without_near_facets(insides, _surfaces(options), ("A", "B"))
+            print("output: stop; the board was not asked to run")
+            insides.refuse_undecided((options.a, options.b))
+            return NEAR
         steps = steps_of(meshes)
         loaded = meshes.a - steps
         with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
             pose = Pose(*map(int, steps))
             found = check_on_board(board, loaded, meshes.b, meshes.margin, pose, options.mode, progress)
+        near = found.verdict == Verdict.NEAR
+        if not near and insides.state != State.OUTSIDE and not options.surfaces_only:
+            raise InputError("the board finds no near facets where this program does: verdict unknown")
         output = _output(options, found, board.status(), description)
-        _print(options, meshes, found, description)
+        _print_scene(options, meshes, description)
+        _print(options, meshes, found)
+        if not near:
+            print_without_near_facets(insides, _surfaces(options), ("A", "B"))
         print(f"output: {output}")
         if options.json:
-            write_report(options.json, _report(options, meshes, found, description))
-        if options.hold and found.verdict == Verdict.CLEAR:
+            write_report(options.json, _report(options, meshes, found, insides, description))
+        if options.hold and not near:
             _hold(board)
-    return NEAR if found.verdict == Verdict.NEAR else CLEAR
+    return NEAR if near else CLEAR
+
+
+def _insides(options: argparse.Namespace, meshes: MeshPair) -> Enclosure:
+    """Return what is known of insides before the board runs; near facets leave nothing to ask."""
+    if options.surfaces_only:
+        return NOT_ASKED
+    found = enclosure(meshes.a, meshes.b)
+    if found.state == State.OUTSIDE:
+        return found
+    engine = scene_engine(BULK, meshes.a, meshes.b, meshes.grid.width)
+    return NOT_ASKED if engine.run((0, 0, 0), meshes.margin, stop_at_first=True).near_count else found
+
+
+def _surfaces(options: argparse.Namespace) -> str:
+    return f"no facets come within {float(options.clearance):g}"
 
 
 @contextmanager
@@ -134,8 +174,8 @@ def _hold(board: Board) -> None:
     raise LinkError("the board's output says stop: the link was disturbed; check again")
 
 
-def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, board: Description) -> None:
-    grid, status = meshes.grid, found.status
+def _print_scene(options: argparse.Namespace, meshes: MeshPair, board: Description) -> None:
+    grid = meshes.grid
     offset = ", ".join(f"{float(x):g}" for x in grid.offset)
     print(f"A: {options.a}, {len(meshes.a)} facets; B: {options.b}, {len(meshes.b)} facets")
     print(
@@ -143,6 +183,10 @@ def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, boa
         f"most {float(grid.rounding_bound):g}; margin {meshes.margin} steps"
     )
     print(f"board: {about(board)}")
+
+
+def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck) -> None:
+    status = found.status
     print(
         f"facet pairs: {len(meshes.a) * len(meshes.b)}; skipped by their own boxes: {status.pairs_skipped}; "
         f"tested: {status.tested}"
@@ -151,12 +195,9 @@ def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, boa
         f"group pairs skipped: {status.groups_skipped}; opened: {status.groups_opened}; {status.cycles} "
         f"cycles, {milliseconds(status.cycles):.3g} ms at 100 MHz"
     )
-    clearance = f"{float(options.clearance):g}"
     if found.verdict == Verdict.CLEAR:
-        print(f"CLEAR: no facets come within {clearance}")
-        if one_box_holds_the_other(meshes.a, meshes.b):
-            print("note: one mesh's box holds the other's; only surfaces are compared, not insides")
         return
+    clearance = f"{float(options.clearance):g}"
     count = "at least 1" if options.mode == Mode.FIRST else status.near
     print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
     for i, j in found.near[:_LISTED]:
@@ -167,10 +208,32 @@ def _print(options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, boa
 
 
 def _report(
-    options: argparse.Namespace, meshes: MeshPair, found: BoardCheck, board: Description
+    options: argparse.Namespace,
+    meshes: MeshPair,
+    found: BoardCheck | None,
+    insides: Enclosure,
+    board: Description,
 ) -> dict[str, Any]:
-    """Return what `triaxis check` reports, and the board itself."""
-    status, pairs = found.status, len(meshes.a) * len(meshes.b)
+    """Return what `triaxis check` reports, and the board itself; without a run where ``found`` is None."""
+    near = found is not None and found.verdict == Verdict.NEAR
+    return {
+        "verdict": insides.verdict(near),
+        "a": {"file": options.a, "facets": len(meshes.a)},
+        "b": {"file": options.b, "facets": len(meshes.b)},
+        "pose": {"rotate": [], "move": meshes.move},
+        "clearance": options.clearance,
+        "grid": grid_entry(meshes.grid),
+        "margin": meshes.margin,
+        "engine": "board",
+        "mode": options.mode.name.lower(),
+        "board": board,
+        **enclosure_entry(insides, options.surfaces_only),
+        **({} if found is None else _run_report(found, len(meshes.a) * len(meshes.b))),
+    }
+
+
+def _run_report(found: BoardCheck, pairs: int) -> dict[str, Any]:
+    status = found.status
     complete = status.end == RunEnd.COMPLETE
     run = SceneRun(
         # What a run that stopped early has left out was not skipped.
@@ -183,17 +246,4 @@ def _report(
         status.groups_opened,
         status.cycles,
     )
-    return {
-        "verdict": found.verdict.value,
-        "a": {"file": options.a, "facets": len(meshes.a)},
-        "b": {"file": options.b, "facets": len(meshes.b)},
-        "pose": {"rotate": [], "move": meshes.move},
-        "clearance": options.clearance,
-        "grid": grid_entry(meshes.grid),
-        "margin": meshes.margin,
-        "engine": "board",
-        "mode": options.mode.name.lower(),
-        "board": board,
-        "status": status,
-        **run_entry(run, pairs),
-    }
+    return {"status": status, **run_entry(run, pairs)}

@@ -7,10 +7,18 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli.numbers import number
-from triaxis.host.meshcheck import MeshPair, exact_distance, one_box_holds_the_other, prepare
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
+from triaxis.host.meshcheck import MeshPair, exact_distance, prepare
 from triaxis.host.pose import AXES, Pose, Turn
 from triaxis.host.scene_engines import ENGINES, RTL, SceneRun, scene_engine
-from triaxis.host.scene_report import check_written, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.scene_report import (
+    check_written,
+    enclosure_entry,
+    grid_entry,
+    milliseconds,
+    run_entry,
+    write_report,
+)
 from triaxis.host.stl import read_stl
 
 CLEAR, NEAR = 0, 1
@@ -23,11 +31,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "check",
         help="decide whether two STL meshes come within a clearance",
         description="Decide whether any facet of A comes within the clearance (Chebyshev distance) of any "
-        "facet of B. Surfaces only: a mesh wholly inside the other touches none of its facets. The "
-        "margin covers the rounding to the grid, so a pair within the clearance is never missed; "
-        "a false alarm is less than four steps of the resolution, plus twice what reading and turning "
-        "rounded, beyond it.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error.",
+        "facet of B, or a part of one of them is inside the other. The margin covers the "
+        "rounding to the grid, so a pair within the clearance is never missed; a false alarm is less than "
+        "four steps of the resolution, plus twice what reading and turning rounded, beyond it.",
+        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
@@ -55,8 +62,18 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--engine", choices=ENGINES, default=RTL,
         help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
     )  # fmt: skip
+    add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.set_defaults(run=run)
+
+
+def add_surfaces_only(parser: argparse.ArgumentParser) -> None:
+    """Add the option to leave insides alone."""
+    parser.add_argument(
+        "--surfaces-only", action="store_true",
+        help="compare facets only: what is wholly inside the other is then clear of it; for meshes that are "
+        "not closed, of which no inside can be told",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -81,10 +98,24 @@ def run(options: argparse.Namespace) -> int:
     )
     engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
     run = engine.run((0, 0, 0), meshes.margin)
+    insides = NOT_ASKED if run.near_count or options.surfaces_only else enclosure(meshes.a, meshes.b)
     if options.json is not None:
-        _write(options, pose, meshes, run)
+        _write(options, pose, meshes, run, insides)
     _print(options, pose, meshes, run)
-    return NEAR if run.near_count else CLEAR
+    if not run.near_count:
+        print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
+        insides.refuse_undecided((options.a, options.b))
+    return CLEAR if insides.verdict(run.near_count > 0) == "clear" else NEAR
+
+
+def print_without_near_facets(insides: Enclosure, surfaces: str, names: tuple[str, str]) -> None:
+    """Print the verdict on A and B, so named, of which no facets are near, as ``surfaces`` says."""
+    for sentence in insides.told(names)[:_LISTED]:
+        print(f"NEAR: {surfaces}, but {sentence}")
+    if insides.state == State.OUTSIDE:
+        print(f"CLEAR: {surfaces}, and neither is inside the other")
+    if insides.state == State.NOT_ASKED:
+        print(f"CLEAR: {surfaces} (surfaces only: one may be inside the other)")
 
 
 def _turn(axis: str, degrees: str) -> Turn:
@@ -97,10 +128,12 @@ def _turn(axis: str, degrees: str) -> Turn:
         raise InputError(f"--rotate {axis} {error}") from error
 
 
-def _write(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
+def _write(
+    options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun, insides: Enclosure
+) -> None:
     turns = [{"axis": AXES[turn.axis], "degrees": turn.degrees} for turn in pose.turns]
     report = {
-        "verdict": "near" if run.near_count else "clear",
+        "verdict": insides.verdict(run.near_count > 0),
         "a": {"file": options.a, "facets": len(meshes.a)},
         "b": {"file": options.b, "facets": len(meshes.b)},
         "pose": {"rotate": turns, "move": pose.move},
@@ -108,6 +141,7 @@ def _write(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: Scene
         "grid": grid_entry(meshes.grid),
         "margin": meshes.margin,
         "engine": options.engine,
+        **enclosure_entry(insides, options.surfaces_only),
         **run_entry(run, len(meshes.a) * len(meshes.b)),
     }
     write_report(options.json, report)
@@ -131,12 +165,9 @@ def _print(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: Scene
             f"group pairs skipped: {run.group_pairs_skipped}; opened: {run.group_pairs_opened}; "
             f"{run.cycles} cycles, {milliseconds(run.cycles):.3g} ms at 100 MHz"
         )
-    clearance = f"{float(options.clearance):g}"
     if not run.near_count:
-        print(f"CLEAR: no facets come within {clearance}")
-        if one_box_holds_the_other(meshes.a, meshes.b):
-            print("note: one mesh's box holds the other's; only surfaces are compared, not insides")
         return
+    clearance = f"{float(options.clearance):g}"
     print(f"NEAR: {run.near_count} facet pairs come within {clearance} (or within the rounding of it)")
     kind = "exact distance" if pose.exact else "distance as turned"
     for i, j in run.near[:_LISTED].tolist():

@@ -4,20 +4,17 @@ import argparse
 from fractions import Fraction
 from pathlib import Path
 
-import numpy as np
-
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
+from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
 from triaxis.host.cli.numbers import number
 from triaxis.host.cli.progress import progress_bar
-from triaxis.host.meshcheck import one_box_holds_the_other
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
-from triaxis.host.motion.path_check import Effort, NearPose, PathResult, check_path
+from triaxis.host.motion.path_check import NAMES, Effort, NearPose, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.picture import draw_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.report import path_report
-from triaxis.host.motion.sampling import nearest
 from triaxis.host.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
 from triaxis.host.scene_report import check_written, milliseconds, write_report
 from triaxis.host.stl import read_stl
@@ -36,11 +33,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="decide whether a tool stays clear of a workpiece along a G-code program",
         description="Move the tool along the program and find the first pose within the clearance "
         "(Chebyshev distance) of the workpiece, or prove that there is none: every real position of the path "
-        "is covered, not only samples. The program's position is where the origin of TOOL.stl is, in the "
-        "frame of WORK.stl. G-code: G0 G1 G90 G91 G20 G21 X Y Z F, and words that do not change where the "
-        "tool is; anything else is refused. G0 is taken for a straight line. Surfaces only. Lengths in "
-        "millimetres.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error.",
+        "is covered, not only samples; being inside the other is near. The program's position is "
+        "where the origin of TOOL.stl is, in the frame of WORK.stl. G-code: G0 G1 G90 G91 G20 "
+        "G21 X Y Z F, and words that do not change where the tool is; anything else is refused. G0 is taken "
+        "for a straight line. Lengths in millimetres.",
+        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
     )
     parser.add_argument(
         "tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in the tool's frame"
@@ -86,6 +83,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--engine", choices=ENGINES, default=RTL,
         help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
     )  # fmt: skip
+    add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
@@ -107,16 +105,19 @@ def run(options: argparse.Namespace) -> int:
     scene = prepare_path(read_stl(options.tool), read_stl(options.work), names, program, wanted)
     engine = scene_engine(options.engine, scene.a, scene.b, scene.grid.width)
     with progress_bar("moves", len(program.moves)) as progress:
-        result = check_path(scene, engine, progress)
+        result = check_path(scene, engine, progress, options.surfaces_only)
     profile, profiling = _profile(options, scene, engine)
     if options.json is not None:
-        write_report(options.json, path_report(scene, options.engine, result, profile, profiling))
+        report = path_report(scene, options.engine, options.surfaces_only, result, profile, profiling)
+        write_report(options.json, report)
     if options.picture is not None:
         draw_path(options.picture, scene, result, profile)
     _print_scene(options, scene)
     _print_effort(result)
     _print_verdict(scene, result)
-    return NEAR if result.near else CLEAR
+    if result.verdict == "unknown":
+        result.insides.refuse_undecided(names)
+    return CLEAR if result.verdict == "clear" else NEAR
 
 
 def _forget_results(options: argparse.Namespace) -> None:
@@ -166,11 +167,6 @@ def _print_scene(options: argparse.Namespace, scene: PathScene) -> None:
         f"grid: {grid.width} bits, resolution {float(wanted.resolution):g} mm; clearance "
         f"{float(wanted.clearance):g} mm, false alarms less than {float(scene.band):g} mm beyond it"
     )
-    start = scene.a + np.array(nearest(scene.segment(program.moves[0]).start))
-    if one_box_holds_the_other(start, scene.b):
-        print(
-            "note: one object's box holds the other's at the start; only surfaces are compared, not insides"
-        )
 
 
 def _print_effort(result: PathResult) -> None:
@@ -193,10 +189,14 @@ def _print_effort(result: PathResult) -> None:
 
 def _print_verdict(scene: PathScene, result: PathResult) -> None:
     clearance = f"{float(scene.wanted.clearance):g} mm"
-    if result.near is None:
-        print(f"CLEAR: the tool does not come within {clearance} anywhere on the path")
-        return
     near = result.near
+    if near is None:
+        print_without_near_facets(
+            result.insides, f"no facets come within {clearance} anywhere on the path", NAMES
+        )
+        return
+    for sentence in result.insides.told(NAMES)[:_LISTED]:
+        print(f"NEAR: at the start {sentence}")
     print(f"NEAR: line {near.line}: at {position_text(near)} the tool comes within {clearance}")
     if not near.certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")

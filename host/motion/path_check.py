@@ -10,13 +10,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+import numpy as np
+
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, enclosure
 from triaxis.host.meshcheck import distance_of
 from triaxis.host.motion.path_scene import PathScene
 from triaxis.host.motion.program import Move
-from triaxis.host.motion.sampling import Segment
+from triaxis.host.motion.sampling import Segment, nearest, upwards
 from triaxis.host.quantise import Vector
 from triaxis.host.scene_engines import SceneEngine, SceneRun
 
+# What A and B are here.
+NAMES = ("the tool", "the workpiece")
 # Near facet pairs whose exact distance is computed.
 _JUDGED = 500
 
@@ -91,15 +96,28 @@ class Effort:
 
 @dataclass
 class PathResult:
-    """How far the path is clear, and how that was shown. ``near``: None where all of it is."""
+    """How far the path is clear, and how that was shown.
+
+    ``near``: None where no facets are near on all of it. ``insides``: at the start, not asked where that is
+    near.
+    """
 
     near: NearPose | None = None
     levels: list[Level] = field(default_factory=list)
     effort: Effort = field(default_factory=Effort)
+    insides: Enclosure = NOT_ASKED
+
+    @property
+    def verdict(self) -> str:
+        """Return clear, near or unknown."""
+        return self.insides.verdict(self.near is not None)
 
 
 def check_path(
-    scene: PathScene, engine: SceneEngine, progress: Callable[[int], None] | None = None
+    scene: PathScene,
+    engine: SceneEngine,
+    progress: Callable[[int], None] | None = None,
+    surfaces_only: bool = False,
 ) -> PathResult:
     """Prove the path clear, move by move, or find its first near pose; ``progress`` is told of moves done."""
     result = PathResult()
@@ -111,7 +129,34 @@ def check_path(
             break
         if progress:
             progress(1)
+    # Segments are proven in the order of the path: where any is, so is the start.
+    if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
+        result.insides = _insides(scene)
     return result
+
+
+def _insides(scene: PathScene) -> Enclosure:
+    """Return whether tool or workpiece is inside the other at the start, where their facets are clear.
+
+    One pose is enough. A part could only get in or out of a closed shell through its facets, and the path is
+    continuous. The pose asked is the whole translation T nearest the start's place u. With S the sample that
+    proved the start, no point of A moves by more than reach + 1/2 from S to T (see `sampling`), which is less
+    than the distance at S; nor is the way from the real start to S longer than that. Where boxes proved it,
+    they are more than 1 apart at u, so more than 1/2 at T.
+    """
+    segments = [scene.segment(move) for move in scene.program.moves]
+    start = nearest(segments[0].start)
+    moves = np.array(
+        [
+            [
+                [min(int(x // 1), int(y // 1)) - t for x, y, t in zip(s.start, s.end, start, strict=True)],
+                [max(upwards(x), upwards(y)) - t for x, y, t in zip(s.start, s.end, start, strict=True)],
+            ]
+            for s in segments
+        ],
+        np.int64,
+    )
+    return enclosure(scene.a + np.array(start), scene.b, moves)
 
 
 def _first_near(

@@ -16,9 +16,10 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from triaxis.golden.errors import InputError
+from triaxis.host.enclosure import State
 from triaxis.host.figure_style import GAP, LARGE, NORMAL, SMALL, A, B
 from triaxis.host.motion.clearance import Clearance, lengths
-from triaxis.host.motion.path_check import PathResult
+from triaxis.host.motion.path_check import NAMES, PathResult
 from triaxis.host.motion.path_scene import PathScene
 from triaxis.host.stl import Facets
 
@@ -54,13 +55,9 @@ def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) ->
     """Return the figure that `draw_path` writes."""
     figure = Figure(figsize=_INCHES, dpi=_DPI)
     FigureCanvasAgg(figure)
-    clearance = float(scene.wanted.clearance)
-    verdict = (
-        f"is clear of the workpiece by more than {clearance:g} mm all along"
-        if result.near is None
-        else f"comes within {clearance:g} mm in line {result.near.line}"
+    figure.text(
+        0.03, 0.94, f"{scene.program.path.name}: {_verdict(scene, result)}", fontsize=LARGE, weight="bold"
     )
-    figure.text(0.03, 0.94, f"{scene.program.path.name}: the tool {verdict}", fontsize=LARGE, weight="bold")
     lines = (
         f"{len(scene.program.moves)} moves, {lengths(scene).sum():.5g} mm; {result.effort.poses} poses asked"
     )
@@ -75,6 +72,16 @@ def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) ->
     _draw_space(space, scene, result, profile)
     _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
     return figure
+
+
+def _verdict(scene: PathScene, result: PathResult) -> str:
+    clearance = f"{float(scene.wanted.clearance):g} mm"
+    if result.insides.state in (State.INSIDE, State.UNDECIDED):
+        return result.insides.parts[0].sentence(NAMES)
+    if result.near is not None:
+        return f"the tool comes within {clearance} in line {result.near.line}"
+    only = " (surfaces only)" if result.insides.state == State.NOT_ASKED else ""
+    return f"the tool is clear of the workpiece by more than {clearance} all along{only}"
 
 
 def _draw_space(axes: Axes3D, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:

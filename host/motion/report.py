@@ -5,17 +5,22 @@ from typing import Any
 from triaxis.host.motion.clearance import Clearance, lengths
 from triaxis.host.motion.path_check import Effort, NearPose, PathResult
 from triaxis.host.motion.path_scene import PathScene
-from triaxis.host.scene_report import grid_entry, milliseconds
+from triaxis.host.scene_report import enclosure_entry, grid_entry, milliseconds
 
 
 def path_report(
-    scene: PathScene, engine: str, result: PathResult, profile: list[Clearance], profiling: Effort
+    scene: PathScene,
+    engine: str,
+    surfaces_only: bool,
+    result: PathResult,
+    profile: list[Clearance],
+    profiling: Effort,
 ) -> dict[str, Any]:
     """Return everything that is known of a checked path; lengths of the path in millimetres."""
     wanted, program = scene.wanted, scene.program
     scale = wanted.scale
     return {
-        "verdict": "near" if result.near else "clear",
+        "verdict": result.verdict,
         "program": {
             "file": program.path,
             "moves": len(program.moves),
@@ -30,6 +35,7 @@ def path_report(
         "millimetres_per_file_unit": scale,
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": engine,
+        **enclosure_entry(result.insides, surfaces_only),
         "near": None if result.near is None else _near(result.near),
         "levels": result.levels,
         "effort": _effort(result.effort),

@@ -18,6 +18,7 @@ from triaxis.host import scenes
 from triaxis.host.cli import board_check as board_check_module
 from triaxis.host.cli import main
 from triaxis.host.cli.board import simulated_parameters
+from triaxis.host.enclosure import NOT_ASKED
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
 from triaxis.host.link.check import check_on_board
@@ -106,6 +107,47 @@ def boxes(tmp_path):
     scenes.write_stl(paths[0], a)
     scenes.write_stl(paths[1], b)
     return *paths, scenes.Scene("boxes", a, b, False)
+
+
+@pytest.mark.parametrize(
+    ("facets", "status", "state", "line"),
+    [
+        (slice(12), 1, "inside", "NEAR: no facets come within 0.5, but A is inside B"),
+        (slice(11), 2, "undecided", "not closed: 3 edges have an odd number of facets"),
+    ],
+)
+def test_a_board_is_not_asked_where_one_mesh_may_be_inside_the_other(
+    facets, status, state, line, top, boxes, tmp_path, capsys
+):
+    a, stock, report = boxes[0], tmp_path / "stock.stl", tmp_path / "report.json"
+    scenes.write_stl(stock, scenes.box((-20, -20, -20), (30, 30, 30))[facets])
+    with ServedBoard(top) as served:
+        options = (a, stock, "--port", served.path, "--json", report)
+        found, out, error = board_check(capsys, *options, "--hold")
+        assert top.go_clocks == 0
+        said = json.loads(report.read_text())
+        # Facets that are near are found as ever.
+        facing = board_check(capsys, *options, "--move", "0", "0", "17.6")
+        assert top.go_clocks == 0
+        surfaces = board_check(capsys, *options, "--surfaces-only")
+    assert (found, line in out + error) == (status, True)
+    assert "output: stop; the board was not asked to run\n" in out
+    assert (said["verdict"], said["enclosure"]["state"]) == ({1: "near", 2: "unknown"}[status], state)
+    assert "cycles" not in said
+    assert (facing[0], "facet pairs come within 0.5" in facing[1]) == (1, True)
+    assert surfaces[0] == 0
+    assert top.go_clocks
+    assert json.loads(report.read_text())["surfaces_only"]
+
+
+def test_a_board_that_misses_near_facets_is_not_believed(top, boxes, capsys, monkeypatch):
+    a, b, _ = boxes
+    monkeypatch.setattr(board_check_module, "_insides", lambda options, meshes: NOT_ASKED)
+    with ServedBoard(top) as served:
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
+        assert top.stop
+    assert (status, out) == (2, "")
+    assert "finds no near facets where this program does: verdict unknown" in error
 
 
 def test_modes_and_moves(top, boxes, capsys):

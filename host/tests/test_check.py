@@ -94,3 +94,60 @@ def test_check_refuses_bad_poses(check, meshes):
     with pytest.raises(SystemExit):
         check("--move", "0", "0", "up")
     assert "does not fit 16 bits" in check("--width", "16", "--move", "0", "0", "90", status=2)
+
+
+@pytest.fixture
+def nested(tmp_path):
+    """Return the files of a small box, of a large one around it, and of the large one without a facet."""
+    files = [tmp_path / f"{name}.stl" for name in ("small", "large", "open")]
+    large = scenes.box((-10, -10, -10), (20, 20, 20))
+    for file, facets in zip(files, (scenes.box((0, 0, 0), (5, 5, 5)), large, large[1:]), strict=True):
+        scenes.write_stl(file, facets)
+    return files
+
+
+@pytest.fixture
+def nested_check(nested, tmp_path, capsys):
+    """Return a function that checks two of the files: exit code, what was printed, the report."""
+    report = tmp_path / "nested.json"
+
+    def run(a, b, *options):
+        names = [str(nested[k]) for k in (a, b)]
+        status = main(["check", *names, "--engine", "bulk", "--json", str(report), *options])
+        out, error = capsys.readouterr()
+        return status, out + error, json.loads(report.read_text())
+
+    return run
+
+
+def test_inside_is_near(nested_check):
+    status, said, report = nested_check(0, 1)
+    assert (status, report["verdict"], report["enclosure"]["state"]) == (1, "near", "inside")
+    assert "NEAR: no facets come within 0.5, but A is inside B\n" in said
+    (part,) = report["enclosure"]["parts"]
+    assert (part["mesh"], part["first_facet"], part["facets"]) == ("a", 0, 12)
+    status, said, _ = nested_check(1, 0)
+    assert status == 1
+    assert "but B is inside A\n" in said
+    status, said, report = nested_check(0, 1, "--surfaces-only")
+    assert (status, report["verdict"]) == (0, "clear")
+    assert (report["surfaces_only"], report["enclosure"]["state"]) == (True, "not asked")
+    assert "(surfaces only: one may be inside the other)" in said
+    status, said, report = nested_check(0, 1, "--move", "30", "0", "0")
+    assert (status, report["verdict"], report["enclosure"]["state"]) == (0, "clear", "outside")
+    assert "and neither is inside the other" in said
+    # Near facets leave nothing to ask.
+    status, said, report = nested_check(0, 2, "--move", "14.6", "0", "0")
+    assert (status, report["enclosure"]["state"]) == (1, "not asked")
+
+
+def test_inside_of_an_open_mesh_is_unknown(nested_check, nested):
+    for a, b in ((0, 2), (2, 0)):
+        status, said, report = nested_check(a, b)
+        assert (status, report["verdict"], report["enclosure"]["state"]) == (2, "unknown", "undecided")
+        (line,) = [line for line in said.splitlines() if "verdict unknown" in line]
+        assert f"{nested[2]}: not closed: 3 edges" in line
+        assert f"{nested[0]} may be inside" in line
+        assert "CLEAR" not in said
+    assert nested_check(0, 2, "--surfaces-only")[0] == 0
+    assert nested_check(0, 2, "--move", "30", "0", "0")[0] == 0

@@ -318,13 +318,50 @@ def test_a_start_that_nobody_gave_is_said(files, tmp_path, capsys):
     assert "assumed" not in capsys.readouterr().out
 
 
-def test_a_tool_that_starts_within_the_work_is_noted(files, tmp_path, capsys):
-    outer = tmp_path / "outer.stl"
-    scenes.write_stl(outer, scenes.box((-500, -500, -500), (500, 500, 500)))
-    moves = tmp_path / "moves.nc"
+def test_a_tool_that_starts_within_the_work_is_near(tmp_path, capsys):
+    tool, outer, moves, report, picture = (
+        tmp_path / name for name in ("tool.stl", "outer.stl", "moves.nc", "report.json", "picture.png")
+    )
+    scenes.write_stl(tool, scenes.box((-5, -5, 0), (5, 5, 20)))
+    stock = scenes.box((-500, -500, -500), (500, 500, 500))
     moves.write_text("G21 G0 Z50")
-    assert main(["path", files[0], str(outer), str(moves), "--engine", "bulk"]) == 0
-    assert "only surfaces are compared, not insides" in capsys.readouterr().out
+    command = ["path", str(tool), str(outer), str(moves), "--engine", "bulk", "--json", str(report)]
+
+    def checked(facets, *options):
+        scenes.write_stl(outer, facets)
+        status = main([*command, *options])
+        said, found = "".join(capsys.readouterr()), json.loads(report.read_text())
+        return status, said, found["verdict"], found["enclosure"]["state"]
+
+    status, said, *found = checked(stock, "--picture", str(picture), "--profile", "2")
+    assert (status, *found) == (1, "near", "inside")
+    assert "NEAR: no facets come within 0.5 mm anywhere on the path, but the tool is inside the work" in said
+    assert picture.exists()
+    status, said, *found = checked(stock, "--surfaces-only")
+    assert (status, *found) == (0, "clear", "not asked")
+    assert "(surfaces only: one may be inside the other)" in said
+    status, said, *found = checked(stock[1:])
+    assert (status, *found) == (2, "unknown", "undecided")
+    assert f"{outer}: not closed: 3 edges" in said
+    # On its way out it comes near: what is so at the start is said first.
+    moves.write_text("G21 G0 Z50\nG0 Z900")
+    status, said, *found = checked(stock)
+    assert (status, *found) == (1, "near", "inside")
+    assert "NEAR: at the start the tool is inside the workpiece\nNEAR: line 2: at" in said
+    moves.write_text("G21 G0 Z900")
+    status, said, *found = checked(stock, "--start", "0", "0", "600")
+    assert (status, *found) == (0, "clear", "outside")
+
+
+def test_a_tool_that_comes_into_something_open_is_undecided():
+    tool, bowl = scenes.box((-5, -5, 0), (5, 5, 20)), scenes.box((-50, -50, -50), (50, 50, 50))
+    # Without its two upper facets.
+    without_lid = bowl[~(bowl[..., 2] == 50).all(1)]
+    inwards, above = [(0, 0, 100), (0, 0, 10)], [(0, 0, 100), (0, 0, 60)]
+    assert checked(scene_of(tool, without_lid, inwards, wanted_of())).verdict == "unknown"
+    assert checked(scene_of(tool, without_lid, above, wanted_of())).verdict == "clear"
+    result = checked(scene_of(tool, bowl, inwards, wanted_of()))
+    assert (result.verdict, result.insides.state) == ("near", "outside")
 
 
 def test_the_head_of_a_real_machine(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Whole meshes through the RTL, compared with the golden model pair by pair."""
+"""Whole meshes through the RTL, compared with the golden model pair by pair; and insides."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -9,16 +9,17 @@ import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
+from triaxis.host.enclosure import NOT_ASKED, enclosure
 from triaxis.host.mesh_data import mesh_data
 from triaxis.host.meshcheck import check_meshes, prepare
-from triaxis.host.scenes import write_scenes, write_stl
+from triaxis.host.scenes import box, write_scenes, write_stl
 from triaxis.host.stl import read_stl
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 
 
 @dataclass(frozen=True)
 class SceneResult:
-    """Two meshes, checked end to end through the RTL.
+    """Two meshes, checked end to end through the RTL, and for one inside the other.
 
     ``agrees``: the golden model says the same of every tested pair.
     """
@@ -51,11 +52,11 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
         return verdicts
 
     result = check_meshes(meshes, decide, listed=0)
-    word = {True: "near", False: "clear"}
+    insides = NOT_ASKED if result.near_count else enclosure(meshes.a, meshes.b)
     return SceneResult(
         name,
-        word[expected],
-        word[result.near_count > 0],
+        "near" if expected else "clear",
+        insides.verdict(result.near_count > 0),
         agrees,
         result.pairs,
         result.skipped,
@@ -66,9 +67,14 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
 
 def check_scenes(folder: Path) -> list[SceneResult]:
     """Check the scenes that the project makes itself, written into a folder as STL files."""
-    return [
-        _check_files(scene.name, a, b, scene.near, Fraction(1, 2)) for scene, a, b in write_scenes(folder)
-    ]
+    made = [(scene.name, a, b, scene.near) for scene, a, b in write_scenes(folder)]
+    probe, stock, hollow = (folder / f"enclosed_{name}.stl" for name in ("probe", "stock", "hollow"))
+    around, cavity = box((-30, -30, -30), (30, 30, 30)), box((-10, -10, -10), (10, 10, 10))[:, ::-1]
+    write_stl(probe, box((-4, -4, -4), (4, 4, 4)))
+    write_stl(stock, around)
+    write_stl(hollow, np.concatenate([around, cavity]))
+    made += [("probe inside a block", probe, stock, True), ("probe in a cavity", probe, hollow, False)]
+    return [_check_files(*scene, Fraction(1, 2)) for scene in made]
 
 
 def check_real_meshes(folder: Path) -> list[SceneResult] | None:

@@ -1,0 +1,207 @@
+"""Inside and outside, against boxes, against rays in other directions, and where numbers are large."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from triaxis.golden.bulk import bulk_verdicts
+from triaxis.golden.errors import InputError
+from triaxis.host import scenes, shells
+from triaxis.host.enclosure import State, enclosure
+from triaxis.host.shells import inside, shells_of
+
+
+def box(low, high, inverted=False):
+    """Return a box of edges along the axes, its facets counterclockwise from outside unless inverted."""
+    made = np.array(low) + scenes.box((0, 0, 0), (1, 1, 1)).astype(np.int64) * (
+        np.array(high) - np.array(low)
+    )
+    return made[:, ::-1] if inverted else made
+
+
+def ring(scale: float = 1):
+    profile = [(5.0, 0.0), (8.0, 0.0), (8.0, 3.0), (5.0, 3.0), (5.0, 0.0)]
+    return np.rint(scenes.revolved(profile) * scale).astype(np.int64)
+
+
+STOCK = box(0, 100)
+TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "state", "mesh"),
+    [
+        (box(40, 60), STOCK, State.INSIDE, "a"),
+        (STOCK, box(40, 60), State.INSIDE, "b"),
+        (box(40, 60, inverted=True), box(0, 100, inverted=True), State.INSIDE, "a"),
+        (box(140, 160), STOCK, State.OUTSIDE, None),
+        # In a cavity, on an island in it, in the wall around it.
+        (box(40, 60), np.concatenate([STOCK, box(30, 70, inverted=True)]), State.OUTSIDE, None),
+        (box(49, 51), np.concatenate([STOCK, box(30, 70, True), box(40, 60)]), State.INSIDE, "a"),
+        (box(10, 20), np.concatenate([STOCK, box(30, 70, inverted=True)]), State.INSIDE, "a"),
+        # Where two solids overlap, it is inside both.
+        (box(40, 60), np.concatenate([STOCK, box(30, 170)]), State.INSIDE, "a"),
+        # One of two parts.
+        (np.concatenate([box(200, 210), box(40, 60)]), STOCK, State.INSIDE, "a"),
+        # The hole of a ring is outside; so is a ring around a bar, and a ring in a groove's hole.
+        (box((-2, -2, 0), (2, 2, 3)), ring(), State.OUTSIDE, None),
+        (box((-20, -20, 100), (20, 20, 200)), ring(100), State.OUTSIDE, None),
+        (box((630, -20, 100), (670, 20, 200)), ring(100), State.INSIDE, "a"),
+        (ring(), box((-2, -2, -9), (2, 2, 9)), State.OUTSIDE, None),
+        # A closed shell with a facet turned round tells odd from even, and no more.
+        (box(40, 60), TURNED, State.INSIDE, "a"),
+        (box(140, 160), np.concatenate([TURNED, box(120, 130)]), State.OUTSIDE, None),
+        (box(40, 60), np.concatenate([TURNED, box(30, 70)]), State.UNDECIDED, "a"),
+        # What is open may be a solid with a facet missing.
+        (box(40, 60), STOCK[1:], State.UNDECIDED, "a"),
+        (box(40, 160), STOCK[1:], State.OUTSIDE, None),
+        (box(40, 60)[1:], STOCK, State.INSIDE, "a"),
+        (box(40, 60), np.concatenate([STOCK, box(30, 70)[1:]]), State.INSIDE, "a"),
+        # A facet twice, and faces that do not hang together, are open as well.
+        (box(40, 60), np.concatenate([STOCK, STOCK[:1]]), State.UNDECIDED, "a"),
+        (box(40, 60), STOCK + np.array([0, 0, 1]) * (np.arange(12) < 2)[:, None, None], State.UNDECIDED, "a"),
+        # Where no part fits the other's box, nothing needs to be decided.
+        (box(40, 60), box((0, 0, 0), (100, 100, 50))[1:], State.OUTSIDE, None),
+    ],
+)
+def test_who_is_inside_whom(a, b, state, mesh):
+    found = enclosure(a, b)
+    assert found.state == state
+    assert [part.mesh for part in found.parts] == ([mesh] if mesh else [])
+
+
+def test_the_part_is_named():
+    found = enclosure(np.concatenate([box(200, 210), box(40, 60)]), STOCK)
+    assert found.told(("A", "B")) == ["a part of A, 12 facets from facet 12 on, is inside B"]
+    with pytest.raises(InputError) as error:
+        enclosure(STOCK[1:], box(40, 60)).refuse_undecided(("a.stl", "b.stl"))
+    assert str(error.value).startswith(
+        "a.stl: not closed: 3 edges have an odd number of facets, and b.stl may be"
+    )
+    assert "--surfaces-only" in str(error.value)
+
+
+def test_what_comes_to_be_within_something_open_on_its_way():
+    bowl, tool = STOCK[1:], box((40, 40, 140), (60, 60, 160))
+    down = np.array([[[0, 0, -200], [0, 0, 0]]])
+    assert enclosure(tool, bowl).state == State.OUTSIDE
+    assert enclosure(tool, bowl, down).state == enclosure(bowl, tool, -down[:, ::-1]).state == State.UNDECIDED
+    assert enclosure(tool, bowl, down + np.array([70, 0, 0])).state == State.OUTSIDE
+    # Into a closed one it cannot come without touching it.
+    assert enclosure(tool, STOCK, down).state == State.OUTSIDE
+
+
+def test_shells_hang_together_by_vertices_and_are_numbered_by_their_first_facets():
+    facets = np.concatenate([box(50, 60), box(0, 10), box(10, 20)[1:], box(50, 60)[:0]])
+    mixed = np.random.default_rng(3).permutation(len(facets))
+    found = shells_of(facets[mixed])
+    assert (found.first == np.sort(found.first)).all()
+    assert (found.number[found.first] == np.arange(2)).all()
+    joined = int(found.number[np.flatnonzero(mixed == 12)[0]])
+    assert sorted(zip(found.facets.tolist(), found.open_edges.tolist(), strict=True)) == [(12, 0), (23, 3)]
+    assert found.boxes[joined].tolist() == [[0, 0, 0], [20, 20, 20]]
+    # A strip of facets, numbered so that neighbours' numbers are far apart.
+    steps = np.random.default_rng(4).permutation(3000)
+    strip = np.stack([np.stack([k, 0 * k, k % 2], -1) for k in (steps, steps + 1, steps + 2)], 1)
+    assert len(shells_of(strip).first) == 1
+    assert len(shells_of(strip[steps % 3 == 0] * 2).first) == 1000
+
+
+def test_rounding_leaves_closed_what_was_closed():
+    for scale in (40.0, 1.0, 0.3, 0.1):
+        for solid in (scenes.tool(), scenes.vise()):
+            found = shells_of(np.rint(solid * scale).astype(np.int64))
+            assert found.closed.all()
+            assert found.oriented.all()
+
+
+def rays(point, facets, rng):
+    """Return the winding number of facets around a point on none of them, by a ray in a random direction.
+
+    A ray that meets an edge is drawn again. Python's integers, no arithmetic in common with the product.
+    """
+    while True:
+        way = [int(x) for x in rng.integers(-(10**6), 10**6, 3)]
+        total = 0
+        for facet in facets.tolist():
+            a, b, c = ([x - int(o) for x, o in zip(v, point, strict=True)] for v in facet)
+            sides = [volume(way, u, v) for u, v in ((a, b), (b, c), (c, a))]
+            if min(sides) > 0 or max(sides) < 0:
+                # The ray's line goes through; the facet is ahead where a, b, c and the way turn the same.
+                ahead = volume(a, b, c)
+                total += (sides[0] > 0) - (sides[0] < 0) if (ahead > 0) == (sides[0] > 0) else 0
+            elif 0 in sides and (min(sides) >= 0 or max(sides) <= 0) and any(sides):
+                break
+        else:
+            return total
+
+
+def volume(u, v, w):
+    return (
+        u[0] * (v[1] * w[2] - v[2] * w[1])
+        + u[1] * (v[2] * w[0] - v[0] * w[2])
+        + u[2] * (v[0] * w[1] - v[1] * w[0])
+    )
+
+
+def solid(rng):
+    """Return one closed, oriented solid on a grid so small that facets collapse and rays meet edges."""
+    kind = rng.integers(3)
+    if kind == 0:
+        made = box(-1, 1)
+    elif kind == 1:
+        made = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+        made = rng.integers(-4, 5, (4, 3))[made]
+    else:
+        made = ring(0.5)
+    sheared = made @ (rng.integers(-1, 2, (3, 3)) + 2 * np.eye(3, dtype=np.int64))
+    # Clipped to the grid: a map of vertices, so it stays closed.
+    return np.clip(sheared + rng.integers(-2, 3, 3), -6, 6)
+
+
+def free(points, facets):
+    """Return the points (K, 3) that lie on no facet."""
+    pairs = [np.stack([np.broadcast_to(p, facets.shape), facets], 1) for p in points]
+    near = bulk_verdicts(np.concatenate(pairs), 0)["near"]
+    return points[~near.reshape(len(points), -1).any(1)]
+
+
+def test_rays_in_other_directions_agree(rng):
+    within = 0
+    for _ in range(60):
+        facets = np.concatenate([solid(rng) for _ in range(rng.integers(1, 4))])
+        points = free(rng.integers(-3, 4, (25, 3)), facets)
+        expected = np.array([rays(point, facets, rng) != 0 for point in points], np.bool_)
+        found = shells_of(facets)
+        assert found.oriented.all()
+        assert (inside(points, facets, found)[0] == expected).all()
+        within += int(expected.sum())
+        # The same over the whole range of 20 and of 32 bits.
+        for width in (20, 32):
+            large = ((1 << width) - 1) // 12
+            there, at = (x * large + (6 * large - (1 << (width - 1))) for x in (facets, points))
+            assert (inside(at, there, shells_of(there))[0] == expected).all()
+    assert within > 100
+
+
+def test_the_whole_range_of_32_bits():
+    low, high = -(1 << 31), (1 << 31) - 1
+    whole = box(0, 1) * (high - low) + low
+    for corner in product((low + 1, high - 1), repeat=3):
+        point = np.array([corner])
+        assert inside(point, whole, shells_of(whole))[0].all()
+    # A tetrahedron over three corners of the range: its slanted face is x + y + z = 2 low + high.
+    corners = np.array([[low, low, low], [high, low, low], [low, high, low], [low, low, high]])
+    slanted = corners[np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])]
+    third = (high - low) // 3
+    points = np.array([[low + third] * 3, [low + third - 1] * 3, [low + third, low + third, low + third + 1]])
+    assert (points.sum(1) - 2 * low - high).tolist() == [0, -3, 1]
+    assert inside(points[1:], slanted, shells_of(slanted))[0].tolist() == [True, False]
+
+
+def test_numbers_that_need_more_than_64_bits_are_met(monkeypatch):
+    """The test above sees it where int64 is used in spite of its bound."""
+    monkeypatch.setattr(shells, "_exact_type", lambda reach: np.int64)
+    with pytest.raises(AssertionError):
+        test_the_whole_range_of_32_bits()
