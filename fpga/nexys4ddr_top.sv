@@ -167,6 +167,7 @@ module nexys4ddr_top
   summary_t summary, done_summary;
   status_e engine_status;
   run_state_e run_state;
+  logic [1:0] run_mode;
   status_block_t status;
 
   triaxis_runner #(
@@ -185,6 +186,7 @@ module nexys4ddr_top
       .pose_o(pose),
       .run_number_o(status.run_number),
       .run_state_o(run_state),
+      .run_mode_o(run_mode),
       .run_pose_o(status.pose),
       .run_margin_o(status.margin),
       .engine_status_o(engine_status),
@@ -290,6 +292,7 @@ module nexys4ddr_top
           waiting: ring_written != ring_freed,
           go: go_o
       };
+  assign status.mode = 8'(run_mode);
   assign status.engine_status = 8'(engine_status);
   assign status.state = 8'(run_state);
 

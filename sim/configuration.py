@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 
+# The core's latency in clocks without margins, from the first width that has it; one more with margins.
+_FIRST_WIDTHS = {8: 23, 13: 24, 18: 26, 25: 28}
+
 
 @dataclass(frozen=True)
 class Configuration:
@@ -46,6 +49,18 @@ class Configuration:
     def max_margin(self) -> int:
         """Return the largest margin that the core can be given."""
         return (1 << self.margin_bits) - 1
+
+    @property
+    def latency(self) -> int:
+        """Return core_latency(W, M) as it is signed off, in clocks."""
+        return _FIRST_WIDTHS[max(first for first in _FIRST_WIDTHS if first <= self.width)] + (
+            self.margin_bits > 0
+        )
+
+    @property
+    def queue_depth(self) -> int:
+        """Return how many pairs can be in flight: Depth of triaxis_core, the next power of two."""
+        return 1 << (self.latency - 1).bit_length()
 
     @property
     def parameters(self) -> dict[str, int]:

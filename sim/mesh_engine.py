@@ -16,8 +16,6 @@ from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT
 
-CLOCK_HZ = 100_000_000
-
 Move = tuple[int, int, int]
 
 

@@ -11,8 +11,6 @@ DEGENERATE_A = 1 << 2
 DEGENERATE_B = 1 << 3
 AXIS_SHIFT = 8
 AXIS_MASK = 0x1F
-# Bits that the core drives to zero.
-RESERVED = 0xE0F0
 
 
 def decode(words: npt.NDArray[np.uint16]) -> Verdicts:

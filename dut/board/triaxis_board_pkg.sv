@@ -6,7 +6,9 @@
 // A frame on the line is SLIP (RFC 1055), with an END before and after. Unstuffed, numbers little
 // endian, at most 256 bytes:
 //   command u8 | sequence number u32 | session u32 | payload | CRC-32 over all before it
-// A reply: command + 0x80, sequence number and session as in the frame, code u8, payload, CRC-32.
+// A reply: command + 0x80, sequence number and session as in the frame, code u8, payload, the payload
+// again with every bit inverted, near pairs (RESULTS alone), CRC-32. The host believes a payload only
+// where both forms agree: a field that is altered in one of them, in whatever way, is no answer.
 //
 // Frames are judged in this order: session (3), command (1), sequence number (4), length (2), a run
 // that is going on (5), values (6), place (7, 8, 9, 10). The sequence number counts commands that
@@ -19,7 +21,7 @@
 
 package triaxis_board_pkg;
 
-  localparam logic [7:0] ProtocolVersion = 8'd2;
+  localparam logic [7:0] ProtocolVersion = 8'd3;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -70,7 +72,7 @@ package triaxis_board_pkg;
   localparam int unsigned ResultsBytes = 4;
 
   localparam int unsigned LoadMax = 12;  // triangles a frame
-  localparam int unsigned NearMax = 40;  // near pairs a reply
+  localparam int unsigned NearMax = 32;  // near pairs a reply
 
   typedef logic [7:0] byte_t;
   // So wide that no frame which a line keeps back can be one of the numbers that are due again.
@@ -120,6 +122,7 @@ package triaxis_board_pkg;
     summary_t summary;
     logic [31:0] margin;
     pose_t pose;
+    byte_t mode;
     flags_t flags;
     byte_t engine_status;
     byte_t state;
@@ -144,7 +147,7 @@ package triaxis_board_pkg;
   localparam int unsigned BodyBytes = StatusBytes + 5;  // RESULTS: status, from, k; then the pairs
   localparam int unsigned NearPairBytes = 4;
 
-  // A reply: so many bytes of the body, then so many near pairs from the ring.
+  // A reply: so many bytes of the body, the same inverted, then so many near pairs from the ring.
   typedef struct packed {
     logic [8*BodyBytes-1:0] body;
     code_e code;

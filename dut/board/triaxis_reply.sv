@@ -1,11 +1,12 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Computes: the bytes of a reply: what it is given at once, then near pairs out of the ring, then
-// the CRC over both.
-// Widths: at most 7 + 55 + 40 * 4 + 4 = 226 bytes of the 256 that a frame may have.
-// Latency: 1 clock to the first byte; a byte a clock but for two clocks before a near pair and one
-// before the CRC.
+// Computes: the bytes of a reply: what it is given at once, its body again with every bit inverted,
+// then near pairs out of the ring, then the CRC over all. The inverted body has a register of its
+// own: a fault in either shows.
+// Widths: at most 10 + 2 * 56 + 32 * 4 + 4 = 254 bytes of the 256 that a frame may have.
+// Latency: 1 clock to the first byte; a byte a clock but for two clocks before a near pair, one
+// before the inverted body and one before the CRC.
 
 module triaxis_reply
   import triaxis_board_pkg::*;
@@ -43,7 +44,9 @@ module triaxis_reply
 
   state_e state_q;
   logic [8*(ReplyHeadBytes+BodyBytes)-1:0] bytes_q;
+  logic [8*BodyBytes-1:0] inverted_q;
   left_t left_q;
+  body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
   logic [31:0] number_q, crc;
   logic taken, last_byte;
@@ -73,7 +76,7 @@ module triaxis_reply
       case (state_q)
         Idle: if (valid_i) state_q <= Bytes;
         Bytes: if (taken && last_byte) state_q <= Next;
-        Next: state_q <= pairs_q == '0 ? Crc : Pair;
+        Next: state_q <= inverted_bytes_q != '0 ? Bytes : pairs_q == '0 ? Crc : Pair;
         Pair: state_q <= Bytes;
         default: if (taken && last_byte) state_q <= Idle;
       endcase
@@ -83,14 +86,22 @@ module triaxis_reply
   always_ff @(posedge clk_i) begin
     case (state_q)
       Idle: begin
-        bytes_q  <= reply_i;
-        left_q   <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
-        pairs_q  <= pairs_i;
+        bytes_q <= reply_i;
+        inverted_q <= ~reply_i.body;
+        left_q <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
+        inverted_bytes_q <= body_bytes_i;
+        pairs_q <= pairs_i;
         number_q <= first_pair_i;
       end
       Next: begin
-        bytes_q[31:0] <= ~crc;
-        left_q <= left_t'(CrcBytes);
+        inverted_bytes_q <= '0;
+        if (inverted_bytes_q != '0) begin
+          bytes_q[8*BodyBytes-1:0] <= inverted_q;
+          left_q <= left_t'(inverted_bytes_q);
+        end else begin
+          bytes_q[31:0] <= ~crc;
+          left_q <= left_t'(CrcBytes);
+        end
       end
       Pair: begin
         bytes_q[31:0] <= {

@@ -29,6 +29,7 @@ module triaxis_runner
     output pose_t pose_o,  // the present one
     output byte_t run_number_o,
     output run_state_e run_state_o,
+    output logic [1:0] run_mode_o,
     output pose_t run_pose_o,
     output logic [31:0] run_margin_o,
     output status_e engine_status_o,
@@ -59,6 +60,7 @@ module triaxis_runner
   assign pose_o = pose_q;
   assign run_number_o = run_number_q;
   assign run_state_o = run_state_q;
+  assign run_mode_o = mode_q;
   assign run_pose_o = run_pose_q;
   assign run_margin_o = margin_q;
   assign engine_status_o = engine_status_q;
@@ -106,6 +108,7 @@ module triaxis_runner
         summary_q <= done_summary_i;
       end
       if (forget_i) begin
+        mode_q <= '0;
         margin_q <= '0;
         pose_q <= '0;
         run_pose_q <= '0;

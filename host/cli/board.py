@@ -4,7 +4,7 @@ import argparse
 from fractions import Fraction
 from pathlib import Path
 
-from triaxis.host.cli.board_check import about, check, checkout_id, warn_of_build
+from triaxis.host.cli.board_check import about, check, checkout_id, other_build
 from triaxis.host.cli.check import add_surfaces_only
 from triaxis.host.cli.numbers import number
 from triaxis.host.link.board import Board
@@ -81,6 +81,11 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         action="store_true",
         help="when clear, keep the board's output at go until interrupted; otherwise it says stop at the end",
     )
+    parser.add_argument(
+        "--any-bitstream",
+        action="store_true",
+        help="take a board whose bitstream was not built of this checkout, which is refused otherwise",
+    )
     parser.set_defaults(run=check, mode=Mode.ALL)
 
 
@@ -125,5 +130,6 @@ def _status(options: argparse.Namespace) -> int:
     print(
         f"output: stop, as asking has taken the board; {status.errors} errors on the line since its power-up"
     )
-    warn_of_build(description)
+    if other := other_build(description):
+        print(f"warning: {other}: `board check` refuses it without --any-bitstream")
     return 0

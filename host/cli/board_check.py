@@ -55,11 +55,25 @@ def about(board: Description) -> str:
     )
 
 
-def warn_of_build(board: Description) -> None:
-    """Print a warning where the board was not built of this checkout."""
+def other_build(board: Description) -> str:
+    """Return in words that the board was not built of this checkout; empty where it was."""
     ours = checkout_id()
-    if board.build != ours:
-        print(f"warning: the board was built of {board.build:08x}, this checkout is {ours:08x}")
+    return (
+        ""
+        if board.build == ours
+        else f"the board was built of {board.build:08x}, this checkout is {ours:08x}"
+    )
+
+
+def _check_build(board: Description, any_bitstream: bool) -> str:
+    """Return what to warn of, if anything; raise LinkError where a bitstream is unknown and not allowed."""
+    other = other_build(board)
+    if other and not any_bitstream:
+        raise LinkError(
+            f"{other}: load the bitstream of this checkout, or allow others with --any-bitstream; "
+            "verdict unknown"
+        )
+    return other and f"{other}; allowed by --any-bitstream"
 
 
 def steps_of(meshes: MeshPair) -> npt.NDArray[np.int64]:
@@ -83,7 +97,8 @@ def check(options: argparse.Namespace) -> int:
         raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
     mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
     with Board(SerialLine(options.port)) as board, _taken(board) as description:
-        warn_of_build(description)
+        if warning := _check_build(description, options.any_bitstream):
+            print(f"warning: {warning}")
         meshes = prepare(
             mesh_a,
             mesh_b,
@@ -111,7 +126,7 @@ def check(options: argparse.Namespace) -> int:
         near = found.verdict == Verdict.NEAR
         if not near and insides.state != State.OUTSIDE and not options.surfaces_only:
             raise InputError("the board finds no near facets where this program does: verdict unknown")
-        output = _output(options, found, board.status(), description)
+        output = _output(options, found, board.still(found.status), description)
         _print_scene(options, meshes, description)
         _print(options, meshes, found)
         if not near:
@@ -120,7 +135,13 @@ def check(options: argparse.Namespace) -> int:
         if options.json:
             write_report(options.json, _report(options, meshes, found, insides, description))
         if options.hold and not near:
-            _hold(board)
+            try:
+                _hold(board, found.status)
+            except LinkError:
+                if options.json:
+                    # What it said is no longer so.
+                    write_report(options.json, {"verdict": "unknown"})
+                raise
     return NEAR if near else CLEAR
 
 
@@ -167,9 +188,9 @@ def _output(options: argparse.Namespace, found: BoardCheck, status: Status, boar
     return f"stop: the line was disturbed, or silent for {board.watchdog_ms} ms before the run: check again"
 
 
-def _hold(board: Board) -> None:
+def _hold(board: Board, run: Status) -> None:
     """Keep the link alive until interrupted; raises LinkError when the output says stop."""
-    while board.status().flags & Flag.GO:
+    while board.still(run).flags & Flag.GO:
         time.sleep(_HOLD_SECONDS)
     raise LinkError("the board's output says stop: the link was disturbed; check again")
 
@@ -227,6 +248,7 @@ def _report(
         "engine": "board",
         "mode": options.mode.name.lower(),
         "board": board,
+        "bitstream": {"known": not other_build(board), "any_allowed": options.any_bitstream},
         **enclosure_entry(insides, options.surfaces_only),
         **({} if found is None else _run_report(found, len(meshes.a) * len(meshes.b))),
     }

@@ -1,6 +1,6 @@
 """Whether what the board says about a run is enough for a verdict.
 
-The board's counters must account for every pair: a run that left some out cannot pass for clear.
+The run must be the one that was asked for, and complete: a run that left pairs out cannot pass for clear.
 """
 
 from dataclasses import astuple
@@ -10,8 +10,8 @@ import numpy as np
 
 from triaxis.host.link.board import BoardRun
 from triaxis.host.link.codes import Mode, RunEnd, State
+from triaxis.host.link.contradictions import contradiction, must_be
 from triaxis.host.link.errors import LinkError
-from triaxis.host.link.messages import Description, Status
 
 _MEANING = {
     RunEnd.ABORTED: "the run was aborted",
@@ -28,52 +28,20 @@ class Verdict(Enum):
     NEAR = "near"
 
 
-def audit(run: BoardRun, board: Description) -> Verdict:
-    """Return the verdict of a run; raises LinkError where anything about it is not as it must be."""
-    status = run.status
-    _same("state", status.state, State.DONE)
-    _same("run number", status.run, run.number)
-    _same("pose", (status.x, status.y, status.z), astuple(run.pose))
-    _same("margin", status.margin, run.request.margin)
-    _same("triangles", (status.count_a, status.count_b), (run.request.count_a, run.request.count_b))
+def audit(run: BoardRun) -> Verdict:
+    """Return the verdict of a run whose status does not contradict itself; LinkError where there is none."""
+    status, request = run.status, run.request
+    must_be("state", status.state, State.DONE)
+    must_be("run number", status.run, run.number)
+    must_be("mode", status.mode, request.mode)
+    must_be("pose", (status.x, status.y, status.z), astuple(run.pose))
+    must_be("margin", status.margin, request.margin)
+    must_be("triangles", (status.count_a, status.count_b), (request.count_a, request.count_b))
     if status.end in _MEANING:
         raise LinkError(f"{_MEANING[RunEnd(status.end)]}; verdict unknown")
-    _same("near pairs received", len(run.near), 0 if run.request.mode == Mode.COUNT else status.near)
-    _check_near(run)
-    if status.near > status.tested:
-        _fail(f"{status.near} near pairs of {status.tested} tested")
-    if status.end == RunEnd.COMPLETE:
-        _check_complete(status, board.group)
-        return Verdict.NEAR if status.near else Verdict.CLEAR
-    if status.end == RunEnd.FIRST and run.request.mode == Mode.FIRST and status.near:
-        return Verdict.NEAR
-    return _fail(f"engine status {status.end} in mode {run.request.mode} with {status.near} near pairs")
-
-
-def _check_near(run: BoardRun) -> None:
-    counts = (run.request.count_a, run.request.count_b)
-    if (run.near >= counts).any():
-        _fail("a near pair of triangles that were not loaded")
+    must_be("near pairs received", len(run.near), 0 if request.mode == Mode.COUNT else status.near)
+    if (run.near >= (request.count_a, request.count_b)).any():
+        raise contradiction("a near pair of triangles that were not loaded")
     if len(np.unique(run.near, axis=0)) != len(run.near):
-        _fail("a near pair twice")
-
-
-def _check_complete(status: Status, group: int) -> None:
-    """Every pair was in a skipped group pair, skipped by its boxes, or tested."""
-    a, b = status.count_a, status.count_b
-    group_pairs = -(-a // group) * -(-b // group)
-    _same("group pairs", status.groups_skipped + status.groups_opened, group_pairs)
-    opened = status.pairs_skipped + status.tested
-    least = max(a * b - status.groups_skipped * group * group, 0)
-    most = min(a * b, status.groups_opened * group * group)
-    if not least <= opened <= most:
-        _fail(f"{opened} pairs skipped or tested, must be {least}..{most}")
-
-
-def _same(what: str, found: object, wanted: object) -> None:
-    if found != wanted:
-        _fail(f"{what}: {found}, must be {wanted}")
-
-
-def _fail(what: str) -> Verdict:
-    raise LinkError(f"the board's answer contradicts itself or us: {what}; verdict unknown")
+        raise contradiction("a near pair twice")
+    return Verdict.NEAR if status.near else Verdict.CLEAR

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.host.link.codes import PROTOCOL, Code, Command, Mesh, Mode, State
+from triaxis.host.link.contradictions import check_description, check_later, check_results, check_status
 from triaxis.host.link.errors import LinkError, SessionLostError
 from triaxis.host.link.exchange import Exchange
 from triaxis.host.link.layout import LayoutError, Record
@@ -22,6 +23,7 @@ from triaxis.host.link.messages import (
     RunNumber,
     RunRequest,
     Status,
+    once,
     pack_triangles,
     triangles_per_load,
 )
@@ -105,6 +107,7 @@ class Board:
                 f"{PROTOCOL:02x}: load the bitstream of this version"
             )
         self.description = self._read(Description, payload)
+        check_description(self.description)
         return self.description
 
     def load(
@@ -150,6 +153,7 @@ class Board:
         deadline = self._line.now() + silence
         while True:
             results = self._ask(Command.RESULTS, Results, ResultsRequest(count))
+            check_results(results, self.description.group)
             self._expect("first near pair", results.start, count)
             if len(results.near):
                 deadline = self._line.now() + silence
@@ -168,11 +172,21 @@ class Board:
 
     def status(self) -> Status:
         """Return the board's status; this also keeps the link alive."""
-        return self._ask(Command.STATUS, Status)
+        return self._checked(self._ask(Command.STATUS, Status))
+
+    def still(self, run: Status) -> Status:
+        """Return the status again of a run that has ended so; raises LinkError where it is another."""
+        status = self.status()
+        check_later(run, status)
+        return status
 
     def abort(self) -> Status:
         """End a run that goes on; return the board's status."""
-        return self._ask(Command.ABORT, Status)
+        return self._checked(self._ask(Command.ABORT, Status))
+
+    def _checked(self, status: Status) -> Status:
+        check_status(status, self.description.group)
+        return status
 
     def _ask(self, command: Command, answer: type[_Answer], request: Record | bytes = b"") -> _Answer:
         reply = self._exchange.ask(command, request)
@@ -191,9 +205,12 @@ class Board:
 
     def _read(self, answer: type[_Answer], payload: bytes) -> _Answer:
         try:
-            return answer.unpack(payload)
+            # Near pairs, which come once, follow what the answer to RESULTS has twice.
+            return answer.unpack(payload if answer is Results else once(payload))
         except LayoutError as error:
-            raise LinkError(f"{self._line.name}: {error}: not this protocol; verdict unknown") from error
+            raise LinkError(
+                f"{self._line.name}: {error}: not this protocol, or altered on its way; verdict unknown"
+            ) from error
 
     def _expect(self, what: str, found: object, wanted: object) -> None:
         if found != wanted:

@@ -45,7 +45,7 @@ def check_on_board(
     group = board.description.group
     order_a, order_b = spatial_order(a, group), spatial_order(b, group)
     run = _run(board, a[order_a], b[order_b], margin, pose, mode, progress)
-    verdict = audit(run, board.description)
+    verdict = audit(run)
     near = np.stack([order_a[run.near[:, 0]], order_b[run.near[:, 1]]], 1)
     return BoardCheck(verdict, run.status, near[np.lexsort((near[:, 1], near[:, 0]))])
 

@@ -3,7 +3,7 @@
 from enum import IntEnum, IntFlag
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 2
+PROTOCOL = 3
 REPLY = 0x80
 
 
@@ -61,6 +61,7 @@ class State(IntEnum):
 class RunEnd(IntEnum):
     """How the engine ended a run."""
 
+    NONE = 0
     COMPLETE = 1
     FIRST = 2
     ABORTED = 3

@@ -4,7 +4,7 @@ Numbers are little endian, without gaps.
 """
 
 import struct
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Self, get_type_hints
 
@@ -15,13 +15,23 @@ I32 = Annotated[int, "i"]
 
 
 class LayoutError(ValueError):
-    """Bytes of another length than the layout's."""
+    """Bytes that are not of the layout."""
+
+
+@cache
+def _codes(record: type) -> tuple[str, ...]:
+    hints = get_type_hints(record, include_extras=True)
+    return tuple(hints[name].__metadata__[0] for name in record.__dataclass_fields__)
 
 
 @cache
 def _layout(record: type) -> struct.Struct:
-    hints = get_type_hints(record, include_extras=True)
-    return struct.Struct("<" + "".join(hints[name].__metadata__[0] for name in record.__dataclass_fields__))
+    return struct.Struct("<" + "".join(_codes(record)))
+
+
+def field_sizes(record: type) -> list[int]:
+    """Return the bytes of each field of a record type."""
+    return [struct.calcsize(code) for code in _codes(record)]
 
 
 @dataclass(frozen=True)
@@ -35,7 +45,7 @@ class Record:
 
     def pack(self) -> bytes:
         """Return the bytes; raises struct.error where a number does not fit its field."""
-        return _layout(type(self)).pack(*astuple(self))
+        return _layout(type(self)).pack(*vars(self).values())
 
     @classmethod
     def unpack(cls, data: bytes) -> Self:

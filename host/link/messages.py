@@ -9,7 +9,7 @@ import numpy.typing as npt
 from triaxis.host.link.framing import CRC_BYTES, LONGEST
 from triaxis.host.link.layout import I32, U8, U16, U32, LayoutError, Record
 
-MOST_TRIANGLES, MOST_NEAR = 12, 40
+MOST_TRIANGLES, MOST_NEAR = 12, 32
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,7 @@ class Status(Record):
     state: U8
     end: U8
     flags: U8
+    mode: U8
     x: I32
     y: I32
     z: I32
@@ -123,6 +124,19 @@ class ResultsHead(Record):
 
     start: U32
     count: U8
+
+
+def twice(record: bytes) -> bytes:
+    """Return a record as a reply has it: as it is, then with every bit inverted."""
+    return record + bytes(byte ^ 0xFF for byte in record)
+
+
+def once(payload: bytes) -> bytes:
+    """Return the record that a reply has twice; raises LayoutError where the two forms differ."""
+    record = payload[: len(payload) // 2]
+    if twice(record) != payload:
+        raise LayoutError("a payload and its inverted copy differ")
+    return record
 
 
 @dataclass(frozen=True)
@@ -149,13 +163,15 @@ class Results:
     def pack(self) -> bytes:
         """Return the payload."""
         head = ResultsHead(self.start, len(self.near))
-        return self.status.pack() + head.pack() + self.near.astype("<u2").tobytes()
+        return twice(self.status.pack() + head.pack()) + self.near.astype("<u2").tobytes()
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; raises LayoutError where the length is wrong."""
-        status, rest = Status.split(payload)
-        head, pairs = ResultsHead.split(rest)
+        """Read a payload; raises LayoutError where the length is wrong, or the two forms differ."""
+        size = 2 * (Status.size() + ResultsHead.size())
+        pairs = payload[size:]
+        status, rest = Status.split(once(payload[:size]))
+        head = ResultsHead.unpack(rest)
         if head.count > MOST_NEAR or len(pairs) != 4 * head.count:
             raise LayoutError(f"Results: {len(pairs)} bytes for {head.count} near pairs")
         return cls(status, head.start, np.frombuffer(pairs, "<u2").astype(np.int64).reshape(-1, 2))

@@ -29,7 +29,6 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import ROOT
 
 BOARD = Board(dsps=240, depth=4096, group=8)
-STAND_IN = {"W": 10, "M": 1}
 
 
 def blocks(width: int, margin_bits: int, _shape: EngineShape) -> int:

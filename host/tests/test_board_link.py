@@ -316,20 +316,24 @@ def test_unplugged_while_loading(top, boxes, tmp_path, capsys):
     assert top.stop
 
 
-def test_unplugged_while_the_output_says_go(top, boxes, capsys):
+def test_unplugged_while_the_output_says_go(top, boxes, tmp_path, capsys):
     a, b, _ = boxes
-    held = threading.Event()
+    held, report = threading.Event(), tmp_path / "report.json"
+    said = []
 
     def watch(data):
-        if top.go_clocks > PARAMETERS.watchdog_clocks:
+        if top.go_clocks > PARAMETERS.watchdog_clocks and not held.is_set():
+            said.append(json.loads(report.read_text())["verdict"])
             held.set()
         return data
 
     with ServedBoard(top, Wire(to_host=watch)) as served:
         threading.Thread(target=lambda: held.wait(60) and served.unplug(), daemon=True).start()
-        status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
+        status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold", "--json", report)
     assert "output: go" in out
     assert status == 2
+    assert said == ["clear"]
+    assert json.loads(report.read_text()) == {"verdict": "unknown"}
     assert error == f"triaxis: error: {served.path}: {GONE}\n"
     assert top.go
     top.step(PARAMETERS.watchdog_clocks + 100)
@@ -450,7 +454,31 @@ def test_status_and_a_board_of_other_rtl(top, capsys, monkeypatch):
     assert f"watchdog 1 ms, build {PARAMETERS.build_id:08x}\n" in right
     assert "output: stop, as asking has taken the board; 0 errors on the line" in right
     assert "warning" not in right
-    assert f"warning: the board was built of {PARAMETERS.build_id:08x}, this checkout is 00facade" in wrong
+    other = f"the board was built of {PARAMETERS.build_id:08x}, this checkout is 00facade"
+    assert f"warning: {other}: `board check` refuses it without --any-bitstream\n" in wrong
+
+
+def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(top, boxes, tmp_path, capsys, monkeypatch):
+    a, b, _ = boxes
+    report = tmp_path / "report.json"
+    with ServedBoard(top) as served:
+        options = (a, b, "--port", served.path, "--json", report)
+        assert board_check(capsys, *options)[0] == 0
+        assert json.loads(report.read_text())["bitstream"] == {"known": True, "any_allowed": False}
+        monkeypatch.setattr(board_check_module, "checkout_id", lambda: 0xFACADE)
+        refused = board_check(capsys, *options)
+        assert json.loads(report.read_text()) == {"verdict": "unknown"}
+        assert top.stop
+        allowed = board_check(capsys, *options, "--any-bitstream")
+    other = f"the board was built of {PARAMETERS.build_id:08x}, this checkout is 00facade"
+    error = (
+        f"{other}: load the bitstream of this checkout, or allow others with --any-bitstream; verdict unknown"
+    )
+    assert refused == (2, "", f"triaxis: error: {error}\n")
+    assert (allowed[0], allowed[2]) == (0, "")
+    assert allowed[1].startswith(f"warning: {other}; allowed by --any-bitstream\n")
+    said = json.loads(report.read_text())
+    assert (said["verdict"], said["bitstream"]) == ("clear", {"known": False, "any_allowed": True})
 
 
 def test_meshes_too_large(top, boxes, tmp_path, capsys):

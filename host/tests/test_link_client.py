@@ -15,7 +15,7 @@ from triaxis.host.link.codes import Code, Command, Flag, Mode
 from triaxis.host.link.errors import LinkError
 from triaxis.host.link.framing import Deframer, encode
 from triaxis.host.link.line import SerialLine
-from triaxis.host.link.messages import Pose, ReplyHead
+from triaxis.host.link.messages import Pose, ReplyHead, Results, twice
 from triaxis.host.spatial_order import spatial_order
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
 
@@ -43,9 +43,14 @@ def test_a_board_that_accounts_for_every_pair_is_believed():
     assert found.near.shape == (0, 2)
 
 
+RUNNING = {"state": 1, "end": 0, "cycles": 0, "groups_skipped": 0, "groups_opened": 0, "pairs_skipped": 0,
+           "tested": 0, "flags": 0}  # fmt: skip
 LIES = [
     {"state": 0},
+    {"state": 1},
     {"state": 1, "end": 0},
+    {"state": 3},
+    RUNNING,
     {"run": 2},
     {"run": 0},
     {"x": 1},
@@ -61,6 +66,16 @@ LIES = [
     {"end": 6},
     {"end": 7},
     {"near": 1},
+    # Go, and yet near, or not the end of a complete run, or too late.
+    {"near": 1, "flags": 1},
+    {"end": 3, "flags": 1},
+    {**RUNNING, "flags": 1},
+    {"flags": 5},
+    # Near pairs that nobody gets; a flag that there is not.
+    {"flags": 2},
+    {"flags": 8},
+    # More than a pair a clock.
+    {"cycles": 4},
     # Group pairs that were neither skipped nor opened, or more than there are.
     {"groups_skipped": 1},
     {"groups_opened": 3},
@@ -70,6 +85,9 @@ LIES = [
     {"groups_skipped": 1, "groups_opened": 3, "tested": 3},
     {"pairs_skipped": 30, "tested": 1},
     {"groups_skipped": 4, "groups_opened": 0},
+    # Two pairs of groups cannot have so few, nor so many: 16, 8, 4 and 2 are there.
+    {"pairs_skipped": 1, "tested": 4},
+    {"pairs_skipped": 21, "tested": 4},
 ]
 
 
@@ -79,7 +97,7 @@ def test_a_status_that_is_not_of_a_complete_run_is_no_verdict(lie, mode):
     line = ScriptedLine().lie(**lie)
     if lie == {"near": 1} and mode == Mode.COUNT:
         assert check(line, mode).verdict == Verdict.NEAR
-    elif lie == {"state": 1, "end": 0}:
+    elif lie == RUNNING:
         assert re.search(
             "a run without end in 30 s: aborted; reset the board; verdict unknown", refused(line)
         )
@@ -136,10 +154,78 @@ def test_near_pairs_that_cannot_be_are_no_verdict(near, what):
 
 
 def test_first_near_pair():
-    line = ScriptedLine(near=NEAR[:1]).lie(near=1, end=2, tested=1, groups_opened=1)
-    assert check(line, Mode.FIRST).verdict == Verdict.NEAR
-    assert "engine status 2 in mode 1" in refused(ScriptedLine(near=NEAR[:1]).lie(near=1, end=2))
-    assert "engine status 2 in mode 0" in refused(ScriptedLine().lie(end=2), mode=Mode.FIRST)
+    def first(**lies):
+        return ScriptedLine(near=NEAR[:1]).lie(
+            **{"near": 1, "end": 2, "tested": 1, "groups_opened": 1, **lies}
+        )
+
+    assert check(first(), Mode.FIRST).verdict == Verdict.NEAR
+    assert "mode of a run that stopped: 1, must be 0" in refused(first())
+    stops = "near pairs of a run that stops at the first"
+    assert f"{stops}: 0, must be 1" in refused(first(near=0), mode=Mode.FIRST)
+    assert f"{stops}: 2, must be 1" in refused(first(near=2, tested=2), mode=Mode.FIRST)
+    assert f"{stops}: 1, must be 0" in refused(first(end=1), mode=Mode.FIRST)
+    assert "5 group pairs of 4, 11 pairs skipped or tested" in refused(
+        first(groups_opened=3), mode=Mode.FIRST
+    )
+    assert "3 group pairs of 4, 17 pairs skipped" in refused(first(pairs_skipped=16), mode=Mode.FIRST)
+
+
+def test_near_pairs_wait_where_there_are_some_and_nowhere_else():
+    line = ScriptedLine()
+    true = line.answer
+
+    def waiting(command, payload):
+        code, answer = true(command, payload)
+        if command != Command.RESULTS:
+            return code, answer
+        results = Results.unpack(answer)
+        other = results.status.flags ^ Flag.NEAR_WAITING
+        return code, replace(results, status=replace(results.status, flags=other)).pack()
+
+    line.answer = waiting
+    line.lie(flags=0)
+    assert "near pairs wait: True, must be False" in refused(line)
+    line = ScriptedLine(near=NEAR).lie(near=4)
+    true, line.answer = line.answer, waiting
+    assert "near pairs wait: False, must be True" in refused(line)
+
+
+LATER = [
+    {"run": 2}, {"mode": 2}, {"x": 1}, {"margin": 4}, {"cycles": 100}, {"tested": 5}, {"count_a": 5},
+    {"errors": 2}, {"near": 1}, {"end": 3},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("lie", LATER, ids=str)
+def test_a_later_status_is_of_the_same_run(lie):
+    line = ScriptedLine().lie(errors=3)
+    board = Board(line)
+    board.hello()
+    found = check_on_board(board, A, B, 3, Pose(0, 0, 0), Mode.ALL)
+    assert board.still(found.status) == found.status
+    line.lie(errors=4, flags=Flag.WATCHDOG_EXPIRED)
+    later = board.still(found.status)
+    assert (later.errors, later.flags) == (4, Flag.WATCHDOG_EXPIRED)
+    # The output says go only from the end of a run, and the watchdog's end is not forgotten.
+    line.lie(flags=Flag.GO)
+    with pytest.raises(LinkError, match="flags 0x01 after 0x04; verdict unknown"):
+        board.still(later)
+    line.lie(**lie)
+    with pytest.raises(LinkError, match="contradicts itself or us"):
+        board.still(found.status)
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        {"width": 7}, {"width": 33}, {"margin_bits": 17}, {"depth": 0}, {"depth": 48}, {"group": 0},
+        {"lanes": 0}, {"group": 3}, {"lanes": 8}, {"depth": 8}, {"watchdog_ms": 0},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_board_that_cannot_be_is_none(lie):
+    assert "contradicts itself" in refused(ScriptedLine(board=replace(BOARD, **lie)))
 
 
 def says(code, payload=b""):
@@ -166,14 +252,23 @@ def test_refusals_are_said(command, code, what):
 @pytest.mark.parametrize(
     ("command", "payload", "what"),
     [
-        (Command.LOAD, b"\x05\x00", "triangles loaded: 5, expected 6"),
-        (Command.LOAD, b"\x05", "Loaded: 1 bytes, must be 2: not this protocol"),
-        (Command.MOVE, bytes(11) + b"\x01", "pose: Pose(x=0, y=0, z=16777216), expected Pose(x=0, y=0, z=0)"),
-        (Command.RUN, b"\x02", "run number: 2, expected 1"),
-        (Command.RESULTS, bytes(7), "must be 50: not this protocol"),
-        (Command.HELLO, b"\x01" + bytes(20), "speaks protocol 01, this program 02: load the bitstream"),
-        (Command.HELLO, b"", "speaks protocol none, this program 02"),
-        (Command.HELLO, b"\x02", "Description: 1 bytes, must be 13: not this protocol"),
+        (Command.LOAD, twice(b"\x05\x00"), "triangles loaded: 5, expected 6"),
+        (
+            Command.LOAD,
+            twice(b"\x05"),
+            "Loaded: 1 bytes, must be 2: not this protocol, or altered on its way",
+        ),
+        (Command.LOAD, b"\x06\x00", "a payload and its inverted copy differ: not this protocol, or altered"),
+        (
+            Command.MOVE,
+            twice(bytes(11) + b"\x01"),
+            "pose: Pose(x=0, y=0, z=16777216), expected Pose(x=0, y=0, z=0)",
+        ),
+        (Command.RUN, twice(b"\x02"), "run number: 2, expected 1"),
+        (Command.RESULTS, twice(bytes(7)), "must be 51: not this protocol"),
+        (Command.HELLO, b"\x02" + bytes(12), "speaks protocol 02, this program 03: load the bitstream"),
+        (Command.HELLO, b"", "speaks protocol none, this program 03"),
+        (Command.HELLO, twice(b"\x03"), "Description: 1 bytes, must be 13: not this protocol"),
     ],
 )
 def test_answers_to_another_question_are_said(command, payload, what):
@@ -197,7 +292,7 @@ def test_silence_is_said(command):
 def test_the_same_frame_is_sent_again_until_it_is_answered():
     line = ScriptedLine()
     silences = iter([None, None])
-    move = Pose(0, 0, 0).pack()
+    move = twice(Pose(0, 0, 0).pack())
     line.answers[Command.MOVE] = lambda: next(silences, (Code.OK, move))
     assert check(line).verdict == Verdict.CLEAR
     moves = [frame for frame in line.frames if frame[1] == Command.MOVE]
@@ -220,7 +315,7 @@ def test_sessions_differ_and_are_never_0():
 def test_a_lost_session_is_begun_again():
     line = ScriptedLine()
     lost = iter([(Code.BAD_SEQUENCE, b"\x07")])
-    line.answers[Command.MOVE] = lambda: next(lost, (Code.OK, Pose(0, 0, 0).pack()))
+    line.answers[Command.MOVE] = lambda: next(lost, (Code.OK, twice(Pose(0, 0, 0).pack())))
     assert check(line).verdict == Verdict.CLEAR
     assert sum(frame[1] == Command.HELLO for frame in line.frames) == 2
 
@@ -236,7 +331,8 @@ def test_replies_to_others_are_not_heard(field):
         exchange = board._exchange
         head = ReplyHead(command | 0x80, exchange._sequence, exchange._session, 0)
         wrong = replace(head, **{field: getattr(head, field) ^ 0x40})
-        line.heard += encode(wrong.pack() + replace(line.status, flags=Flag.WATCHDOG_EXPIRED).pack())
+        status = replace(line.status, flags=Flag.WATCHDOG_EXPIRED)
+        line.heard += encode(wrong.pack() + twice(status.pack()))
         line.heard += encode(b"") + encode(b"\x86")
         return true(command, payload)
 

@@ -18,8 +18,10 @@ from triaxis.host.link.messages import (
     Results,
     ResultsHead,
     Status,
+    once,
     pack_triangles,
     triangles_per_load,
+    twice,
     unpack_triangles,
 )
 
@@ -106,7 +108,7 @@ def test_lengths_are_bounded():
 
 @pytest.mark.parametrize(
     ("record", "size"),
-    [(RequestHead, 9), (ReplyHead, 10), (Description, 13), (LoadHead, 4), (Status, 50), (ResultsHead, 5)],
+    [(RequestHead, 9), (ReplyHead, 10), (Description, 13), (LoadHead, 4), (Status, 51), (ResultsHead, 5)],
 )
 def test_layouts_have_the_sizes_of_the_protocol(record, size):
     assert record.size() == size
@@ -117,20 +119,36 @@ def test_layouts_have_the_sizes_of_the_protocol(record, size):
 
 
 def test_a_status_byte_by_byte():
-    status = Status(1, 2, 3, 4, -5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
-    words = struct.pack("<4B3i7I3H", 1, 2, 3, 4, -5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17)
+    status = Status(1, 2, 3, 4, 5, -6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18)
+    words = struct.pack("<5B3i7I3H", 1, 2, 3, 4, 5, -6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18)
     assert status.pack() == words
     with pytest.raises(struct.error):
-        Status(*[256] * 17).pack()
+        Status(*[256] * 18).pack()
 
 
 @given(st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 65535)), max_size=MOST_NEAR))
 def test_results_come_back(near):
-    results = Results(Status(*range(17)), 7, np.array(near, np.int64).reshape(-1, 2))
+    results = Results(Status(*range(18)), 7, np.array(near, np.int64).reshape(-1, 2))
     back = Results.unpack(results.pack())
     assert (back.status, back.start, back.near.tolist()) == (results.status, 7, [list(pair) for pair in near])
     with pytest.raises(LayoutError):
         Results.unpack(results.pack() + b"\0")
+
+
+@given(st.binary(max_size=60), st.data())
+def test_a_record_comes_twice_or_not_at_all(record, data):
+    payload = twice(record)
+    assert payload[: len(record)] == once(payload) == record
+    assert all(one ^ other == 0xFF for one, other in zip(record, payload[len(record) :], strict=True))
+    with pytest.raises(LayoutError, match="a payload and its inverted copy differ"):
+        once(payload + b"\0")
+    if record:
+        place = data.draw(st.integers(0, len(payload) - 1))
+        altered = (
+            payload[:place] + bytes([payload[place] ^ data.draw(st.integers(1, 255))]) + payload[place + 1 :]
+        )
+        with pytest.raises(LayoutError, match="differ"):
+            once(altered)
 
 
 @given(st.integers(8, 32), st.data())

@@ -1,7 +1,10 @@
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.paths import DUT
+from triaxis.verif.mutation.elaborated import core_latencies
 
 
 @pytest.mark.parametrize(
@@ -23,3 +26,13 @@ def test_names_are_unique_and_parse(configuration):
 def test_bad_names(name):
     with pytest.raises(InputError):
         parse_configuration(name)
+
+
+def test_latency_and_queue_are_those_of_the_rtl():
+    points = [(width, m) for width in range(MIN_WIDTH, MAX_WIDTH + 1) for m in {0, 1, width // 2, width}]
+    builds = [Configuration(*point) for point in points]
+    assert core_latencies(DUT, points) == [build.latency for build in builds]
+    # The environment allows so many pairs to be lost at a reset: neither more nor fewer than the core holds.
+    depth = "localparam int unsigned Depth = 2 ** $clog2(core_latency(W, M));"
+    assert (DUT / "triaxis_core.sv").read_text(encoding="utf-8").count(depth) == 1
+    assert all(build.queue_depth / 2 < build.latency <= build.queue_depth for build in builds)

@@ -11,9 +11,6 @@ from dataclasses import dataclass, field
 from triaxis.verif.core.checking import DESCRIBED, Failure
 from triaxis.verif.testbench.batches import PairBatch, ResultBatch
 
-# Depth of the core's result queue, the same for every W and M (see triaxis_core).
-MOST_IN_FLIGHT = 32
-
 
 @dataclass
 class _Epoch:
@@ -28,10 +25,10 @@ class _Epoch:
 class Matcher:
     """Takes batches from both sides in any interleaving; hands on what belongs together."""
 
-    def __init__(self, on_matched: Callable[[PairBatch, ResultBatch], None]) -> None:
+    def __init__(self, most_in_flight: int, on_matched: Callable[[PairBatch, ResultBatch], None]) -> None:
         """Start with nothing accepted and nothing returned.
 
-        ``on_matched`` takes pairs and results, one to one.
+        ``most_in_flight``: pairs that the core can hold. ``on_matched`` takes pairs and results, one to one.
         """
         self.accepted = 0
         self.returned = 0
@@ -40,6 +37,7 @@ class Matcher:
         self.resets = 0
         self.failed = 0
         self.failures: list[Failure] = []
+        self._most_in_flight = most_in_flight
         self._on_matched = on_matched
         self._epochs: deque[_Epoch] = deque([_Epoch()])
 
@@ -99,8 +97,9 @@ class Matcher:
             if extra:
                 self._fail(Failure(f"{extra} results before a reset that answer no pair"), extra)
             lost = sum(map(len, epoch.pairs))
-            if lost > MOST_IN_FLIGHT:
-                self._fail(Failure(f"{lost} pairs unanswered at a reset; {MOST_IN_FLIGHT} can be in flight"))
+            if lost > self._most_in_flight:
+                most = f"{self._most_in_flight} can be in flight"
+                self._fail(Failure(f"{lost} pairs unanswered at a reset; {most}"))
             self.discarded += lost
             self.resets += 1
             self._epochs.popleft()

@@ -41,7 +41,7 @@ _BLOCK = 1 << 16
 _DESCRIBED = 10
 
 _FLAGS = COPLANAR | DEGENERATE_A | DEGENERATE_B
-_BOX_X, _NORMALS, _EDGE_EDGE, _EDGE_BOX_A, _EDGE_BOX_B = 0, 3, 5, 14, 23
+_BOX_X, _NORMALS, _EDGE_EDGE, _EDGE_BOX_A = 0, 3, 5, 14
 
 
 def _signatures(groups_of_axes: Sequence[range]) -> Words:

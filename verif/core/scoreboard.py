@@ -58,7 +58,7 @@ class Scoreboard(uvm_scoreboard):
         self.checker = Checker(
             self.settings.configuration, self.settings.share, self.settings.seed, self.checked_port.write
         )
-        self.matcher = Matcher(self._enqueue)
+        self.matcher = Matcher(self.settings.configuration.queue_depth, self._enqueue)
         self._waiting: deque[Future[None]] = deque()
         self.seconds = 0.0
         # Pairs that the driver was given, which the test says at its end.

@@ -3,12 +3,10 @@
 from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import ROOT
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.models import Killed
-
-# In clocks at M = 0, from the first width that has it; one clock more with margins.
-_FIRST_WIDTHS = {8: 23, 13: 24, 18: 26, 25: 28}
 
 
 def latency_table(folder: Path) -> Killed | None:
@@ -22,11 +20,8 @@ def latency_table(folder: Path) -> Killed | None:
 
 def every_latency() -> dict[tuple[int, int], int]:
     """Return the latency in clocks for every W without and with margins, as it is signed off."""
-    clocks = {
-        width: _FIRST_WIDTHS[max(first for first in _FIRST_WIDTHS if first <= width)]
-        for width in range(MIN_WIDTH, MAX_WIDTH + 1)
-    }
-    return {(w, 0): row for w, row in clocks.items()} | {(w, w): row + 1 for w, row in clocks.items()}
+    points = [(width, margin) for width in range(MIN_WIDTH, MAX_WIDTH + 1) for margin in (0, width)]
+    return {point: Configuration(*point).latency for point in points}
 
 
 def latency_section() -> str:

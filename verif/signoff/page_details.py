@@ -52,10 +52,6 @@ def testplan(part: Content) -> Iterator[str]:
     yield from table(headings, rows)
 
 
-def _titled(name: str, text: str, good: bool | None) -> Marked:
-    return Marked(f"{mark(name, good)}<br><span class=why>{escape(text)}</span>")
-
-
 def _of(pair: Sequence[int] | None) -> Cell:
     """Return how many of how many; None: nothing of that kind."""
     if pair is None:

@@ -44,6 +44,14 @@ def unstuffed(data: bytes) -> bytes:
     return whole[:-4]
 
 
+def halved(command: int, payload: bytes) -> bytes:
+    """Return a reply's payload without its inverted copy, which must be there and fit."""
+    size = STATUS_LAYOUT.size + 5 if command == RESULTS | 0x80 and payload else len(payload) // 2
+    once, inverted, pairs = payload[:size], payload[size : 2 * size], payload[2 * size :]
+    assert bytes(byte ^ 0xFF for byte in once) == inverted
+    return once + pairs
+
+
 @dataclass(frozen=True)
 class Reply:
     command: int
@@ -59,6 +67,7 @@ class StatusBlock:
     state: int
     end: int
     flags: int
+    mode: int
     x: int
     y: int
     z: int
@@ -86,7 +95,7 @@ class StatusBlock:
         return bool(self.flags & 4)
 
 
-STATUS_LAYOUT = struct.Struct("<4B3i7I3H")
+STATUS_LAYOUT = struct.Struct("<5B3i7I3H")
 
 
 def status_of(payload: bytes) -> StatusBlock:
@@ -115,7 +124,10 @@ class BoardHost:
             clocks -= self.top.step(clocks, until_event=True)
             *frames, self._heard = (self._heard + self.top.receive()).split(b"\xc0")
             bodies = [unstuffed(frame) for frame in frames if frame]
-            found += [Reply(*struct.unpack("<BIIB", body[:10]), body[10:]) for body in bodies]
+            heads = [struct.unpack("<BIIB", body[:10]) for body in bodies]
+            found += [
+                Reply(*head, halved(head[0], body[10:])) for head, body in zip(heads, bodies, strict=True)
+            ]
         return found
 
     def exchange(self, line: bytes) -> Reply:
@@ -189,7 +201,7 @@ class BoardHost:
         number = self.start(mode, margin)
         self.finish()
         status = self.status()
-        assert (status.run, status.state) == (number, DONE)
+        assert (status.run, status.state, status.mode) == (number, DONE, mode)
         return status
 
     def results(self, start: int) -> tuple[StatusBlock, np.ndarray]:
@@ -212,7 +224,7 @@ class BoardHost:
 def read_results(payload: bytes, start: int) -> tuple[StatusBlock, np.ndarray]:
     number, count = struct.unpack_from("<IB", payload, STATUS_LAYOUT.size)
     assert number == start
-    assert count <= 40
+    assert count <= 32
     near = np.frombuffer(payload, "<u2", offset=STATUS_LAYOUT.size + 5).reshape(-1, 2)
     assert len(near) == count
     return status_of(payload), near.astype(np.int64)

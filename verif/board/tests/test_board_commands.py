@@ -114,7 +114,7 @@ def test_hello_of_the_same_session_starts_afresh(host):
     clear_run(host)
     host.hello()
     status = host.status()
-    assert (status.run, status.state, status.end, status.cycles) == (0, NEVER, 0, 0)
+    assert (status.run, status.state, status.end, status.mode, status.cycles) == (0, NEVER, 0, 0, 0)
     assert (status.x, status.y, status.z, status.margin, status.count_a, status.count_b) == (0,) * 6
     clear_scene(host)
     status = host.run(ALL)
@@ -200,10 +200,10 @@ def test_repeated_results_are_the_same(host):
     host.load(1, flat(0, 10))
     assert host.run(ALL).near == 100
     host.results(0)
-    payload = struct.pack("<I", 40)
+    payload = struct.pack("<I", 32)
     first = host.good(RESULTS, payload)
     assert repeated(host, RESULTS, payload) == first
-    assert len(read_results(first, 40)[1]) == 40
+    assert len(read_results(first, 32)[1]) == 32
     # No part of the ring that was freed is ever shown, whoever asks.
     assert host.exchange(on_line(host.frame(RESULTS, struct.pack("<I", 7), host.sequence))).code == VALUE
 

@@ -39,7 +39,7 @@ def good_again(host: BoardHost, errors: int) -> None:
 def test_hello_describes_the_board(host):
     is_ = PARAMETERS
     assert host.hello() == struct.pack(
-        "<BBBHBBIH", 2, is_.width, is_.margin_bits, is_.depth, is_.group, is_.lanes, is_.build_id, 1
+        "<BBBHBBIH", 3, is_.width, is_.margin_bits, is_.depth, is_.group, is_.lanes, is_.build_id, 1
     )
 
 

@@ -190,7 +190,7 @@ def test_what_does_not_end_go(host):
     host.top.glitch(1)
     for _ in range(3):
         host.status()
-        host.top.step(PARAMETERS.watchdog_clocks - 5000)
+        host.top.step(PARAMETERS.watchdog_clocks - 7000)
         assert says_go(host.top)
     assert host.top.go_clocks - go_clocks == host.top.clocks - clocks
 
@@ -199,7 +199,7 @@ def test_the_watchdog_is_exact(host):
     clear_run(host)
     host.status()
     # Known to a frame's length: the watchdog began with the frame, the reply has come since.
-    reply = 10 * PARAMETERS.clocks_per_bit * 70
+    reply = 10 * PARAMETERS.clocks_per_bit * 125
     host.top.step(PARAMETERS.watchdog_clocks - reply)
     assert says_go(host.top)
     host.top.step(reply)

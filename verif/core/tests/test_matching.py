@@ -22,7 +22,7 @@ class Bench:
 
     def __init__(self):
         self.checker = Checker(CONFIGURATION)
-        self.matcher = Matcher(self.checker.check)
+        self.matcher = Matcher(CONFIGURATION.queue_depth, self.checker.check)
 
     @property
     def failed(self):
@@ -54,7 +54,7 @@ def test_a_faultless_core_passes_however_it_is_cut(traffic):
 
 
 def test_nothing_checked_fails():
-    matcher = Matcher(lambda *_: None)
+    matcher = Matcher(CONFIGURATION.queue_depth, lambda *_: None)
     matcher.finish()
     assert matcher.failed
     assert "nothing was checked" in matcher.failures[0].message
@@ -99,7 +99,7 @@ def test_reset_discards_what_is_in_flight(traffic):
 
 
 def test_a_core_that_stops_answering_is_not_excused_by_a_reset(traffic):
-    matcher = Matcher(lambda *_: None)
+    matcher = Matcher(CONFIGURATION.queue_depth, lambda *_: None)
     matcher.feed_pairs(traffic.sent(slice(0, 80)))
     matcher.feed_results(traffic.returned(slice(0, 40)))
     matcher.reset_pairs()

@@ -11,7 +11,6 @@ from pathlib import Path
 from triaxis.verif.regress.definition import read_definition
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
-DVSIM = Path(sys.executable).with_name("dvsim")
 CONFIG = "w16_m0"
 # Runs of the regression `long`.
 LONG = 5
