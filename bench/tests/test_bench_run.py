@@ -76,7 +76,7 @@ def test_best_of_rounds_side_by_side():
         time.sleep(0.02)
 
     slow, fast = best_times([sleep, lambda: None], 2)
-    assert 0.02 <= slow < 0.2 and fast < 0.001
+    assert fast < 0.02 <= slow
 
 
 def test_an_interrupted_measurement_goes_on(tmp_path):

@@ -8,8 +8,8 @@ import pytest
 
 from triaxis.fpga import dsp_count
 from triaxis.fpga.dsp_count import DspCount, DspCounts, count_dsps
-from triaxis.fpga.synthesis import yosys
 from triaxis.golden.errors import InputError
+from triaxis.sim.programs import yosys
 
 DUT = Path(__file__).resolve().parents[2] / "dut"
 

@@ -140,7 +140,7 @@ def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run_vivado(slow, Inputs((), ()), tmp_path / "out", interrupt)
     child = Path(f"/proc/{int(started.read_text())}")
-    end = time.monotonic() + 10
+    end = time.monotonic() + 600
     while time.monotonic() < end and not _ended(child):
         time.sleep(0.05)
     assert _ended(child)

@@ -11,11 +11,12 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import TOP, board_sources
 from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
-from triaxis.fpga.synthesis import synthesise, yosys_version
+from triaxis.fpga.synthesis import synthesise
 from triaxis.golden.whole_files import write_whole
 from triaxis.host.advice.widths import WidthRow
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.programs import yosys_version
 
 _NAMES = {"luts": "look-up tables", "ffs": "flip-flops", "brams": "block RAMs"}
 _FOLDER = BUILD / "fpga" / "advised"

@@ -51,7 +51,7 @@ def _print(result: FormalResult) -> None:
             str(outcome.proof.method),
             checked,
             f"{outcome.seconds:.1f}",
-            "proved" if outcome.passed else "FAILED",
+            outcome.finding.result if outcome.passed else outcome.finding.result.upper(),
         )
     Console(width=120).print(table)
     for problem in result.problems:

@@ -12,11 +12,12 @@ from triaxis.fpga.board_build import board_sources
 from triaxis.fpga.logic_depth import logic_depth
 from triaxis.fpga.part import XC7A100T
 from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
-from triaxis.fpga.synthesis import synthesise, yosys_version
+from triaxis.fpga.synthesis import synthesise
 from triaxis.host.cli.progress import progress_bar
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD, DUT, rtl_sources
+from triaxis.sim.programs import yosys_version
 
 WITHIN, BEYOND = 0, 1
 _JOBS = 2

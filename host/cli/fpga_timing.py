@@ -7,11 +7,11 @@ from rich.table import Table
 
 from triaxis.fpga.ecp5_flow import PART, STAGES, TARGET_MHZ, nextpnr_version, route
 from triaxis.fpga.ecp5_registers import Absorbed
-from triaxis.fpga.synthesis import yosys_version
 from triaxis.fpga.timing import Timing, read_timing, write_timing
 from triaxis.host.cli.progress import progress_bar
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import BUILD, rtl_sources
+from triaxis.sim.programs import yosys_version
 
 REACHED, MISSED = 0, 1
 _WIDTH = 16

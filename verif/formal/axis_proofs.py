@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.formal.algebra import CLOSED, AxisProof, Core, Inputs
@@ -98,10 +99,12 @@ class AxesProof:
             (one.name, partial(prove_core, one, dut)) for one in self.configurations
         ]
         jobs += [(f"detector_w{width}", partial(prove_detector, width, dut)) for width in self.detectors]
-        problems = []
+        problems, undecided = [], []
         for name, job in jobs:
             try:
                 job(folder / name)
             except NetlistError as error:
                 problems.append(f"{self.name}: {name}: {error}")
-        return Finding(tuple(problems), folder, {"netlists": len(jobs)})
+            except InputError as error:
+                undecided.append(f"{self.name}: {name}: {error}")
+        return Finding(tuple(problems), folder, {"netlists": len(jobs)}, tuple(undecided))

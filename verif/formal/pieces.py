@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, read_netlist, run_yosys
 from triaxis.verif.formal.package import Package
@@ -210,7 +211,7 @@ class PiecesProof:
             f"write_json mul_{a}_{b}.json; design -reset"
             for a, b in every
         )
-        problems = []
+        problems, undecided = [], []
         try:
             run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
             for a, b in every:
@@ -220,4 +221,7 @@ class PiecesProof:
                     raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
         except NetlistError as error:
             problems.append(f"{self.name}: {error}")
-        return Finding(tuple(problems), folder / "yosys.log", {"netlists": len(every)})
+        except InputError as error:
+            undecided.append(f"{self.name}: {error}")
+        facts = {"netlists": len(every)}
+        return Finding(tuple(problems), folder / "yosys.log", facts, tuple(undecided))

@@ -2,17 +2,39 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
 
 
+class Result(StrEnum):
+    """What can come of a proof."""
+
+    PROVED = "proved"
+    # The prover came to its end, and found something against the claim or the argument for it.
+    FAILED = "failed"
+    # A tool did not come to its end: no word about the RTL.
+    UNDECIDED = "not decided"
+
+
 @dataclass(frozen=True)
 class Finding:
-    """What a proof came to: its problems (none: proved), how much was checked, and where the log is."""
+    """What speaks against a claim, and what no tool decided, a line each; where there is neither: proved.
 
-    problems: tuple[str, ...]
+    ``facts``: how much was checked.
+    """
+
+    problems: tuple[str, ...] = ()
     log: Path | None = None
     facts: Mapping[str, int] = field(default_factory=dict)
+    undecided: tuple[str, ...] = ()
+
+    @property
+    def result(self) -> Result:
+        """Return what came of the proof."""
+        if self.problems:
+            return Result.FAILED
+        return Result.UNDECIDED if self.undecided else Result.PROVED
 
 
 class Proof(Protocol):
@@ -59,4 +81,4 @@ class Outcome:
     @property
     def passed(self) -> bool:
         """Return whether it is proved."""
-        return not self.finding.problems
+        return self.finding.result is Result.PROVED

@@ -1,21 +1,20 @@
 """All proofs, some at a time, and the file that keeps what came of them."""
 
-import fcntl
 import fnmatch
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
+from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.formal.catalogue import proofs
-from triaxis.verif.formal.proof import Finding, Outcome, Proof
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
 from triaxis.verif.formal.tools import require_tools
 
 FOLDER = BUILD / "formal"
@@ -34,7 +33,9 @@ class FormalResult:
     @property
     def problems(self) -> list[str]:
         """Return what is not proved, one line each."""
-        found = [problem for outcome in self.outcomes for problem in outcome.finding.problems]
+        findings = [outcome.finding for outcome in self.outcomes]
+        found = [problem for finding in findings for problem in finding.problems]
+        found += [f"not decided: {reason}" for finding in findings for reason in finding.undecided]
         return [*found, "the RTL changed during the proofs"] if self.rtl_changed else found
 
     @property
@@ -46,7 +47,13 @@ class FormalResult:
     def summary(self) -> str:
         """Return the result in a line."""
         proved = sum(outcome.passed for outcome in self.outcomes)
-        return f"{proved} of {len(self.outcomes)} proofs hold, in {self.seconds:.0f} s"
+        open_ = f", {self.undecided} not decided" if self.undecided else ""
+        return f"{proved} of {len(self.outcomes)} proofs hold{open_}, in {self.seconds:.0f} s"
+
+    @property
+    def undecided(self) -> int:
+        """Return how many proofs came to no end."""
+        return sum(outcome.finding.result is Result.UNDECIDED for outcome in self.outcomes)
 
 
 def proof_names() -> list[str]:
@@ -68,7 +75,7 @@ def prove_all(
     if jobs < 1:
         raise InputError(f"jobs {jobs}: must be at least 1")
     outcomes: dict[str, Outcome] = {}
-    with _alone(folder), ThreadPoolExecutor(jobs) as pool:
+    with locked(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
         before, start = rtl_hash(dut), time.monotonic()
         running = [pool.submit(_prove, proof, dut, folder / proof.name) for proof in chosen]
         for future in as_completed(running):
@@ -82,21 +89,12 @@ def prove_all(
     )
 
 
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other run has the folder, and have it while the block runs."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
-
-
 def _prove(proof: Proof, dut: Path, folder: Path) -> Outcome:
     start = time.monotonic()
     try:
         finding = proof.prove(dut, folder)
     except InputError as error:
-        finding = Finding((f"{proof.name}: {error}",))
+        finding = Finding(undecided=(f"{proof.name}: {error}",))
     return Outcome(proof, finding, time.monotonic() - start)
 
 
@@ -113,6 +111,7 @@ def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Pat
         "proofs": [_entry(outcome) for outcome in result.outcomes],
         "total": len(result.outcomes),
         "proved": sum(outcome.passed for outcome in result.outcomes),
+        "undecided": result.undecided,
     }
     return write_evidence(path, content)
 
@@ -126,7 +125,8 @@ def _entry(outcome: Outcome) -> dict[str, object]:
         "parameters": dict(proof.parameters),
         "assumptions": list(proof.assumptions),
         "passed": outcome.passed,
-        "problems": list(finding.problems),
+        "result": finding.result,
+        "problems": [*finding.problems, *finding.undecided],
         "facts": dict(finding.facts),
         "seconds": round(outcome.seconds, 1),
         "log": None if finding.log is None else os.path.relpath(finding.log, ROOT),

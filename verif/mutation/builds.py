@@ -14,6 +14,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
 from triaxis.sim.paths import ROOT
+from triaxis.sim.programs import EndedError, run_limited
 from triaxis.sim.toolchain import verilator
 from triaxis.verif.mutation.folder import FOLDER, temporary
 from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
@@ -26,9 +27,6 @@ _DEFINES = (
 )  # fmt: skip
 # Mutants are played for milliseconds each: compiling costs more than running, unless it is millions of pairs.
 QUICK, MANY, FAST = "-O0", "-O1", "-O2"
-# Seconds for one elaboration, which is tried once more: the machine may be busy.
-_PATIENCE = 120
-_TRIES = 2
 
 
 def _include() -> Path:
@@ -100,24 +98,13 @@ def _verilate(
         *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut / 'core'}", *more,
         "--Mdir", str(folder), *map(str, extra), *map(str, target_.sources(dut)), *checked,
     ]  # fmt: skip
-    answer = _answer(command, target_.name)
-    (folder / "verilator.log").write_text(answer.stdout + answer.stderr)
-    if answer.returncode:
-        raise _refusal(answer.returncode, answer.stderr, dut, target_.name)
-
-
-def _answer(command: Sequence[str], what: str) -> subprocess.CompletedProcess[str]:
-    for _ in range(_TRIES):
-        try:
-            return subprocess.run(
-                command, capture_output=True, text=True, check=False, env=verilator().environment(False),
-                timeout=_PATIENCE,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            continue
-    raise InputError(
-        f"{what}: Verilator does not end in {_PATIENCE} s, twice: run again, with less beside it"
-    )
+    log = folder / "verilator.log"
+    try:
+        status = run_limited(command, log, environment=verilator().environment(False))
+    except EndedError as error:
+        raise EndedError(f"{target_.name}: {error}") from error
+    if status:
+        raise _refusal(status, log.read_text(errors="replace"), dut, target_.name)
 
 
 def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError | InputError:

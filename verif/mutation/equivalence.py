@@ -15,7 +15,6 @@
 """
 
 import shutil
-import subprocess
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,7 +25,6 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.fpga.synthesis import yosys, yosys_version
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH
 from triaxis.sim.build import content_hash, mesh_files
@@ -34,6 +32,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.code_coverage.stimulus import flowing
 from triaxis.verif.core.stimulus.corners import all_corners, orientations, spans
 from triaxis.verif.formal.engine_proofs import engine_proofs
@@ -50,8 +49,6 @@ FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
 CONTRACT, MODEL = "contract", "model"
 
-# Seconds for one entry.
-_PATIENCE = 300
 # Bits of input of which all values can be played.
 _EXHAUSTIBLE = 22
 # How an edit ends that drops a top bit; see operators.py.
@@ -139,7 +136,10 @@ def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
 
 
 def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
-    """Check an entry's evidence for its mutants; return what is wrong with it, None where it holds."""
+    """Check an entry's evidence for its mutants; return what is wrong with it, None where it holds.
+
+    Raises EndedError where the solver comes to no end: that says nothing of the mutants.
+    """
     with temporary("proof-") as folder:
         _copy(dut, folder / "gold", None)
         script = [_read(folder / "gold", entry, "gold")]
@@ -159,19 +159,19 @@ def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]
     # through a sandbox, which has a /tmp of its own.
     (folder / "script.ys").write_text(script.replace("; ", "\n").replace(f"{folder}/", ""))
     command = [str(yosys()), "-Q", "-q", "-s", "script.ys", "-l", "log"]
+    # The folder is removed with the log in it: the error names the entry.
     try:
-        answer = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, check=False, timeout=_PATIENCE
-        )
-    except subprocess.TimeoutExpired:
-        return f"{entry.mutants[0]}: no proof in {_PATIENCE} s: choose a smaller module or smaller widths"
-    log = (folder / "log").read_text() if (folder / "log").exists() else ""
+        status = run_limited(command, folder / "messages", folder)
+    except EndedError as error:
+        raise EndedError(f"{entry.mutants[0]}: {error}") from error
+    texts = [path for path in (folder / "log", folder / "messages") if path.exists()]
+    log = "".join(path.read_text(errors="replace") for path in texts)
     proved = [f"PROVED-{number}-." in log for number in range(len(mutants))]
-    if answer.returncode == 0 and all(proved):
+    if status == 0 and all(proved):
         return None
     index = proved.index(False) if False in proved else len(mutants) - 1
-    errors = [line for line in (log + answer.stderr).splitlines() if "ERROR" in line]
-    said = errors[-1].strip() if errors else f"the solver ends with {answer.returncode}"
+    errors = [line for line in log.splitlines() if "ERROR" in line]
+    said = errors[-1].strip() if errors else f"the solver ends with {status}"
     parameters = ", ".join(f"{key} = {value}" for key, value in entry.parameters.items())
     return f"{mutants[index].id}: not proved equivalent in {entry.module} ({parameters}): {said}"
 
@@ -275,9 +275,11 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
         with temporary("proof-") as folder:
             _copy(dut, folder / "dut", mutant)
             for proof in proofs:
-                problems = proof.prove(folder / "dut", folder / proof.name).problems
-                if problems:
-                    return f"{mutant.id}: not equivalent by its contract: {problems[0]}"
+                finding = proof.prove(folder / "dut", folder / proof.name)
+                if finding.problems:
+                    return f"{mutant.id}: not equivalent by its contract: {finding.problems[0]}"
+                if finding.undecided:
+                    raise EndedError(f"{mutant.id}: contract not decided: {finding.undecided[0]}")
     return None
 
 

@@ -1,5 +1,6 @@
 """Where runs go: this machine, a Slurm cluster, an LSF cluster."""
 
+import contextlib
 import getpass
 import os
 import shutil
@@ -18,10 +19,12 @@ _SLURM_DEFAULTS = {
     "SLURM_MEM": "2G",
     "SLURM_MINCPUS": "1",
     "SLURM_CPUS_PER_TASK": "1",
-    "SLURM_TIMEOUT": "240",
+    "SLURM_TIMEOUT": "600",
 }
 # Runs at a time on a cluster, whose scheduler queues what it has no place for.
 _CLUSTER_JOBS = 64
+# What a cluster's controller may take to answer.
+_ANSWER_SECONDS = 300.0
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,8 @@ class Launcher:
             LSF: ["bkill", "-J", self.job_name, "0"],
         }
         if self.kind in commands:
-            subprocess.run(commands[self.kind], capture_output=True, check=False, timeout=60)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                subprocess.run(commands[self.kind], capture_output=True, check=False, timeout=_ANSWER_SECONDS)
 
 
 def launcher(kind: str, job_name: str, jobs: int | None) -> Launcher:
@@ -84,11 +88,16 @@ def _check_tool(name: str, what: str, package: str | None) -> None:
 
 def _default_partition() -> str:
     """Return Slurm's default partition, or the first; raise InputError where Slurm does not answer."""
-    answer = subprocess.run(
-        ["sinfo", "--noheader", "--format=%P"], capture_output=True, text=True, check=False, timeout=60
-    )
+    hint = "see verif/regress/slurm_node.sh for one node"
+    command = ["sinfo", "--noheader", "--format=%P"]
+    try:
+        answer = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=_ANSWER_SECONDS
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"Slurm does not answer: sinfo waits {_ANSWER_SECONDS:g} s; {hint}") from error
     names = answer.stdout.split()
     if answer.returncode or not names:
         reason = (answer.stderr.strip().splitlines() or ["no partition"])[0]
-        raise InputError(f"Slurm does not answer: {reason}; see verif/regress/slurm_node.sh for one node")
+        raise InputError(f"Slurm does not answer: {reason}; {hint}")
     return next((name for name in names if name.endswith("*")), names[0]).rstrip("*")

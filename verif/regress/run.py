@@ -256,7 +256,7 @@ class _Regression:
         log = one.run_log(run)
         if not log.exists():
             return ""
-        return f"killed or out of time: {last_error(log)}"
+        return f"killed, or ended by the limit against hanging, which decides nothing: {last_error(log)}"
 
     def _outcome(
         self,

@@ -14,7 +14,7 @@ folder=${TRIAXIS_SLURM:-$here/build/slurm}
 # Sockets have short names, and munge wants a folder that nobody else may write to.
 sockets=/run/triaxis-slurm
 conf=$folder/slurm.conf
-patience=30
+patience=300
 
 fail() {
   echo "slurm_node: error: $*" >&2

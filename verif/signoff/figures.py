@@ -16,7 +16,7 @@ def figures(parts: Mapping[str, Part]) -> dict[str, Value]:
         ("code_coverage", _CODE, _code_coverage),
         ("faults", ("faults_caught",), lambda e: [_share_of(e["faults"], "caught")]),
         ("mutation", ("mutation_score",), _mutation),
-        ("proofs", ("proofs_passed",), lambda e: [_share_of(e["proofs"], "passed")]),
+        ("proofs", ("proofs_passed",), _proofs),
         ("testplan", _TESTPOINTS, _testpoints),
     ):
         evidence = parts[part].evidence
@@ -53,6 +53,11 @@ def _mutation(evidence: Evidence) -> list[Value]:
     files = evidence["files"].values()
     dead = sum(file["killed"] + file["equivalent"] for file in files)
     return [share(dead, sum(file["mutants"] for file in files))]
+
+
+def _proofs(evidence: Evidence) -> list[Value]:
+    # What no tool decided is neither a proof nor a failure: then there is no share.
+    return [None if evidence["undecided"] else _share_of(evidence["proofs"], "passed")]
 
 
 def _testpoints(evidence: Evidence) -> list[Value]:

@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from triaxis.fpga.synthesis import yosys
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import mutate as command
+from triaxis.sim import programs
 from triaxis.sim.paths import DUT
+from triaxis.sim.programs import yosys
 from triaxis.sim.result import AXIS_SHIFT, NEAR
 from triaxis.verif.mutation import builds, folder, killers, killing, outcomes, result
 from triaxis.verif.mutation.catalogue import catalogue
@@ -307,11 +308,11 @@ class Failing:
         ("echo '%Error: no/such.sv:1:2: wrong' >&2; exit 1", "not for an error in the RTL"),
         ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; kill -SEGV $$', "ends with -11"),
         ('echo "%Error: $DUT/a.sv:1:2: x" >&2; echo No space left on device >&2; exit 1', "ends with 1"),
-        ("sleep 5", "does not end"),
+        ("sleep 5", "still running"),
     ],
 )
 def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, message):
-    monkeypatch.setattr(builds, "_PATIENCE", 0.2)
+    monkeypatch.setattr(programs, "_WALL_SECONDS", 2 if "sleep" in script else 60)
     monkeypatch.setattr(builds, "verilator", lambda: Failing(tmp_path / "fails"))
     monkeypatch.setenv("DUT", str(tmp_path))
     (tmp_path / "fails").write_text(f"#!/bin/sh\n{script}\n")
@@ -319,7 +320,7 @@ def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, m
     with pytest.raises(InputError, match=message):
         builds._verilate(MAIN, tmp_path, tmp_path, [], [])
     (tmp_path / "fails").write_text('#!/bin/sh\necho "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1\n')
-    monkeypatch.setattr(builds, "_PATIENCE", 10)
+    monkeypatch.setattr(programs, "_WALL_SECONDS", 60)
     with pytest.raises(builds.ElaborationError, match=r"triaxis_core\.sv:1:2"):
         builds._verilate(MAIN, tmp_path, tmp_path, [], [])
 

@@ -75,7 +75,7 @@ def results_of(folder, name):
 
 def await_results(folder, name, count, process):
     """Wait until so many runs have left their results."""
-    limit = time.monotonic() + 120
+    limit = time.monotonic() + 3600
     while len(list((folder / name / "results").glob("*.json"))) < count:
         assert process.poll() is None, process.communicate()[0]
         assert time.monotonic() < limit
@@ -98,7 +98,7 @@ def processes_in(folder):
     return found
 
 
-def await_silence(folder, seconds=20.0):
+def await_silence(folder, seconds=60.0):
     """Return whether nothing that has to do with a folder runs any more, after some patience."""
     limit = time.monotonic() + seconds
     while (left := processes_in(folder)) and time.monotonic() < limit:

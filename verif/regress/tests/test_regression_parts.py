@@ -209,11 +209,10 @@ def test_view_of_the_testplan(tmp_path):
             }
         )
     )
-    pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
+    why = "dvsim is not installed: run `make regress`, which installs it"
+    dvsim = pytest.importorskip("dvsim.testplan", reason=why)
     assert write_view(view, items, plan)
-    from dvsim.testplan import Testplan
-
-    found = {point.name: point for point in Testplan(str(view), tmp_path, "triaxis").testpoints}
+    found = {point.name: point for point in dvsim.Testplan(str(view), tmp_path, "triaxis").testpoints}
     assert found["mixed"].tests == ["MixedTest_w16_m0", "MixedTest_w8_m8"]
     assert found["proved"].not_mapped
     plan.write_text("{testpoints: [{}]}")

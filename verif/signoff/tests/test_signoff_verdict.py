@@ -38,6 +38,7 @@ BREAKS = [
     ("faults", lambda e: e["faults"][0].update(caught=False, pairs=None), "were caught: 50 %"),
     ("mutation", survivor, "shown equivalent: 92.3 %"),
     ("proofs", lambda e: e["proofs"][0].update(passed=False), "proofs that hold: 0 %"),
+    ("proofs", lambda e: e.update(undecided=1), "proofs that hold: not measured"),
     ("testplan", lambda e: e["testpoints"][2].update(passed=False), "testpoints of V3 that are met: 0 %"),
     (
         "testplan",
