@@ -63,23 +63,23 @@ signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in bu
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
 regress: $(READY) $(DVSIM) ## every test and every configuration at least once, on dvsim: minutes
-	@$(BIN)/triaxis regress smoke --launcher $(LAUNCHER)
+	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
 	@$(BIN)/pytest -n 2 -m regress
 
 nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
-	@$(BIN)/triaxis regress nightly --launcher $(LAUNCHER)
+	@$(BIN)/triaxis regress run nightly --launcher $(LAUNCHER)
 
 mutate: $(READY) $(YOSYS) ## change dut/ in 3,600 ways; see each mutant killed, or shown equivalent
-	@$(BIN)/triaxis mutate --seed $(SEED)
+	@$(BIN)/triaxis prove mutate --seed $(SEED)
 
 faults: $(READY) ## build every fault of the catalogue and see it caught
-	@$(BIN)/triaxis faults --seed $(SEED)
+	@$(BIN)/triaxis prove faults --seed $(SEED)
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs
-	@$(BIN)/triaxis formal
+	@$(BIN)/triaxis prove formal
 
 gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
-	@$(BIN)/triaxis gate
+	@$(BIN)/triaxis fpga gate
 
 test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
 	@$(BIN)/pytest -n 2 -m "not regress"
@@ -106,39 +106,39 @@ sim: $(READY) ## run one test: make sim TEST=RandomTest SEED=1 CONFIG=w16_m0
 
 GRID ?= 4
 exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: make exhaustive GRID=4
-	@$(BIN)/triaxis exhaustive --grid $(GRID) --seed $(SEED)
+	@$(BIN)/triaxis prove exhaustive --grid $(GRID) --seed $(SEED)
 
 code-coverage: $(READY) ## measure line, branch, expression and toggle coverage of dut/
-	@$(BIN)/triaxis code-coverage --seed $(SEED)
+	@$(BIN)/triaxis coverage code --seed $(SEED)
 
 bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
-	@$(BIN)/triaxis bench --seed $(SEED)
+	@$(BIN)/triaxis bench error --seed $(SEED)
 
 peers: $(READY) $(VENV)/.ready-peers ## install the packages that bench compares with: two gigabytes
 
 bench-sim: $(READY) ## measure the speed of the simulations against the bare core
-	@$(BIN)/triaxis bench-sim
+	@$(BIN)/triaxis bench sim
 
 bench-mesh: $(READY) ## count what whole scenes cost the mesh engine
-	@$(BIN)/triaxis bench-mesh
+	@$(BIN)/triaxis bench mesh
 
 stress: $(READY) ## turn inputs from easy to impossible; count wrong answers of the core and of others
-	@$(BIN)/triaxis stress --seed $(SEED)
+	@$(BIN)/triaxis bench stress --seed $(SEED)
 
 bench-skipping: $(READY) ## measure what skipping saves, against the broad phases of FCL and trimesh
-	@$(BIN)/triaxis bench-skipping
+	@$(BIN)/triaxis bench skipping
 
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
-	@$(BIN)/triaxis fpga-report
+	@$(BIN)/triaxis fpga report
 
 fpga-timing: $(ROUTE) ## route the core on an ECP5 as a proxy for its timing: an hour or more
-	@$(BIN)/triaxis fpga-timing
+	@$(BIN)/triaxis fpga timing
 
 activity: $(READY) ## count multiplier toggles with and without operand gating
-	@$(BIN)/triaxis activity
+	@$(BIN)/triaxis fpga activity
 
 bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off allows it
-	@$(BIN)/triaxis bitstream
+	@$(BIN)/triaxis fpga bitstream
 
 LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)

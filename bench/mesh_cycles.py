@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.host.engine_scene import MeshEngineScene
 from triaxis.host.machine_scenes import machine_scenes
 from triaxis.host.quantise import centred_grid, margin_for, quantise
@@ -157,7 +157,7 @@ def bench_mesh(chosen: list[Case], progress: Callable[[int], None]) -> list[Row]
 def write_rows(rows: list[Row], data_present: bool) -> Path:
     """Write build/bench/mesh.json, whole or not at all."""
     content = {
-        "command": "triaxis bench-mesh",
+        "command": "triaxis bench mesh",
         "engine": CONFIGURATION.name,
         "clock_mhz": CLOCK_MHZ,
         "rtl_hash": rtl_hash(),

@@ -14,6 +14,7 @@ import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.paths import BUILD
@@ -132,16 +133,12 @@ def bench_sim(progress: Callable[[int], None]) -> SimSpeeds:
 
 def write_speeds(speeds: SimSpeeds) -> Path:
     """Write build/bench/sim.json, whole or not at all."""
-    RESULT.parent.mkdir(parents=True, exist_ok=True)
     content = {
         **{name: round(rate) for name, rate in asdict(speeds).items()},
         "ratios": {name: round(ratio, 3) for name, ratio in speeds.ratios.items()},
         "bounds": BOUNDS,
         "unit": "pairs a second",
         "config": CONFIGURATION.name,
-        "command": "triaxis bench-sim",
+        "command": "triaxis bench sim",
     }
-    partial = RESULT.with_suffix(".partial")
-    partial.write_text(json.dumps(content, indent=2) + "\n")
-    partial.replace(RESULT)
-    return RESULT
+    return write_whole(RESULT, json.dumps(content, indent=2) + "\n")

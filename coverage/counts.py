@@ -13,7 +13,7 @@ from triaxis.coverage.cover_model import CoverModel, Sample
 from triaxis.coverage.sampling import Hits, Sampler
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 _FORMAT = "triaxis coverage 1"
 

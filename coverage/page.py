@@ -12,7 +12,7 @@ from triaxis.coverage.html import page
 from triaxis.coverage.report import ItemReport, ModelReport, percent, report
 from triaxis.coverage.sampling import Hits
 from triaxis.coverage.terminal import summary_line
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 
 def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:

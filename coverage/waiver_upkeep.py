@@ -21,7 +21,7 @@ from triaxis.golden.errors import InputError
 
 Record = dict[str, Any]
 
-_AGAIN = "run `triaxis code-coverage` again"
+_AGAIN = "run `triaxis coverage code` again"
 
 
 @dataclass(frozen=True)

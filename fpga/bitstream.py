@@ -9,7 +9,7 @@ from pathlib import Path
 from triaxis.fpga.board_build import PART, TOP, TOP_RTL, VIVADO, Inputs
 from triaxis.fpga.vivado_run import VivadoResult
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 _SUFFIXES = (".xdc", ".tcl")
 

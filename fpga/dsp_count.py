@@ -22,7 +22,7 @@ from typing import Any
 
 from triaxis.fpga.board_build import TOP, board_sources
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 CORE = "triaxis_core"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from triaxis.fpga.ecp5_registers import Absorbed, absorb_registers
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.programs import NEXTPNR, compiled, executable, from_one_folder, yosys
 
 TOP = "triaxis_timing_top"

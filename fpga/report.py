@@ -9,7 +9,7 @@ from pathlib import Path
 from triaxis.fpga.board_build import TOP
 from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.fpga.part import BOARD_LIMITS, NO_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 CORE = "triaxis_core"
 

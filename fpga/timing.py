@@ -13,7 +13,7 @@ from typing import Any
 from triaxis.fpga.ecp5_flow import PART, TARGET_MHZ
 from triaxis.fpga.ecp5_registers import Absorbed
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 _CELL_SUFFIX = re.compile(
     r"_(TRELLIS_(FF|DPR16X4)|CCU2C|LUT4|PFUMX|L6MUX21|MULT18X18D)_[A-Z]+\d*(_\d+)?(?=_|\$|$)"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, Inputs
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 # What build.tcl announces, without the stages that are not always there.
 STAGES = ("synthesis", "optimisation", "placement", "routing", "reports", "bitstream", "done")

@@ -1,5 +1,9 @@
-"""The one kind of error that bad input raises."""
+"""Errors whose message is for the user as it is: one line that says what, where, the limit, what to do."""
 
 
-class InputError(ValueError):
-    """Bad input: one line that says what, where, the limit, and what to do."""
+class ToldError(Exception):
+    """Any of them."""
+
+
+class InputError(ToldError, ValueError):
+    """Bad input, or an output that cannot be written."""

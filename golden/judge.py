@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from triaxis.golden.axes import claims
 from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
+from triaxis.golden.errors import ToldError
 from triaxis.golden.exact import Scalar, Triangle, coplanar, triangle_rank
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
 from triaxis.golden.rational import Rational
@@ -21,6 +23,7 @@ from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
 
 # Pairs a worker process takes at a time: large enough to hide the cost of handing them over.
 _CHUNK = 2000
+_OURS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @dataclass(frozen=True)
@@ -36,15 +39,21 @@ class Judgement:
     axis: BestAxis | None
 
 
-class CertificateError(AssertionError):
+class CertificateError(ToldError, AssertionError):
     """The solver's answer does not prove itself. Never seen; it would be a fault of the solver."""
 
 
 @cache
 def default_solver() -> DistanceSolver:
     """Return the solver used where none is named."""
+    handlers = {number: signal.getsignal(number) for number in _OURS}
     from triaxis.golden.ppl_solver import PplSolver
 
+    # PPL's loader takes signals over; with its handler a hang-up ends the process with exit code 0.
+    if threading.current_thread() is threading.main_thread():
+        for number, handler in handlers.items():
+            if handler is not None:
+                signal.signal(number, handler)
     return PplSolver()
 
 

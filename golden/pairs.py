@@ -5,7 +5,7 @@ Pairs have shape (N, 2, 3, 3): pair; A then B; vertex; coordinate. A file of pai
 (N,) with the type `VERDICT`.
 """
 
-import os
+import io
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_array
+from triaxis.golden.outputs import write_whole
 
 MIN_WIDTH = 8
 MAX_WIDTH = 32
@@ -78,25 +79,8 @@ def read_pairs(path: Path, width: int) -> Pairs:
     return check_pairs(read_array(path), width, str(path))
 
 
-def check_output(path: Path, source: Path) -> None:
-    """Raise InputError unless verdicts on ``source`` can be written to ``path``."""
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: no such folder: {path.parent}; create it first")
-    if path.exists() and not path.is_file():
-        raise InputError(f"{path}: exists and is no ordinary file: name another")
-    if path.exists() and source.exists() and path.samefile(source):
-        raise InputError(f"{path}: is the file of pairs itself: name another")
-
-
 def write_verdicts(path: Path, verdicts: Verdicts) -> None:
-    """Write verdicts whole or not at all: to a temporary file beside ``path``, then renamed."""
-    path = path.resolve()
-    temporary = path.with_name(f".triaxis-{os.getpid()}.tmp")
-    try:
-        with temporary.open("xb") as file:
-            np.save(file, verdicts)
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    """Write verdicts as a .npy file, whole or not at all."""
+    content = io.BytesIO()
+    np.save(content, verdicts)
+    write_whole(path, content.getvalue())

@@ -1,7 +1,6 @@
 """Reports of checks as JSON: exact numbers become decimals, of 17 digits."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, is_dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -9,21 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.host.enclosure import Enclosure
 from triaxis.host.quantise import Grid
 from triaxis.host.scene_engines import SceneRun
 
 # The clock that times are given for.
 _CLOCK_HZ = 100_000_000
-
-
-def check_written(path: Path | None, inputs: Sequence[Path]) -> None:
-    """Raise InputError where a file that is to be written is one that is read."""
-    for source in inputs:
-        if path is not None and path.exists() and source.exists() and path.samefile(source):
-            raise InputError(f"{path}: is an input file: name another to write to")
 
 
 def write_report(path: Path, report: dict[str, Any]) -> Path:

@@ -4,6 +4,7 @@ Lengths in millimetres. The tool points down the z axis with its tip at the orig
 are 60 mm apart with the workpiece between them, its top face at z = 0.
 """
 
+import io
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import stl
 
+from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import Pairs
 from triaxis.host.broadphase import candidates
 from triaxis.host.quantise import centred_grid, quantise
@@ -95,7 +97,6 @@ def scenes() -> list[Scene]:
 
 def write_scenes(folder: Path) -> list[tuple[Scene, Path, Path]]:
     """Write each scene as two binary STL files, <number>_tool.stl and <number>_vise.stl."""
-    folder.mkdir(parents=True, exist_ok=True)
     written: list[tuple[Scene, Path, Path]] = []
     for number, scene in enumerate(scenes()):
         a, b = folder / f"{number}_tool.stl", folder / f"{number}_vise.stl"
@@ -106,10 +107,12 @@ def write_scenes(folder: Path) -> list[tuple[Scene, Path, Path]]:
 
 
 def write_stl(path: Path, facets: Facets) -> None:
-    """Write facets as a binary STL."""
+    """Write facets as a binary STL, whole or not at all."""
     mesh = stl.mesh.Mesh(np.zeros(len(facets), dtype=stl.mesh.Mesh.dtype))
     mesh.vectors[:] = facets
-    mesh.save(str(path), mode=stl.Mode.BINARY)
+    content = io.BytesIO()
+    mesh.save(path.name, content, mode=stl.Mode.BINARY)
+    write_whole(path, content.getvalue())
 
 
 def mesh_pairs(rng: np.random.Generator, count: int, width: int) -> Pairs:

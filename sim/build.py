@@ -12,6 +12,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
+from triaxis.golden.outputs import make_folder
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
@@ -73,7 +74,7 @@ def rtl_hash(dut: Path = DUT) -> str:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     with path.open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
@@ -89,7 +90,7 @@ def built(folder: Path, make: Callable[[Path], None]) -> Path:
         if not folder.is_dir():
             partial = folder.with_name(folder.name + ".partial")
             shutil.rmtree(partial, ignore_errors=True)
-            partial.mkdir(parents=True)
+            make_folder(partial)
             make(partial)
             partial.rename(folder)
     return folder

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.errors import ToldError
 from triaxis.golden.pairs import VERDICT, Pairs, Verdicts
 from triaxis.sim.build import library
 from triaxis.sim.configuration import Configuration
@@ -17,7 +18,7 @@ from triaxis.sim.result import decode
 _CHUNK = 1 << 16
 
 
-class CoreError(RuntimeError):
+class CoreError(ToldError, RuntimeError):
     """The core broke its interface: it hangs, or returns tags out of order."""
 
 

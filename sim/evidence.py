@@ -5,7 +5,6 @@ and carries the stamp; what else it holds is the part's own. What was not measur
 """
 
 import json
-import os
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.provenance import provenance
 from triaxis.sim.toolchain import verilator
 
@@ -34,14 +34,7 @@ def write_evidence(path: Path, content: Mapping[str, Any]) -> Path:
     missing = [key for key in _REQUIRED if key not in stamped]
     if missing:
         raise ValueError(f"{path.name}: evidence without {', '.join(missing)}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}-{os.getpid()}.partial")
-    try:
-        partial.write_text(json.dumps(stamped, indent=2) + "\n", encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-    return path
+    return write_whole(path, json.dumps(stamped, indent=2) + "\n")
 
 
 def read_evidence(path: Path) -> dict[str, Any] | None:

@@ -19,7 +19,7 @@ from triaxis.bench.activity.traced_mesh import TracedMeshEngine
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.host.scenes import Scene, scenes
 from triaxis.host.spatial_order import spatial_order
 from triaxis.sim.configuration import Configuration
@@ -164,7 +164,7 @@ def write_result(rows: Sequence[Row], engine: MultiplierToggles, seed: int, seco
         "passed": not beyond,
         "problems": [f"{row.name}: {100 * row.ratio:.2f} % of the ungated toggles" for row in beyond],
         "summary": f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles",
-        "command": f"triaxis activity --seed {seed}",
+        "command": f"triaxis fpga activity --seed {seed}",
         "seconds": round(seconds, 1),
         "seed": seed,
         "bound": BOUND,

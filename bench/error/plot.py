@@ -1,6 +1,5 @@
 """The picture of the benchmark: run time a pair against error, for every workload."""
 
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log10
@@ -18,7 +17,7 @@ from triaxis.bench.error.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
 from triaxis.bench.error.errors import Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
 from triaxis.fpga.part import XC7A100T
-from triaxis.golden.whole_files import write_whole
+from triaxis.host.saved_figure import write_figure
 from triaxis.sim.paths import BUILD
 
 PICTURES = (BUILD / "bench" / "error.png", BUILD / "bench" / "error.svg")
@@ -29,9 +28,6 @@ _STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "svg.fonttype": "none",
-    # The same numbers give the same file.
-    "svg.hashsalt": "triaxis",
 }
 _DPI = 100
 # From two nanoseconds on, with room for labels; shares down to one pair in more than there are.
@@ -57,14 +53,8 @@ class Point:
 def draw(measured: Measured) -> list[Path]:
     """Write both pictures, whole or not at all."""
     figure = figure_of(measured)
-    written: list[Path] = []
-    for path in PICTURES:
-        stream = io.BytesIO()
-        with rc_context(_STYLE):
-            metadata = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(stream, format=path.suffix[1:], dpi=_DPI, metadata=metadata)
-        written.append(write_whole(path, stream.getvalue()))
-    return written
+    with rc_context(_STYLE):
+        return [write_figure(figure, path) for path in PICTURES]
 
 
 def figure_of(measured: Measured) -> Figure:

@@ -112,7 +112,7 @@ def write_report(measured: Measured, found: list[Demand], before: Provenance, se
     not_measured = [demand.what for demand in found if demand.reached is None]
     content = {
         **asdict(before),
-        "command": f"triaxis bench --seed {measured.seed}",
+        "command": f"triaxis bench error --seed {measured.seed}",
         "passed": passed(found),
         "problems": [f"{demand.what}: {demand.found}" for demand in missed],
         "summary": "; ".join(f"{demand.what}: {demand.found}" for demand in found[:2]),

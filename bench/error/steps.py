@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 Result = dict[str, Any]
 

@@ -24,8 +24,8 @@ import numpy.typing as npt
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Triangle
 from triaxis.golden.judge import default_solver, judge
+from triaxis.golden.outputs import write_whole
 from triaxis.golden.rational import Rational
-from triaxis.golden.whole_files import write_whole
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import BUILD, ROOT
 

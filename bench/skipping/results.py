@@ -9,7 +9,7 @@ from triaxis.bench.skipping.asking import PeerRun
 from triaxis.bench.skipping.growth import MOST_COMPARED, MOST_SECONDS, Growth, Point
 from triaxis.bench.skipping.plot import figure_of
 from triaxis.bench.skipping.run import LEAST_RATIO, AtMargin, SceneRow, SkippingResult
-from triaxis.host.saved_figure import write_figure
+from triaxis.host.saved_figure import write_figures
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
 
@@ -18,8 +18,8 @@ RESULT = BUILD / "bench" / "skipping.json"
 
 def write_result(result: SkippingResult) -> list[Path]:
     """Write the result and its picture, each whole or not at all; return the files."""
-    picture = write_figure(figure_of(result), RESULT)
-    return [write_evidence(RESULT, content(result)), *picture]
+    pictures = write_figures(figure_of(result), RESULT)
+    return [write_evidence(RESULT, content(result)), *pictures]
 
 
 def summary(result: SkippingResult) -> str:
@@ -40,7 +40,7 @@ def content(result: SkippingResult) -> dict[str, Any]:
     pairs, cycles, software = result.totals
     return {
         **asdict(result.provenance),
-        "command": f"triaxis bench-skipping --seed {result.seed}",
+        "command": f"triaxis bench skipping --seed {result.seed}",
         "passed": not result.problems,
         "problems": result.problems,
         "summary": summary(result),

@@ -1,10 +1,8 @@
 """Pictures of a stress test: a panel for each family, the knob from easy to impossible, errors in percent."""
 
 import re
-from io import BytesIO
 from pathlib import Path
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -13,8 +11,8 @@ from matplotlib.patches import Patch
 
 from triaxis.bench.stress.curves import Curve, Picture
 from triaxis.bench.stress.run import FamilyResult, StressResult
-from triaxis.golden.whole_files import write_whole
 from triaxis.host.figure_style import LARGE, NORMAL, SMALL
+from triaxis.host.saved_figure import write_figures
 
 _INCHES, _DPI = (17.0, 8.6), 110
 _ROWS, _COLUMNS = 2, 4
@@ -27,15 +25,7 @@ _LABELS = 12
 
 def draw(folder: Path, picture: Picture, result: StressResult) -> list[Path]:
     """Draw into ``folder``, as PNG and as SVG, each whole or not at all; return the files."""
-    figure = _figure(picture, result)
-    written: list[Path] = []
-    for suffix in ("png", "svg"):
-        content = BytesIO()
-        # No date, and fixed names inside: the same result gives the same file.
-        with rc_context({"svg.hashsalt": "triaxis"}):
-            figure.savefig(content, format=suffix, metadata={"Date": None} if suffix == "svg" else None)
-        written.append(write_whole(folder / f"{picture.name}.{suffix}", content.getvalue()))
-    return written
+    return write_figures(_figure(picture, result), folder / f"{picture.name}.png")
 
 
 def _figure(picture: Picture, result: StressResult) -> Figure:

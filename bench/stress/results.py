@@ -65,7 +65,7 @@ def write_result(result: StressResult) -> list[Path]:
     """Write build/bench/stress.json and the pictures beside it, each whole or not at all."""
     content = {
         **asdict(result.provenance),
-        "command": f"triaxis stress --seed {result.seed} --pairs {result.pairs}",
+        "command": f"triaxis bench stress --seed {result.seed} --pairs {result.pairs}",
         "passed": not result.problems,
         "problems": result.problems,
         "summary": summary(result),

@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from argparse import Namespace
 
 import numpy as np
 import pytest
@@ -24,7 +23,8 @@ from triaxis.bench.activity.traced_mesh import TracedMeshEngine
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import activity as command
+from triaxis.host.cli import fpga as command
+from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT
@@ -153,7 +153,7 @@ def test_command(tmp_path, monkeypatch, capsys, gated, status):
     monkeypatch.setattr(measuring, "RESULT", tmp_path / "activity.json")
     monkeypatch.setattr(command, "measure", lambda _, progress: [row])
     monkeypatch.setattr(command, "trace_scene", lambda _: row.gated)
-    assert command.run(Namespace(seed=1)) == status
+    assert main(["fpga", "activity"]) == status
     assert f"{gated}.00 %" in capsys.readouterr().out
     assert (tmp_path / "activity.json").exists()
 

@@ -286,10 +286,10 @@ def test_exit_codes(measured, tmp_path, monkeypatch, capsys, kernel, code):
         def run(self, _):
             return changed(measured, peers=[peer(run=kernel)])
 
-    monkeypatch.setattr("triaxis.host.cli.bench.Benchmark", Done)
+    monkeypatch.setattr("triaxis.host.cli.bench_errors.Benchmark", Done)
     monkeypatch.setattr("triaxis.bench.error.report.RESULT", tmp_path / "error.json")
     monkeypatch.setattr("triaxis.bench.error.plot.PICTURES", (tmp_path / "error.png",))
-    assert main(["bench"]) == code
+    assert main(["bench", "error"]) == code
     shown = capsys.readouterr().out
     assert "coal: not installed" in shown and ("MISSED" in shown) == bool(code)
     assert json.loads(Path(tmp_path / "error.json").read_text())["passed"] != bool(code)

@@ -252,13 +252,13 @@ def test_surfaces(surfaces, size):
 
 def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "skipping.json")
-    monkeypatch.setattr("triaxis.host.cli.bench_skipping.mesh_data", lambda: None)
+    monkeypatch.setattr("triaxis.host.cli.bench_costs.mesh_data", lambda: None)
     small = {"peers": [Stand([]), Missing([])], "sizes": (200, 400)}
     monkeypatch.setattr(
-        "triaxis.host.cli.bench_skipping.run_skipping",
+        "triaxis.host.cli.bench_costs.run_skipping",
         lambda seed, data, progress: run_skipping(seed, data, progress, **small),
     )
-    assert main(["bench-skipping"]) == 0
+    assert main(["bench", "skipping"]) == 0
     printed = capsys.readouterr().out
     assert "absent: stand: stand-in: not installed" in printed and "PASSED" in printed
     written = json.loads((tmp_path / "skipping.json").read_text())
@@ -274,20 +274,20 @@ def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
 
 def test_the_command_fails_where_a_bound_is_missed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "skipping.json")
-    monkeypatch.setattr("triaxis.host.cli.bench_skipping.mesh_data", lambda: None)
+    monkeypatch.setattr("triaxis.host.cli.bench_costs.mesh_data", lambda: None)
     monkeypatch.setattr(run, "LEAST_RATIO", 1e9)
     monkeypatch.setattr(run, "skipping_scenes", lambda data: skipping_scenes(data)[:1])
     monkeypatch.setattr(
-        "triaxis.host.cli.bench_skipping.run_skipping",
+        "triaxis.host.cli.bench_costs.run_skipping",
         lambda seed, data, progress: run_skipping(seed, data, progress, [], (200, 400)),
     )
-    assert main(["bench-skipping"]) == 1
+    assert main(["bench", "skipping"]) == 1
     assert "PROBLEM scenes" in capsys.readouterr().out
     assert json.loads((tmp_path / "skipping.json").read_text())["passed"] is False
 
 
 def test_a_bad_seed_is_an_error(capsys):
-    assert main(["bench-skipping", "--seed", "-1"]) == 2
+    assert main(["bench", "skipping", "--seed", "-1"]) == 2
     assert "must not be negative" in capsys.readouterr().err
 
 

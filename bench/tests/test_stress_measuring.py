@@ -180,8 +180,8 @@ def small():
 
 def test_command_writes_numbers_and_pictures(small, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(results, "RESULT", tmp_path / "stress.json")
-    monkeypatch.setattr("triaxis.host.cli.stress.run_stress", lambda *_: small)
-    assert main(["stress"]) == 0
+    monkeypatch.setattr("triaxis.host.cli.bench_errors.run_stress", lambda *_: small)
+    assert main(["bench", "stress"]) == 0
     assert "PASSED: core: 0 of" in capsys.readouterr().out
     names = {path.name for path in tmp_path.iterdir()}
     pictures = {
@@ -207,15 +207,15 @@ def test_command_says_what_is_wrong(small, tmp_path, monkeypatch, capsys):
     result = StressResult(1, 100, (small.families[0], broken, *small.families[2:]), small.provenance, 1.0)
     monkeypatch.setattr(results, "RESULT", tmp_path / "stress.json")
     monkeypatch.setattr(results, "PICTURES", ())
-    monkeypatch.setattr("triaxis.host.cli.stress.run_stress", lambda *_: result)
-    assert main(["stress"]) == 1
+    monkeypatch.setattr("triaxis.host.cli.bench_errors.run_stress", lambda *_: result)
+    assert main(["bench", "stress"]) == 1
     assert "PROBLEM gap 2^-8: no-miss mode:" in capsys.readouterr().out
     assert not json.loads((tmp_path / "stress.json").read_text())["passed"]
 
 
 @pytest.mark.parametrize(("option", "value"), [("--pairs", "3"), ("--pairs", "1000000"), ("--seed", "-1")])
 def test_options_out_of_range(option, value, capsys):
-    assert main(["stress", f"{option}={value}"]) == 2
+    assert main(["bench", "stress", f"{option}={value}"]) == 2
     assert option[2:] in capsys.readouterr().err
     with pytest.raises(InputError):
         run.check_options(1, 0)

@@ -65,7 +65,7 @@ def read_code_points(path: Path, root: Path) -> list[CodePoint]:
             raise InputError(f"{path}: line {number}: damaged, or written by another Verilator")
         found.append(_point(match, path, root))
     if not found:
-        raise InputError(f"{path}: no line or branch counters: run `triaxis code-coverage`")
+        raise InputError(f"{path}: no line or branch counters: run `triaxis coverage code`")
     return found
 
 
@@ -73,7 +73,7 @@ def _point(match: re.Match[str], path: Path, root: Path) -> CodePoint:
     file = Path(match["file"])
     if not file.is_relative_to(root):
         raise InputError(
-            f"{path}: counts {file}, which is not below {root}: run `triaxis code-coverage` here"
+            f"{path}: counts {file}, which is not below {root}: run `triaxis coverage code` here"
         )
     place = Place(
         file.relative_to(root).as_posix(),

@@ -19,7 +19,7 @@ from itertools import groupby
 from pathlib import Path
 
 from triaxis.coverage.interchange.code_points import Place, branch_statements, read_code_points
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 _TEST = "triaxis"
 

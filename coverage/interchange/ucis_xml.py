@@ -36,7 +36,7 @@ from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.interchange.code_points import CodePoint, branch_statements
 from triaxis.coverage.report import report
 from triaxis.coverage.sampling import Hits
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 
 _VERSION = "1.0"
 _TOOL = "triaxis"

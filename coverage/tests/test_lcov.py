@@ -24,7 +24,7 @@ MEASURED = sorted(path for path in COUNTERS if path.stat().st_mtime > NEWEST)
 GENHTML = shutil.which("genhtml")
 
 needs_genhtml = pytest.mark.skipif(GENHTML is None, reason="no genhtml here: apt-get install lcov")
-needs_measured = pytest.mark.skipif(not MEASURED, reason="no counters of this RTL: triaxis code-coverage")
+needs_measured = pytest.mark.skipif(not MEASURED, reason="no counters of this RTL: triaxis coverage code")
 
 
 @dataclass
@@ -165,7 +165,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """The counters of the last measurement."""
     with MEASURED[0].open() as lines:
         if f"\x01f\x02{ROOT}/" not in [next(lines), next(lines)][1]:
-            pytest.skip("the counters here are of another checkout: triaxis code-coverage")
+            pytest.skip("the counters here are of another checkout: triaxis coverage code")
     folder = tmp_path_factory.mktemp("measured")
     return [without_toggles(path, folder) for path in MEASURED]
 

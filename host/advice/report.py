@@ -18,7 +18,7 @@ def advice_report(
     """Return what `triaxis.host.scene_report.write_report` writes."""
     unit = wanted.unit
     return {
-        "command": "triaxis advise",
+        "command": "triaxis scene advise",
         "rtl_hash": rtl_hash(),
         "meshes": [
             {"file": named.name, "facets": len(named.mesh.facets), "moves": named is scene.moving}

@@ -12,7 +12,7 @@ from pathlib import Path
 from triaxis.fpga.board_build import TOP, board_sources
 from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
 from triaxis.fpga.synthesis import synthesise
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.host.advice.widths import WidthRow
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import BUILD, DUT

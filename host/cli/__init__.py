@@ -1,129 +1,119 @@
 """The command line ``triaxis``.
 
-Exit codes: 0 done (for `check`, `path` and `board check`: clear), 1 the answer is no (for these: near; for
-`shrink`: nothing fails; for `advise`: no width fits; for the others: failed, or a bound missed), 2 bad input
-or a missing tool, 130 interrupted.
+Exit codes, of all commands: 0 done, or the answer is yes (`check`, `path`: clear); 1 the answer is no
+(`check`, `path`: near; others: failed, or a bound missed); 2 bad input or a missing tool: there is no answer;
+130 interrupted. What 0 and 1 mean for a command stands in `triaxis.host.cli.commands`, and in its help.
+
+This module is small, and imports little: what an earlier run answered is removed, and interrupts are
+understood, before anything that takes time is imported.
 """
 
-import argparse
 import os
-import re
+import signal
 import sys
-from typing import Any, NoReturn
-
-from triaxis.golden.errors import InputError
-from triaxis.golden.judge import CertificateError
-from triaxis.host.cli import (
-    activity,
-    advise,
-    bench,
-    bench_mesh,
-    bench_sim,
-    bench_skipping,
-    bitstream,
-    board,
-    check,
-    code_coverage,
-    exhaustive,
-    export,
-    faults,
-    formal,
-    fpga_report,
-    fpga_timing,
-    gate,
-    mutate,
-    path,
-    regress,
-    scenes,
-    shrink,
-    signoff,
-    sim,
-    stress,
-    testplan,
-    verdict,
-)
-from triaxis.sim.core_engine import CoreError
+from types import FrameType
+from typing import NoReturn
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
-_COMMANDS = (
-    verdict,
-    check,
-    path,
-    advise,
-    board,
-    scenes,
-    sim,
-    testplan,
-    regress,
-    signoff,
-    gate,
-    exhaustive,
-    code_coverage,
-    faults,
-    mutate,
-    formal,
-    export,
-    shrink,
-    bench,
-    bench_sim,
-    bench_mesh,
-    bench_skipping,
-    stress,
-    fpga_report,
-    fpga_timing,
-    activity,
-    bitstream,
-)
-
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
-        # Older versions of argparse take -1e-3 for an option, and complain of a missing value.
-        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(ERROR, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="triaxis",
-        description="Exact triangle-collision core: verdicts, mesh checks, simulation, sign-off.",
-        epilog="Exit codes: 0 done (check, path: clear); 1 no (check, path: near; shrink: none fails; "
-        "others: failed); 2 bad input or missing tool; 130 interrupted.",
-    )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
-    for command in _COMMANDS:
-        command.add_parser(commands)
-    return parser
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_interrupted = False
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; return the exit code."""
-    options = _parser().parse_args(arguments)
+    """Run a command line, or that of this process with its signals; return the exit code."""
+    if arguments is not None:
+        return _answer(arguments, of_this_process=False)
+    # Until the older answers are gone an interrupt waits.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    _handle_with(_end)
+    os.register_at_fork(after_in_child=_as_in_other_programs)
     try:
-        code = options.run(options)
+        code = _answer(sys.argv[1:], of_this_process=True)
+        # There is an answer now, and it stands.
+        _handle_with(signal.SIG_IGN)
+        return code
+    except KeyboardInterrupt:
+        _say_interrupted()
+        _drop_output()
+        return INTERRUPTED
+
+
+def _answer(words: list[str], of_this_process: bool) -> int:
+    from triaxis.golden.errors import ToldError
+    from triaxis.host.cli.commands import find, remove_older_answers, runner
+
+    try:
+        name, rest = find(words)
+        remove_older_answers(name, rest)
+        if of_this_process:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        run = runner(name, rest)
+        # While modules were imported there was nothing to clean up, and they may not be left halfway.
+        if of_this_process:
+            _handle_with(_interrupt)
+        code = run()
         sys.stdout.flush()
         return code
-    except (InputError, CoreError, CertificateError) as error:
+    except ToldError as error:
         message = str(error)
     except KeyboardInterrupt:
-        print("triaxis: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        raise
     except MemoryError:
         message = "out of memory: use a smaller input"
     except OSError as error:
         # Whoever read our output is gone, or the disk is full: say no more on stdout.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         message = f"{error.filename or 'output'}: {error.strerror or error}"
     # No failure of our own may look like an answer: `check` says "near" with exit code 1.
     except Exception as error:
         if os.environ.get("TRIAXIS_DEBUG"):
             raise
         message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
+    if _interrupted:
+        # What was interrupted may fail for it in ways of its own.
+        raise KeyboardInterrupt
     print(f"triaxis: error: {' '.join(message.split())}", file=sys.stderr)
     return ERROR
+
+
+def _handle_with(handler: "signal._HANDLER") -> None:
+    for number in _SIGNALS:
+        # Those that whoever started this process has set to be ignored stay so, as under nohup.
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, handler)
+
+
+def _end(_number: int, _frame: FrameType | None) -> NoReturn:
+    _say_interrupted()
+    os._exit(INTERRUPTED)
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
+    global _interrupted
+    _interrupted = True
+    # A second one does not wait for what the first one cleans up.
+    _handle_with(_end)
+    raise KeyboardInterrupt
+
+
+def _say_interrupted() -> None:
+    try:
+        os.write(2, b"triaxis: interrupted\n")
+    # Nobody hears.
+    except OSError:
+        return
+
+
+def _drop_output() -> None:
+    """Leave nothing to be written when the process ends, where that can fail."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _as_in_other_programs() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)

@@ -4,9 +4,10 @@ import argparse
 from fractions import Fraction
 from pathlib import Path
 
+from triaxis.host.cli import DONE
+from triaxis.host.cli.arguments import number
 from triaxis.host.cli.board_check import about, check, checkout_id, other_build
 from triaxis.host.cli.check import add_surfaces_only
-from triaxis.host.cli.numbers import number
 from triaxis.host.link.board import Board
 from triaxis.host.link.codes import Mode
 from triaxis.host.link.line import SerialLine
@@ -18,39 +19,26 @@ from triaxis.sim.simulated_board import SimulatedTop
 _WATCHDOG_CLOCKS = 50_000
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "board",
-        help="decide on the board, over its serial port",
-        description="Load meshes into the board, run it, and print what it finds; ask for its status; or "
-        "serve a simulated board at a port of its own.",
+def add_status(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``board status``."""
+    parser.description = (
+        "Say what the board is and how it stands. This takes the board: its output says stop, and its "
+        "meshes are emptied. A board in use by another program is not taken."
     )
-    actions = parser.add_subparsers(required=True, metavar="ACTION")
-    _add_check(actions)
-    status = actions.add_parser(
-        "status",
-        help="say what the board is and how it stands",
-        description="Say what the board is and how it stands. This takes the board: its output says stop, "
-        "and its meshes are emptied. A board in use by another program is not taken.",
-    )
-    _add_port(status)
-    status.set_defaults(run=_status)
-    _add_simulate(actions)
+    _add_port(parser)
+    parser.set_defaults(run=_status)
 
 
 def _add_port(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", required=True, metavar="DEV", help="the serial port, as /dev/ttyUSB1")
 
 
-def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = actions.add_parser(
-        "check",
-        help="decide whether two STL meshes come within a clearance, on the board",
-        description="Decide on the board what `triaxis check` decides. The verdict is unknown, with exit "
-        "code 2, where anything about the board's answer is not as it must be. Where one mesh is inside the "
-        "other, or may be, the board is not asked, so it never says go.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
+def add_check(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``board check``."""
+    parser.description = (
+        "Decide on the board what `triaxis check` decides. The verdict is unknown, with exit code 2, where "
+        "anything about the board's answer is not as it must be. Where one mesh is inside the other, or may "
+        "be, the board is not asked, so it never says go."
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
@@ -89,12 +77,11 @@ def _add_check(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.set_defaults(run=check, mode=Mode.ALL)
 
 
-def _add_simulate(actions: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = actions.add_parser(
-        "simulate",
-        help="serve a simulated board at a pseudo-terminal",
-        description="Simulate the board's whole design, print the path of its serial port, and serve it "
-        "until interrupted.",
+def add_simulate(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``board simulate``."""
+    parser.description = (
+        "Simulate the board's whole design, print the path of its serial port, and serve it until "
+        "interrupted."
     )
     parser.add_argument("--width", type=int, default=16, metavar="W", help="coordinate bits (16)")
     parser.add_argument(
@@ -118,7 +105,7 @@ def _simulate(options: argparse.Namespace) -> int:
         serve(top, terminal, Wire(), lambda: False, options.once)
     finally:
         terminal.close()
-    return 0
+    return DONE
 
 
 def _status(options: argparse.Namespace) -> int:
@@ -132,4 +119,4 @@ def _status(options: argparse.Namespace) -> int:
     )
     if other := other_build(description):
         print(f"warning: {other}: `board check` refuses it without --any-bitstream")
-    return 0
+    return DONE

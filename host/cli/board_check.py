@@ -12,8 +12,9 @@ import numpy.typing as npt
 from triaxis.fpga.bitstream import board_hash, build_id
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
+from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.check import print_without_near_facets
-from triaxis.host.cli.progress import progress_bar
+from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
@@ -26,7 +27,6 @@ from triaxis.host.meshcheck import MeshPair, exact_distance, prepare
 from triaxis.host.pose import Pose as RealPose
 from triaxis.host.scene_engines import BULK, SceneRun, scene_engine
 from triaxis.host.scene_report import (
-    check_written,
     enclosure_entry,
     grid_entry,
     milliseconds,
@@ -36,7 +36,6 @@ from triaxis.host.scene_report import (
 from triaxis.host.stl import read_stl
 from triaxis.sim.build import rtl_hash
 
-CLEAR, NEAR = 0, 1
 _LISTED = 10
 # Between two signs of life: the board's watchdog waits 100 ms.
 _HOLD_SECONDS = 0.03
@@ -89,10 +88,6 @@ def steps_of(meshes: MeshPair) -> npt.NDArray[np.int64]:
 
 def check(options: argparse.Namespace) -> int:
     """Check the meshes on the board and print what was found."""
-    check_written(options.json, (options.a, options.b))
-    if options.json:
-        # Whatever happens now, no older verdict is left there.
-        write_report(options.json, {"verdict": "unknown"})
     if options.clearance < 0:
         raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
     mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
@@ -117,7 +112,7 @@ def check(options: argparse.Namespace) -> int:
             print_without_near_facets(insides, _surfaces(options), ("A", "B"))
             print("output: stop; the board was not asked to run")
             insides.refuse_undecided((options.a, options.b))
-            return NEAR
+            return NO
         steps = steps_of(meshes)
         loaded = meshes.a - steps
         with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
@@ -142,7 +137,7 @@ def check(options: argparse.Namespace) -> int:
                     # What it said is no longer so.
                     write_report(options.json, {"verdict": "unknown"})
                 raise
-    return NEAR if near else CLEAR
+    return NO if near else DONE
 
 
 def _insides(options: argparse.Namespace, meshes: MeshPair) -> Enclosure:

@@ -6,35 +6,25 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
-from triaxis.host.cli.numbers import number
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import number
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.meshcheck import MeshPair, exact_distance, prepare
 from triaxis.host.pose import AXES, Pose, Turn
 from triaxis.host.scene_engines import ENGINES, RTL, SceneRun, scene_engine
-from triaxis.host.scene_report import (
-    check_written,
-    enclosure_entry,
-    grid_entry,
-    milliseconds,
-    run_entry,
-    write_report,
-)
+from triaxis.host.scene_report import enclosure_entry, grid_entry, milliseconds, run_entry, write_report
 from triaxis.host.stl import read_stl
 
-CLEAR, NEAR = 0, 1
 _LISTED = 10
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "check",
-        help="decide whether two STL meshes come within a clearance",
-        description="Decide whether any facet of A comes within the clearance (Chebyshev distance) of any "
-        "facet of B, or a part of one of them is inside the other. The margin covers the "
-        "rounding to the grid, so a pair within the clearance is never missed; a false alarm is less than "
-        "four steps of the resolution, plus twice what reading and turning rounded, beyond it.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Decide whether any facet of A comes within the clearance (Chebyshev distance) of any facet of B, or "
+        "a part of one of them is inside the other. The margin covers the rounding to the grid, so a pair "
+        "within the clearance is never missed; a false alarm is less than four steps of the resolution, plus "
+        "twice what reading and turning rounded, beyond it."
     )
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
@@ -78,10 +68,6 @@ def add_surfaces_only(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check the meshes and print what was found."""
-    check_written(options.json, (options.a, options.b))
-    if options.json is not None:
-        # Whatever happens now, no older verdict is left there.
-        write_report(options.json, {"verdict": "unknown"})
     if options.width is not None:
         check_width(options.width)
     if options.clearance < 0:
@@ -105,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     if not run.near_count:
         print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
         insides.refuse_undecided((options.a, options.b))
-    return CLEAR if insides.verdict(run.near_count > 0) == "clear" else NEAR
+    return DONE if insides.verdict(run.near_count > 0) == "clear" else NO
 
 
 def print_without_near_facets(insides: Enclosure, surfaces: str, names: tuple[str, str]) -> None:

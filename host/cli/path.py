@@ -6,38 +6,34 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import number
 from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
-from triaxis.host.cli.numbers import number
-from triaxis.host.cli.progress import progress_bar
+from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
 from triaxis.host.motion.path_check import NAMES, Effort, NearPose, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
-from triaxis.host.motion.picture import draw_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.report import path_report
 from triaxis.host.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
-from triaxis.host.scene_report import check_written, milliseconds, write_report
+from triaxis.host.scene_report import milliseconds, write_report
 from triaxis.host.stl import read_stl
 
-CLEAR, NEAR = 0, 1
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
 _PLACES = 200
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "path",
-        help="decide whether a tool stays clear of a workpiece along a G-code program",
-        description="Move the tool along the program and find the first pose within the clearance "
-        "(Chebyshev distance) of the workpiece, or prove that there is none: every real position of the path "
-        "is covered, not only samples; being inside the other is near. The program's position is "
-        "where the origin of TOOL.stl is, in the frame of WORK.stl. G-code: G0 G1 G90 G91 G20 "
-        "G21 X Y Z F, and words that do not change where the tool is; anything else is refused. G0 is taken "
-        "for a straight line. Lengths in millimetres.",
-        epilog="Exit codes: 0 clear, 1 near, 2 error or undecided: the verdict is unknown.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Move the tool along the program and find the first pose within the clearance (Chebyshev distance) "
+        "of the workpiece, or prove that there is none: every real position of the path is covered, not "
+        "only samples; being inside the other is near. The program's position is where the origin of "
+        "TOOL.stl is, in the frame of WORK.stl. G-code: G0 G1 G90 G91 G20 G21 X Y Z F, and words that do not "
+        "change where the tool is; anything else is refused. G0 is taken for a straight line. Lengths in "
+        "millimetres."
     )
     parser.add_argument(
         "tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in the tool's frame"
@@ -95,7 +91,6 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Check the path and print what was found."""
-    _forget_results(options)
     _check_options(options)
     start = None if options.start is None else tuple(options.start)
     program = read_program(options.moves, start, options.block_delete)
@@ -111,31 +106,16 @@ def run(options: argparse.Namespace) -> int:
         report = path_report(scene, options.engine, options.surfaces_only, result, profile, profiling)
         write_report(options.json, report)
     if options.picture is not None:
+        # Matplotlib loads for a picture alone.
+        from triaxis.host.motion.picture import draw_path
+
         draw_path(options.picture, scene, result, profile)
     _print_scene(options, scene)
     _print_effort(result)
     _print_verdict(scene, result)
     if result.verdict == "unknown":
         result.insides.refuse_undecided(names)
-    return CLEAR if result.verdict == "clear" else NEAR
-
-
-def _forget_results(options: argparse.Namespace) -> None:
-    """Leave no older verdict, whatever happens now."""
-    inputs = (options.tool, options.work, options.moves)
-    check_written(options.json, inputs)
-    if options.json is not None:
-        write_report(options.json, {"verdict": "unknown"})
-    picture = options.picture
-    if picture is None:
-        return
-    if picture.suffix not in (".png", ".svg"):
-        raise InputError(f"{picture}: must end in .png or .svg")
-    check_written(picture, inputs)
-    try:
-        picture.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"{picture}: cannot remove the older one: {error.strerror}") from error
+    return DONE if result.verdict == "clear" else NO
 
 
 def _check_options(options: argparse.Namespace) -> None:

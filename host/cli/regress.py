@@ -1,6 +1,7 @@
-"""``triaxis regress``: a regression on dvsim, here or on a cluster."""
+"""``triaxis regress``: regressions on dvsim, here or on a cluster; failing pairs made small and kept."""
 
 import argparse
+import sys
 import time
 from pathlib import Path
 
@@ -8,7 +9,17 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from triaxis.golden.errors import InputError
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import natural, positive
+from triaxis.host.cli.terminal import print_list
+from triaxis.sim.configuration import parse_configuration
+from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.verif.core.kept_cases import REGRESSIONS
+from triaxis.verif.counterexample.bare_core import BareCore
+from triaxis.verif.counterexample.explaining import PICTURES, explain
+from triaxis.verif.counterexample.failing import read_failing
 from triaxis.verif.regress.definition import DEFINITION, in_checkout
+from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeeds
 from triaxis.verif.regress.junit import NAME as JUNIT
 from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
@@ -17,38 +28,30 @@ from triaxis.verif.regress.report_page import NAME as REPORT
 from triaxis.verif.regress.results_file import NAME as RESULTS
 from triaxis.verif.regress.run import FOLDER, MOST_SEEDS_MULTIPLIED, Request, regress
 
-PASSED, FAILED = 0, 1
 _SHOWN = 20
 _SECONDS_BETWEEN_LINES = 60.0
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "regress",
-        help="run a regression on dvsim",
-        description="Run a regression of verif/regress/triaxis_sim_cfg.hjson on dvsim: seeds that failed "
-        "before first, then the rest. One that was interrupted or killed is continued by the same command: "
-        "what passed on the same sources and with the same seed is not run again. Writes results.json, "
-        "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are kept "
-        "in build/regress/failing.json until they pass on other sources; smoke replays at most three of each "
-        "kind of failure, nightly all of them.",
-        epilog="Exit codes: 0 passed, 1 failed, 2 error, 130 interrupted.",
+def add_run(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``regress run``."""
+    parser.description = (
+        "Run a regression of verif/regress/triaxis_sim_cfg.hjson on dvsim: seeds that failed before "
+        "first, then the rest. One that was interrupted or killed is continued by the same command: what "
+        "passed on the same sources and with the same seed is not run again. Writes results.json, "
+        "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are "
+        "kept in build/regress/failing.json until they pass on other sources; smoke replays at most three "
+        "of each kind of failure, nightly all of them."
     )
     parser.add_argument(
         "regression", metavar="NAME", nargs="?", default="smoke", help="smoke or nightly (smoke)"
     )
     parser.add_argument("--launcher", choices=LAUNCHERS, default=LOCAL, help="where runs go (local)")
     parser.add_argument(
-        "--seed", type=int,
+        "--seed", type=natural,
         help="what all seeds follow from (1; nightly: the date; continued: that of what is continued)",
     )  # fmt: skip
-    parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time (local: one for each core)")
+    parser.add_argument("--jobs", type=positive, metavar="N", help="runs at a time (local: one a core)")
     parser.add_argument("--fresh", action="store_true", help="start anew, continue nothing")
-    parser.add_argument(
-        "--forget", action="store_true",
-        help="run nothing: forget all seeds that failed before, those found flaky too, and say which",
-    )  # fmt: skip
     parser.add_argument(
         "--seeds-times", type=float, default=1.0, metavar="X",
         help="run X times as many seeds of each test, at least one: 5 for a weekend (1)",
@@ -56,18 +59,18 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--definition", type=Path, default=DEFINITION, metavar="FILE.hjson", help="another file"
     )
+    _add_folder(parser)
+    parser.set_defaults(run=_run)
+
+
+def _add_folder(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--folder", type=Path, default=FOLDER, metavar="DIR",
         help="where all is written; a cluster's nodes must share it (build/regress)",
     )  # fmt: skip
-    parser.set_defaults(run=run)
 
 
 def _request(options: argparse.Namespace) -> Request:
-    if options.seed is not None and options.seed < 0:
-        raise InputError(f"seed {options.seed}: must not be negative")
-    if options.jobs is not None and options.jobs < 1:
-        raise InputError(f"jobs {options.jobs}: must be at least 1")
     if not 0 < options.seeds_times <= MOST_SEEDS_MULTIPLIED:
         raise InputError(
             f"seeds-times {options.seeds_times}: must be above 0, and at most {MOST_SEEDS_MULTIPLIED:.0f}"
@@ -99,25 +102,30 @@ class _Progress:
             self._shown, self._at = done, time.monotonic()
 
 
-def run(options: argparse.Namespace) -> int:
-    """Run the regression and print what came of it."""
+def _run(options: argparse.Namespace) -> int:
     request = _request(options)
-    if options.forget:
-        return _forget(request)
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         outcome = regress(request, lambda line: print(line, flush=True), _Progress(bar, request.regression))
     _print(outcome)
-    return FAILED if outcome.problems else PASSED
+    return NO if outcome.problems else DONE
 
 
-def _forget(request: Request) -> int:
-    forgotten = FailingSeeds(request.failing).forget() if request.failing.exists() else []
+def add_forget(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``regress forget``."""
+    parser.description = "Forget all seeds that failed before, those found flaky too, and say which."
+    _add_folder(parser)
+    parser.set_defaults(run=_forget)
+
+
+def _forget(options: argparse.Namespace) -> int:
+    failing = options.folder.resolve() / FAILING
+    forgotten = FailingSeeds(failing).forget() if failing.exists() else []
     for seed in forgotten:
         print(f"forgotten: {seed.run.test} in {seed.run.config}, seed {seed.run.seed}: {seed.bucket}")
-    print(f"{len(forgotten)} failing seeds forgotten, none is left in {in_checkout(request.failing)}")
-    return PASSED
+    print(f"{len(forgotten)} failing seeds forgotten, none is left in {in_checkout(failing)}")
+    return DONE
 
 
 def _print(outcome: Outcome) -> None:
@@ -129,10 +137,66 @@ def _print(outcome: Outcome) -> None:
         print(f"  log:    {first.log}\n  replay: {first.replay}")
     for seed in outcome.fixed:
         print(f"fixed: {seed.run.test} in {seed.run.config}, seed {seed.run.seed} failed before and passes")
-    for problem in outcome.shortfalls[:_SHOWN]:
-        print(f"PROBLEM {problem}")
-    if len(outcome.shortfalls) > _SHOWN:
-        print(f".. and {len(outcome.shortfalls) - _SHOWN} more: see {RESULTS}")
+    print_list("PROBLEM", outcome.shortfalls, _SHOWN, f"all in {RESULTS}")
     print(f"{'FAILED' if outcome.problems else 'PASSED'}: {outcome.summary}")
     files = ", ".join((RESULTS, REPORT, JUNIT, "coverage.html"))
     print(f"written to {in_checkout(outcome.folder)}: {files}")
+
+
+def add_shrink(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``regress shrink``."""
+    parser.description = (
+        "Look for the smallest pair that still fails in the same way, for each pair of the file that the "
+        "scoreboard left, on the bare core; where a pair fails only after others, for the shortest "
+        "sequence. Each is drawn, and kept so that later runs send it first."
+    )
+    parser.add_argument("failing", type=Path, metavar="FAILING.npz", help="failing_pairs.npz of a run")
+    parser.add_argument(
+        "--config", default="w16_m0", metavar="NAME",
+        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0)",
+    )  # fmt: skip
+    parser.add_argument("--dut", type=Path, default=DUT, metavar="FOLDER", help="folder of the RTL (dut)")
+    parser.add_argument(
+        "--keep", action=argparse.BooleanOptionalAction, default=True,
+        help="keep what is found as regression cases",
+    )  # fmt: skip
+    parser.add_argument(
+        "--store",
+        type=Path,
+        default=REGRESSIONS,
+        metavar="FOLDER",
+        help="where to keep them (verif/core/kept)",
+    )
+    parser.add_argument("--fault", default="", metavar="TEXT", help="what the fault was, for the cases kept")
+    parser.add_argument(
+        "--pictures",
+        type=Path,
+        default=PICTURES,
+        metavar="FOLDER",
+        help="where to draw (build/counterexamples)",
+    )
+    parser.add_argument("--svg", action="store_true", help="draw as SVG instead of PNG")
+    parser.set_defaults(run=_shrink)
+
+
+def _shrink(options: argparse.Namespace) -> int:
+    configuration = parse_configuration(options.config)
+    failing = read_failing(options.failing, configuration)
+    _check_rtl(options.dut)
+    core = BareCore(configuration, options.dut.resolve())
+    store, ending = options.store if options.keep else None, ".svg" if options.svg else ".png"
+    shrunk = 0
+    for number, found in enumerate(explain(core, failing, options.pictures, store, options.fault, ending)):
+        print("\n  ".join([f"pair {number}", *found.lines()]), flush=True)
+        shrunk += found.counterexample is not None
+    if shrunk:
+        return DONE
+    print(f"none of {len(failing)} pairs fails on the bare core {configuration.name}", file=sys.stderr)
+    return NO
+
+
+def _check_rtl(dut: Path) -> None:
+    """Raise InputError unless the folder has the files that make a core."""
+    missing = [source.name for source in rtl_sources(dut) if not source.is_file()]
+    if missing:
+        raise InputError(f"{dut}: no {missing[0]}: must hold the files that dut/core/triaxis.f lists")

@@ -10,7 +10,9 @@ from rich.table import Table
 
 from triaxis.coverage.stages import STAGES, read_figures
 from triaxis.golden.errors import InputError
-from triaxis.host.cli.progress import progress_bar
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import add_seed
+from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.toolchain import verilator
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.regress.history import read_history
@@ -20,23 +22,19 @@ from triaxis.verif.signoff.plan import VOLUME
 from triaxis.verif.signoff.result import Signoff, write
 from triaxis.verif.signoff.run import signoff, step_count
 
-PASSED, FAILED = 0, 1
 # Problems that are printed; the page has all.
 _SHOWN = 30
 
 Evidence = dict[str, Any]
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "signoff",
-        help="simulate, measure, prove, and give a verdict",
-        description="Run every test in every configuration of the core, measure coverage, catch the faults "
-        "of the catalogue, prove, take the stored mutation result, and judge. Writes build/signoff/.",
-        epilog="Exit codes: 0 passed, 1 failed, 2 error.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Run every test in every configuration of the core, measure coverage, catch the faults of the "
+        "catalogue, prove, take the stored mutation result, and judge. Writes build/signoff/."
     )
-    parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
+    add_seed(parser)
     parser.add_argument(
         "--pairs",
         type=int,
@@ -48,8 +46,6 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Run the sign-off, print its summary, and write its files."""
-    if options.seed < 0:
-        raise InputError(f"seed {options.seed}: must not be negative")
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
     nights = read_history()
@@ -59,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     page = write(result, [asdict(night) for night in nights if night.kind == NIGHTLY])
     _print(result)
     print(f"written to {RESULT} and {page}")
-    return PASSED if result.passed else FAILED
+    return DONE if result.passed else NO
 
 
 def _print(result: Signoff) -> None:
@@ -69,10 +65,7 @@ def _print(result: Signoff) -> None:
         _print_simulation(console, simulation)
     console.print(_parts_table(result))
     console.print(_figures_table(result))
-    for problem in result.problems[:_SHOWN]:
-        print(f"PROBLEM {problem}")
-    if len(result.problems) > _SHOWN:
-        print(f"PROBLEM .. and {len(result.problems) - _SHOWN} more, all on the page")
+    print_list("PROBLEM", result.problems, _SHOWN, "all on the page")
     if not result.provenance.git_clean:
         print("the checkout is not clean: what was signed off is in no commit")
     verdict = "PASSED" if result.passed else "FAILED"
@@ -94,43 +87,38 @@ def _print_simulation(console: Console, evidence: Evidence) -> None:
 
 
 def _parts_table(result: Signoff) -> Table:
-    table = Table(title="evidence")
-    for heading in ("part", "", "what", "seconds"):
-        table.add_column(heading, justify="right" if heading == "seconds" else "left")
+    parts = table("evidence", ("part", "", "what", "seconds"), text=3)
     for name, part in result.parts.items():
         found = part.evidence
         state = "absent" if found is None else "passed" if found["passed"] else "FAILED"
         text = part.absent or "" if found is None else found["summary"]
         seconds = "" if found is None or found["seconds"] is None else f"{found['seconds']:.0f}"
-        table.add_row(name.replace("_", " "), state, text, seconds)
-    return table
+        parts.add_row(name.replace("_", " "), state, text, seconds)
+    return parts
 
 
 def _figures_table(result: Signoff) -> Table:
-    table = Table(title="figures and stages")
-    for heading in ("figure", "measured", *STAGES):
-        table.add_column(heading, justify="left" if heading == "figure" else "right")
+    figures = table("figures and stages", ("figure", "measured", *STAGES))
     for figure in read_figures():
         value = result.figures[figure.name]
         met = (
             ("" if stage not in figure.bounds else "met" if figure.is_met(value, stage) else "NOT MET")
             for stage in STAGES
         )
-        table.add_row(figure.meaning, figure.text(value), *met)
-    return table
+        figures.add_row(figure.meaning, figure.text(value), *met)
+    return figures
 
 
 def _runs_table(runs: list[Evidence]) -> Table:
-    table = Table(title="core against bulk checker and golden model")
-    for heading in ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches"):
-        table.add_column(heading, justify="left" if heading == "configuration" else "right")
+    headings = ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches")
+    made = table("core against bulk checker and golden model", headings)
     groups: dict[str, list[Evidence]] = defaultdict(list)
     for run_ in runs:
         groups[run_["config"]].append(run_)
     for config, group in groups.items():
         counts = [run_["counts"] or {} for run_ in group]
         passed = sum(run_["passed"] for run_ in group)
-        table.add_row(
+        made.add_row(
             config,
             f"{passed} of {len(group)} passed",
             *(
@@ -138,24 +126,14 @@ def _runs_table(runs: list[Evidence]) -> Table:
                 for key in ("checked", "clear_claims_rechecked", "failed")
             ),
         )
-    return table
+    return made
 
 
 def _scenes_table(scenes: list[Evidence]) -> Table:
-    table = Table(title="meshes end to end through the RTL")
-    for heading in (
-        "scene",
-        "expected",
-        "found",
-        "golden agrees",
-        "facet pairs",
-        "skipped",
-        "tested",
-        "near",
-    ):
-        table.add_column(heading, justify="left" if heading == "scene" else "right")
+    headings = ("scene", "expected", "found", "golden agrees", "facet pairs", "skipped", "tested", "near")
+    made = table("meshes end to end through the RTL", headings)
     for scene in scenes:
-        table.add_row(
+        made.add_row(
             scene["name"],
             scene["expected"],
             scene["found"],
@@ -163,4 +141,4 @@ def _scenes_table(scenes: list[Evidence]) -> Table:
             "NO" if not scene["agrees"] else "yes" if scene["tested"] else "no pair left",
             *(str(scene[key]) for key in ("pairs", "skipped", "tested", "near")),
         )
-    return table
+    return made

@@ -5,6 +5,8 @@ import sys
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import parse_mesh_configuration
 from triaxis.sim.paths import DUT
@@ -18,30 +20,25 @@ from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run_settings
 from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
 
-PASSED, FAILED = 0, 1
 
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "sim",
-        help="run one test on the simulated core",
-        description="Run one test of the pyuvm environment. Tests of the core: "
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Run one test of the pyuvm environment. Tests of the core: "
         + ", ".join(TESTS)
         + ". Tests of the mesh engine: "
         + ", ".join(MESH_TESTS)
-        + ".",
-        epilog="Exit codes: 0 passed, 1 failed, 2 error.",
+        + "."
     )
     parser.add_argument("test", metavar="TEST", help="name of the test")
-    parser.add_argument("--seed", type=int, default=1, help="what all random choices follow from (1)")
+    add_seed(parser)
     parser.add_argument(
         "--config", default="w16_m0", metavar="NAME",
         help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0); for the mesh engine "
         "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]",
     )  # fmt: skip
     parser.add_argument(
-        "--pairs", type=int, default=2000,
+        "--pairs", type=positive, default=2000,
         help="how many pairs to send; for the mesh engine: to account for at least (2000)",
     )  # fmt: skip
     parser.add_argument(
@@ -58,7 +55,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
     )
     parser.add_argument(
-        "--fault", metavar="NAME", help="break the core by a fault of the catalogue: triaxis faults --list"
+        "--fault", metavar="NAME", help="break the core by a fault of `triaxis prove faults --list`"
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.set_defaults(run=run)
@@ -67,10 +64,6 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 def run(options: argparse.Namespace) -> int:
     """Run the test and print how it went."""
     check_test_name(options.test)
-    if options.pairs < 1:
-        raise InputError(f"pairs {options.pairs}: must be at least 1")
-    if options.seed < 0:
-        raise InputError(f"seed {options.seed}: must not be negative")
     if not 1 <= options.judged <= MOST_SELDOM:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
     if options.soak and options.agent != BURST:
@@ -105,10 +98,10 @@ def run(options: argparse.Namespace) -> int:
             f"the golden model, {result.counts['clear_claims_rechecked']} clear claims re-checked, "
             f"{result.seconds:.1f} s"
         )
-        return PASSED
+        return DONE
     # The last line is the command that repeats the run.
     print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
-    return FAILED
+    return NO
 
 
 def _run_mesh(options: argparse.Namespace) -> int:
@@ -122,11 +115,11 @@ def _run_mesh(options: argparse.Namespace) -> int:
     result = run_and_explain(settings)
     if not result.passed or not result.counts:
         print(result.explain(), file=sys.stderr)
-        return FAILED
+        return NO
     counts = result.counts
     print(
         f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "
         f"{counts['checked']} pairs accounted for, {counts['skipped_with_proof']} of them skipped with a "
         f"proof, {counts['judged_by_golden_model']} judged by the golden model, {result.seconds:.1f} s"
     )
-    return PASSED
+    return DONE

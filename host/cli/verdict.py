@@ -7,18 +7,17 @@ import numpy as np
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
-from triaxis.golden.pairs import check_margin, check_output, check_width, read_pairs, write_verdicts
-from triaxis.host.cli.progress import progress_bar
+from triaxis.golden.pairs import check_margin, check_width, read_pairs, write_verdicts
+from triaxis.host.cli import DONE
+from triaxis.host.cli.terminal import progress_bar
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "verdict",
-        help="decide pairs of triangles from a .npy file",
-        description="Decide pairs of triangles: near(A, B, margin) is true exactly when the Chebyshev "
-        "distance of A and B is at most the margin.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Decide pairs of triangles: near(A, B, margin) is true exactly when the Chebyshev distance of A "
+        "and B is at most the margin."
     )
     parser.add_argument(
         "pairs", type=Path, metavar="PAIRS.npy",
@@ -38,7 +37,6 @@ def run(options: argparse.Namespace) -> int:
     """Decide the pairs and write the verdicts."""
     check_width(options.width)
     check_margin(options.margin, options.width)
-    check_output(options.out, options.pairs)
     pairs = read_pairs(options.pairs, options.width)
     margins = np.full(len(pairs), options.margin, np.int64)
     with progress_bar(f"{options.engine} verdicts", len(pairs)) as progress:
@@ -52,4 +50,4 @@ def run(options: argparse.Namespace) -> int:
     write_verdicts(options.out, verdicts)
     near = int(verdicts["near"].sum())
     print(f"{len(pairs)} pairs: {near} near, {len(pairs) - near} clear")
-    return 0
+    return DONE

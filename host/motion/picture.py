@@ -1,13 +1,10 @@
 """The picture of a path: tool, workpiece and moves in space; the proven clearance along the path."""
 
-import contextlib
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -15,12 +12,12 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from triaxis.golden.errors import InputError
 from triaxis.host.enclosure import State
 from triaxis.host.figure_style import GAP, LARGE, NORMAL, SMALL, A, B
 from triaxis.host.motion.clearance import Clearance, lengths
 from triaxis.host.motion.path_check import NAMES, PathResult
 from triaxis.host.motion.path_scene import PathScene
+from triaxis.host.saved_figure import write_figure
 from triaxis.host.stl import Facets
 
 _INCHES = (13.5, 7.0)
@@ -36,19 +33,7 @@ _TICKS = 8
 
 def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure = figure_of(scene, result, profile)
-        # No date, and fixed names inside: the same path gives the same file.
-        with rc_context({"svg.hashsalt": "triaxis"}):
-            figure.savefig(temporary, dpi=_DPI, metadata={"Date": None} if path.suffix == ".svg" else None)
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    write_figure(figure_of(scene, result, profile), path)
 
 
 def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) -> Figure:

@@ -277,7 +277,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         def board(self, width: int, margin_bits: int, depth: int, group: int, lanes: int) -> DspCount:
             return DspCount(0, 0, blocks(width, margin_bits, EngineShape(depth, group, lanes)))
 
-    monkeypatch.setattr("triaxis.host.cli.advise.DspCounts", Counts)
+    monkeypatch.setattr("triaxis.host.cli.scene.DspCounts", Counts)
     paths = [tmp_path / "tool.stl", tmp_path / "vise.stl"]
     write_stl(paths[0], tool())
     write_stl(paths[1], vise())
@@ -287,7 +287,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_the_command_advises(files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     written = tmp_path / "advice.json"
     words = ["--clearance", "0.5", "--move", "0", "0", "2", "--travel", "z", "-4", "0", "--positions", "2"]
-    assert main(["advise", *files, *words, "--json", str(written)]) == 0
+    assert main(["scene", "advise", *files, *words, "--json", str(written)]) == 0
     said = capsys.readouterr().out
     report = json.loads(written.read_text())
     assert f"ADVICE: W = {report['chosen']}, " in said
@@ -301,9 +301,9 @@ def test_the_command_advises(files: list[str], tmp_path: Path, capsys: pytest.Ca
 
 
 def test_lengths_are_millimetres_whatever_the_unit(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["advise", *files, "--clearance", "0.5"]) == 0
+    assert main(["scene", "advise", *files, "--clearance", "0.5"]) == 0
     once = capsys.readouterr().out.splitlines()[2:]
-    assert main(["advise", *files, "--clearance", "5", "--scale", "10"]) == 0
+    assert main(["scene", "advise", *files, "--clearance", "5", "--scale", "10"]) == 0
     tenfold = capsys.readouterr().out.splitlines()[2:]
     assert once[0].startswith("volume: 200 x 180 x 145 mm; clearance 0.5 mm")
     assert tenfold[0].startswith("volume: 2000 x 1800 x 1450 mm; clearance 5 mm")
@@ -312,7 +312,7 @@ def test_lengths_are_millimetres_whatever_the_unit(files: list[str], capsys: pyt
 
 
 def test_powers_of_two(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["advise", *files, "--clearance", "0.5", "--steps", "binary"]) == 0
+    assert main(["scene", "advise", *files, "--clearance", "0.5", "--steps", "binary"]) == 0
     assert "resolution 2^-" in capsys.readouterr().out
 
 
@@ -323,7 +323,7 @@ def test_the_simulated_engine_keeps_within_the_bounds(
     written = tmp_path / "advice.json"
     words = ["--clearance", "0.5", "--band", "0.009", "--move", "10", "5", "0.25", "--margin-bits", "16"]
     rtl = ["--depth", "64", "--lanes", "8", "--engine", "rtl", "--json", str(written)]
-    assert main(["advise", *files, *words, *rtl]) == 0
+    assert main(["scene", "advise", *files, *words, *rtl]) == 0
     report = json.loads(written.read_text())
     assert report["chosen"] == 16
     measured = next(row["measured"] for row in report["widths"] if row["width"] == 16)
@@ -333,7 +333,7 @@ def test_the_simulated_engine_keeps_within_the_bounds(
 
 
 def test_no_width_fits(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["advise", *files, "--clearance", "0.5", "--band", "0.00001"]) == 1
+    assert main(["scene", "advise", *files, "--clearance", "0.5", "--band", "0.00001"]) == 1
     said = capsys.readouterr().out
     assert "NO WIDTH FITS" in said
     assert "change: accept false alarms up to" in said
@@ -351,8 +351,8 @@ def test_no_width_fits(files: list[str], capsys: pytest.CaptureFixture[str]):
         (["--clearance", "1", "--lanes", "3"], "lanes 3: must be a power of two"),
         (["--clearance", "1", "--lanes", "0"], "lanes 0: must be a power of two"),
         (["--clearance", "1", "--margin-bits", "40"], "margin bits 40: must be 0..32"),
-        (["--clearance", "1", "--dsps", "0"], "dsps 0: must be at least 1"),
-        (["--clearance", "1", "--positions", "0"], "positions 0: must be at least 1"),
+        (["--clearance", "1", "--dsps", "0"], "--dsps: 0: must be at least 1"),
+        (["--clearance", "1", "--positions", "0"], "--positions: 0: must be at least 1"),
         (["--clearance", "1", "--travel", "w", "0", "1"], "--travel w: must be x, y or z"),
         (["--clearance", "1", "--travel", "z", "0", "up"], "--travel z up: not a finite decimal number"),
         (["--clearance", "1", "--volume", *"000011"], "volume: X0 Y0 Z0 must be below"),
@@ -360,7 +360,7 @@ def test_no_width_fits(files: list[str], capsys: pytest.CaptureFixture[str]):
     ],
 )
 def test_bad_options(files: list[str], capsys: pytest.CaptureFixture[str], words: list[str], complaint: str):
-    assert main(["advise", *files, *words]) == 2
+    assert main(["scene", "advise", *files, *words]) == 2
     caught = capsys.readouterr()
     assert complaint in caught.err
     assert caught.err.count("\n") == 1
@@ -368,7 +368,7 @@ def test_bad_options(files: list[str], capsys: pytest.CaptureFixture[str], words
 
 
 def test_a_file_that_is_read_is_not_written_over(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["advise", *files, "--clearance", "1", "--json", files[1]]) == 2
+    assert main(["scene", "advise", *files, "--clearance", "1", "--json", files[1]]) == 2
     assert "is an input file" in capsys.readouterr().err
 
 
@@ -376,7 +376,7 @@ def test_scenes_with_too_many_near_pairs_are_not_measured(
     files: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     monkeypatch.setattr(measuring, "_MOST_PAIRS", 50)
-    assert main(["advise", *files, "--clearance", "0.5"]) == 0
+    assert main(["scene", "advise", *files, "--clearance", "0.5"]) == 0
     assert "not measured on the scene" in capsys.readouterr().out
 
 
@@ -387,7 +387,9 @@ def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert data is not None
     meshes = [str(data / "vmc" / f"{name}.stl") for name in ("carousel", "arm")]
     written = tmp_path / "advice.json"
-    assert main(["advise", *meshes, "--clearance", "1", "--scale", "10", "--json", str(written)]) == 0
+    assert (
+        main(["scene", "advise", *meshes, "--clearance", "1", "--scale", "10", "--json", str(written)]) == 0
+    )
     report = json.loads(written.read_text())
     chosen = next(row for row in report["widths"] if row["width"] == report["chosen"])
     assert chosen["width"] == 14

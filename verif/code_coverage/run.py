@@ -265,6 +265,6 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         "seed": seed,
         "rtl_hash": result.rtl_hash,
         "seconds": round(result.seconds, 1),
-        "command": f"triaxis code-coverage --seed {seed}",
+        "command": f"triaxis coverage code --seed {seed}",
     }
     return write_evidence(path, content)

@@ -5,6 +5,7 @@ also ``context`` (N, C, 2, 3, 3), ``context_margins`` (N, C) and ``context_count
 ``context_counts[n]`` of the C rows were sent before pair n, in that order.
 """
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_archive
+from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import Pairs, check_pairs
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.core.checking import Failure
@@ -28,16 +30,16 @@ def write_failing_pairs(path: Path, failures: Sequence[Failure]) -> None:
     for row, (pairs, margins) in enumerate(contexts):
         context[row, max(counts) - len(margins) :] = pairs
         context_margins[row, max(counts) - len(margins) :] = margins
-    partial = path.with_suffix(".partial.npz")
+    content = io.BytesIO()
     np.savez(
-        partial,
+        content,
         pairs=np.array([failure.pair for failure in failures], np.int64),
         margins=np.array([failure.margin for failure in failures], np.int64),
         context=context,
         context_margins=context_margins,
         context_counts=np.array(counts, np.int64),
     )
-    partial.replace(path)
+    write_whole(path, content.getvalue())
 
 
 def _context(failure: Failure) -> tuple[Integers, Integers]:

@@ -5,10 +5,8 @@ configuration, what was wrong, what the core said, what is right, the fault that
 comes from a hash of what is sent, so that nothing is kept twice, and a changed file is noticed.
 """
 
-import contextlib
 import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +17,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
+from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import VERIF
@@ -78,16 +77,7 @@ def write_case(case: RegressionCase, folder: Path = REGRESSIONS) -> Path:
     if same:
         return same[0]
     path = folder / f"{case.name}.json"
-    temporary = folder / f".{path.name}-{os.getpid()}.tmp"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(case_text(case))
-        temporary.replace(path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
-    return path
+    return write_whole(path, case_text(case))
 
 
 def read_case(path: Path) -> RegressionCase:

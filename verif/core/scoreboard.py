@@ -11,6 +11,7 @@ from typing import Any
 
 from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
 
+from triaxis.golden.outputs import write_whole
 from triaxis.verif.core.checking import Checker
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.core.matching import Matcher
@@ -25,9 +26,7 @@ _WAITING = 4
 
 def write_counts(path: Path, counts: dict[str, Any]) -> None:
     """Write a run's counts, whole or not at all."""
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(counts, indent=2) + "\n")
-    partial.replace(path)
+    write_whole(path, json.dumps(counts, indent=2) + "\n")
 
 
 class _Export(uvm_analysis_export):

@@ -4,23 +4,20 @@ Where an axis is claimed, by the core or by the golden model, the projections on
 near, two nearest points.
 """
 
-import contextlib
-import os
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from triaxis.golden.axes import claims
-from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.solver import NearestPoints
 from triaxis.host.figure_style import LARGE, NORMAL
+from triaxis.host.saved_figure import write_figure
 from triaxis.sim.result import NEAR
 from triaxis.verif.counterexample.axis_view import draw_axis
 from triaxis.verif.counterexample.finding import Counterexample
@@ -30,23 +27,11 @@ from triaxis.verif.counterexample.witness_view import draw_witness, label_witnes
 _INCHES = (13.0, 7.2)
 _DPI = 110
 _LONGEST = 150
-_UNDATED = {"Date": None}
 
 
 def draw(counterexample: Counterexample, path: Path) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
-    figure = _figure(counterexample)
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # No date, and fixed names inside: the same counterexample gives the same file.
-        with rc_context({"svg.hashsalt": "triaxis"}):
-            figure.savefig(temporary, dpi=_DPI, metadata=_UNDATED if path.suffix == ".svg" else None)
-        temporary.replace(path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise InputError(f"{path}: cannot write: {error.strerror or error}") from error
+    write_figure(_figure(counterexample), path)
 
 
 def _figure(counterexample: Counterexample) -> Figure:

@@ -18,7 +18,7 @@ import numpy as np
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import content_hash, library, rtl_hash
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.paths import BUILD, ROOT
@@ -220,7 +220,7 @@ def write_result(outcome: Outcome, folder: Path) -> None:
         "passed": not outcome.problems,
         "problems": outcome.problems,
         **asdict(outcome.identity),
-        "command": f"triaxis exhaustive --grid {size} --seed {outcome.identity.seed}",
+        "command": f"triaxis prove exhaustive --grid {size} --seed {outcome.identity.seed}",
         "verilator": str(verilator()),
         "python": platform.python_version(),
         "seconds": round(outcome.progress.seconds, 1),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.verif.exhaustive.check import ClassResult, Counts, Mismatch
 
 

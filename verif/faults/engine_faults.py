@@ -32,7 +32,7 @@ def try_engine(fault: Fault, dut: Path, seed: int) -> Attempt:
         said = next(iter(result.errors), "no error line")
         test = result.settings.test
         return Attempt(None, f"{test} ended without a verdict on the engine: {said} (log: {result.log})")
-    replay = f".venv/bin/triaxis faults --fault {fault.name} --seed {seed}"
+    replay = f".venv/bin/triaxis prove faults --fault {fault.name} --seed {seed}"
     return Attempt(
         Catch(
             result.settings.test,

@@ -51,7 +51,7 @@ def replay_file(pairs: Pairs, folder: Path) -> None:
 
 
 def shrink_context(pairs: Pairs, folder: Path) -> None:
-    """Read the pairs as ``triaxis shrink`` does what came before a failing pair."""
+    """Read the pairs as ``triaxis regress shrink`` does what came before a failing pair."""
     read_failing(_archive(np.zeros_like(pairs), folder, pairs), _CORE)
 
 
@@ -74,7 +74,7 @@ def wrapper_normals(pairs: Pairs, _: Path) -> None:
 ENTRANCES: dict[str, Callable[[Pairs, Path], None]] = {
     "pairs of `triaxis verdict`": verdict_file,
     "pairs of ReplayTest": replay_file,
-    "context of `triaxis shrink`": shrink_context,
+    "context of `triaxis regress shrink`": shrink_context,
     "mesh of `triaxis check`": mesh,
     "pairs of the wrapper": wrapper,
     "normals of the wrapper": wrapper_normals,

@@ -150,7 +150,7 @@ def write_json(result: FaultsResult, path: Path | None = None) -> Path:
         "passed": result.passed,
         "problems": result.problems,
         "summary": result.summary,
-        "command": f"triaxis faults --seed {result.seed}{' --all' if result.further else ''}",
+        "command": f"triaxis prove faults --seed {result.seed}{' --all' if result.further else ''}",
         "seconds": round(result.seconds, 1),
         "seed": result.seed,
         "control": {"passed": not result.control, "problems": result.control},

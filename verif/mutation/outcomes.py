@@ -5,11 +5,11 @@ So a run after an unrelated change is quick.
 
 import hashlib
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.verif.mutation.folder import FOLDER
 from triaxis.verif.mutation.killers import killers_hash
@@ -70,10 +70,7 @@ class Store:
         """Write all to build/, unless what it depends on has changed since; remove files of long ago."""
         if self._state_now() != self._state:
             return
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        partial = self._path.with_name(f".{self._path.name}-{os.getpid()}.partial")
-        partial.write_text(json.dumps(self._known))
-        partial.replace(self._path)
+        write_whole(self._path, json.dumps(self._known))
         others = {path: path.stat().st_mtime for path in FOLDER.glob("outcomes-*.json") if path != self._path}
         for path in sorted(others, key=lambda path: -others[path])[_EARLIER:]:
             path.unlink(missing_ok=True)

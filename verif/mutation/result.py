@@ -6,8 +6,6 @@ mutants again while the RTL is the same.
 """
 
 import json
-import os
-import shutil
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -15,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence, write_evidence
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
@@ -204,19 +203,14 @@ def store_result(result: MutationResult, path: Path = STORED) -> Path:
     """
     if not result.passed:
         raise ValueError("only a run without problems is stored")
-    content = {**_content(result, "triaxis mutate"), "seconds": None}
+    content = {**_content(result, "triaxis prove mutate"), "seconds": None}
     for mutant in content["mutants"]:
         del mutant["seconds"]
     content["mutants"].sort(key=lambda mutant: mutant["id"])
     # One mutant a line: a change of one is a change of one line.
     mutants = ",\n".join(json.dumps(mutant, sort_keys=True) for mutant in content.pop("mutants"))
     head = json.dumps(content, indent=1, sort_keys=True)
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    partial = FOLDER / f".{path.name}-{os.getpid()}.partial"
-    partial.write_text(head[: head.rindex("}")].rstrip() + f',\n "mutants": [\n{mutants}\n]}}\n')
-    # A rename, unless build/ is on another disk.
-    shutil.move(partial, path)
-    return path
+    return write_whole(path, head[: head.rindex("}")].rstrip() + f',\n "mutants": [\n{mutants}\n]}}\n')
 
 
 def stored_result(evidence: Path = EVIDENCE, stored: Path = STORED) -> dict[str, Any] | None:

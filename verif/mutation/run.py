@@ -73,7 +73,7 @@ def _survivor(fate: Fate) -> str:
     what = "survives" if fate.fate == SURVIVING else "is in no target's elaborated code"
     return (
         f"{fate.id} {what}: {fate.place}: {fate.original} -> {fate.changed} "
-        f"(replay: triaxis mutate --mutant {fate.id})"
+        f"(replay: triaxis prove mutate --mutant {fate.id})"
     )
 
 

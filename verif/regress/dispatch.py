@@ -8,14 +8,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
 from triaxis.sim.provenance import provenance
 from triaxis.verif.regress.definition import Definition
@@ -164,20 +163,6 @@ def _end(process: "subprocess.Popen[bytes]", launcher: Launcher) -> None:
     process.wait()
     if interrupted or process.returncode < 0:
         launcher.end_jobs()
-
-
-@contextmanager
-def terminated_as_interrupted() -> Iterator[None]:
-    """Treat a SIGTERM as Ctrl-C while the block runs: both end the children."""
-
-    def interrupt(_signal: int, _frame: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def last_error(log: Path) -> str:

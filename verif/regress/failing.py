@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.file_lock import locked
 from triaxis.verif.regress.buckets import bucket_of
 from triaxis.verif.regress.planned_run import PlannedRun, from_dict
 from triaxis.verif.regress.run_record import RunRecord
 
+NAME = "failing.json"
 _FEW = 3
 
 

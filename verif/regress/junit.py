@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.verif.regress.buckets import bucket_of
 from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.run_record import RunRecord

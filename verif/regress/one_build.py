@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import parse_mesh_configuration
 from triaxis.verif.testbench.settings import BURST, PIN

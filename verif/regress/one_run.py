@@ -20,7 +20,7 @@ from triaxis.verif.regress.planned_run import PlannedRun, add_options
 from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
 from triaxis.verif.testbench.simulation import RunResult
 
-# Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress`.
+# Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
 ANY = "any"
 # Tests send whole groups: some pairs less than they were asked for.
 _MOST_OF = 0.9

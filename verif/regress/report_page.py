@@ -6,7 +6,7 @@ from pathlib import Path
 
 from triaxis.coverage.html import Marked, code, folded, mark, page, table
 from triaxis.coverage.report import percent
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.provenance import provenance
 from triaxis.sim.toolchain import verilator
 from triaxis.verif.regress.buckets import Bucket

@@ -18,8 +18,8 @@ from triaxis.verif.regress.dispatch import (
     check_dvsim,
     last_error,
     run_pass,
-    terminated_as_interrupted,
 )
+from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
 from triaxis.verif.regress.history import HISTORY, append_record
 from triaxis.verif.regress.identity import identity
@@ -66,7 +66,7 @@ class Request:
     @property
     def failing(self) -> Path:
         """Return the file of the seeds that failed, which all regressions of the folder share."""
-        return self.folder / "failing.json"
+        return self.folder / FAILING
 
     @property
     def is_whole_nightly(self) -> bool:
@@ -76,7 +76,7 @@ class Request:
 
     def command(self, seed: int) -> str:
         """Return the command that asks for the same."""
-        words = ["triaxis", "regress", self.regression, "--seed", str(seed)]
+        words = ["triaxis", "regress", "run", self.regression, "--seed", str(seed)]
         words += ["--launcher", self.launcher] if self.launcher != LOCAL else []
         words += ["--seeds-times", str(self.multiplier)] if self.multiplier != 1 else []
         words += ["--definition", in_checkout(self.definition)] if self.definition != DEFINITION else []
@@ -98,7 +98,7 @@ def regress(request: Request, say: Callable[[str], None], watch: Watch) -> Outco
     # First, so that what cannot be run leaves nothing behind.
     regression = _Regression(request, folder, say, watch)
     busy = f"{folder}: a regression is running there: wait for its end, or use another --folder"
-    with locked(request.folder / f"{request.regression}.lock", busy), terminated_as_interrupted():
+    with locked(request.folder / f"{request.regression}.lock", busy):
         return regression.run()
 
 

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.verif.regress.planned_run import PlannedRun, from_dict
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A Slurm of one node, this machine, to try `triaxis regress --launcher slurm` on.
+# A Slurm of one node, this machine, to try `triaxis regress run --launcher slurm` on.
 #
 #   verif/regress/slurm_node.sh start|stop|status
 #

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
 from triaxis.verif.regress.definition import Item
 

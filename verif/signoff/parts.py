@@ -60,7 +60,7 @@ def exhaustive_part(seed: int) -> Evidence:
         "passed": not outcome.problems,
         "problems": outcome.problems,
         "summary": f"{outcome.grid.ordered_pairs:,} ordered pairs, all those on a grid of {GRID}",
-        "command": f"triaxis exhaustive --grid {GRID} --seed {seed}",
+        "command": f"triaxis prove exhaustive --grid {GRID} --seed {seed}",
         "seconds": round(outcome.progress.seconds, 1),
         "rtl_hash": identity.rtl,
     }
@@ -74,7 +74,7 @@ def faults_part(seed: int, progress: Progress) -> Evidence | None:
 def proofs_part(progress: Progress) -> Evidence | None:
     """Prove everything."""
     result = formal.prove_all(progress, folder=FOLDER / "formal")
-    return read_evidence(formal.write_result(result, "triaxis formal"))
+    return read_evidence(formal.write_result(result, "triaxis prove formal"))
 
 
 def mutation_part() -> Evidence | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.coverage.stages import Judgement, judge, read_figures
-from triaxis.golden.whole_files import write_whole
+from triaxis.golden.outputs import write_whole
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.provenance import Provenance, provenance
 from triaxis.verif.signoff.figures import Value, figures

@@ -32,7 +32,7 @@ def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | N
         "passed": met == len(points) and not problems,
         "problems": problems,
         "summary": f"{met} of {len(points)} testpoints are met",
-        "command": "triaxis testplan",
+        "command": "triaxis coverage plan",
         "seconds": round(time.monotonic() - start, 1),
         "rtl_hash": provenance().rtl_hash,
         "testpoints": points,

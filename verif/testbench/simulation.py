@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
+from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import burst_simulation, mesh_library, simulation
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT
@@ -122,7 +124,9 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
     replay = read_input(Path(settings.replay)) if settings.replay else None
     shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    if folder.exists():
+        raise InputError(f"{folder}: cannot empty this folder: remove it, or make it writable")
+    make_folder(folder)
     if replay is not None:
         kept = folder / "replayed_pairs.npz"
         kept.write_bytes(replay)

@@ -236,7 +236,7 @@ def test_the_result_is_written(
 
 @pytest.mark.parametrize("option", ["--seed=-1", "--pairs=0"])
 def test_bad_options_are_refused(option: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["code-coverage", option]) == 2
+    assert main(["coverage", "code", option]) == 2
     assert "must" in capsys.readouterr().err
 
 
@@ -249,9 +249,9 @@ def test_the_exit_code_says_whether_all_is_covered(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     result = coverage(covered() if passed else replace(covered(), uncovered=[hole()] * 50))
-    monkeypatch.setattr("triaxis.host.cli.code_coverage.measure", lambda *_, **__: result)
-    monkeypatch.setattr("triaxis.host.cli.code_coverage.write_json", lambda *_: tmp_path / "code.json")
-    assert main(["code-coverage"]) == code
+    monkeypatch.setattr("triaxis.host.cli.coverage.measure", lambda *_, **__: result)
+    monkeypatch.setattr("triaxis.host.cli.coverage.write_json", lambda *_: tmp_path / "code.json")
+    assert main(["coverage", "code"]) == code
     said = capsys.readouterr().out
     assert ("PASSED" in said) is passed
     assert passed or ("a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0" in said and "10 more" in said)

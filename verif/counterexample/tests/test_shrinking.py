@@ -314,25 +314,27 @@ def test_command(broken, missed, tmp_path, rng):
     failing = recorded(tmp_path / "failing.npz", missed, rng)
     store, pictures = tmp_path / "store", tmp_path / "pictures"
     common = ("--config", CONFIGURATION.name, "--dut", broken, "--pictures", pictures)
-    out, _ = triaxis("shrink", failing, *common, "--store", store, "--fault", "two faults", status=0)
+    out, _ = triaxis(
+        "regress", "shrink", failing, *common, "--store", store, "--fault", "two faults", status=0
+    )
     assert f"before: margin 0, {missed.tolist()}" in out
     assert "says clear where the pair is near" in out
     assert "; then margin 0" in out
     assert len(list(pictures.glob("*.png"))) == len(read_cases(store)) == 2
     assert {case.found["fault"] for case in read_cases(store)} == {"two faults"}
 
-    again, _ = triaxis("shrink", failing, *common, "--no-keep", status=0)
+    again, _ = triaxis("regress", "shrink", failing, *common, "--no-keep", status=0)
     assert "kept:" not in again
     assert again == "".join(line for line in out.splitlines(True) if "kept:" not in line)
 
     far = archive(tmp_path / "far.npz", FAR[None], NO_MARGIN)
-    out, error = triaxis("shrink", far, *common, "--no-keep", status=1)
+    out, error = triaxis("regress", "shrink", far, *common, "--no-keep", status=1)
     assert "does not fail on the bare core" in out
     assert "none of 1 pairs fails on the bare core w8_m8" in error
 
-    _, error = triaxis("shrink", tmp_path / "no.npz", *common, status=2)
+    _, error = triaxis("regress", "shrink", tmp_path / "no.npz", *common, status=2)
     assert "cannot read" in error
-    _, error = triaxis("shrink", failing, *common[:2], "--dut", tmp_path, status=2)
+    _, error = triaxis("regress", "shrink", failing, *common[:2], "--dut", tmp_path, status=2)
     assert "no triaxis_pkg.sv" in error
 
 

@@ -14,7 +14,7 @@ from triaxis.golden.claim_check import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.cli import exhaustive, main
+from triaxis.host.cli import main, prove
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.result import NEAR
 from triaxis.verif.core.expectation import expected_words
@@ -277,11 +277,11 @@ class Broken(RtlEngine):
 
 def test_a_failing_run_says_what_failed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(run, "RtlEngine", Broken)
-    monkeypatch.setattr(exhaustive, "WORKERS", 1)
-    monkeypatch.setattr(exhaustive, "FOLDER", tmp_path)
+    monkeypatch.setattr(prove, "WORKERS", 1)
+    monkeypatch.setattr(prove, "FOLDER", tmp_path)
     run._checker.cache_clear()
     try:
-        assert main(["exhaustive", "--grid", "2"]) == 1
+        assert main(["prove", "exhaustive", "--grid", "2"]) == 1
     finally:
         run._checker.cache_clear()
     output, errors = capsys.readouterr()
@@ -311,12 +311,12 @@ def test_a_run_with_many_mismatches_stops(tmp_path, monkeypatch):
 
 
 def test_the_command_passes_and_refuses(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(exhaustive, "FOLDER", tmp_path)
-    assert main(["exhaustive", "--grid", "2", "--seed", "3"]) == 0
+    monkeypatch.setattr(prove, "FOLDER", tmp_path)
+    assert main(["prove", "exhaustive", "--grid", "2", "--seed", "3"]) == 0
     output = capsys.readouterr().out
     assert "passed: 2^18 = 262144 ordered pairs" in output
     assert "margin 0: 197240 of 262144 ordered pairs are near" in output
-    assert main(["exhaustive", "--grid", "7"]) == 2
+    assert main(["prove", "exhaustive", "--grid", "7"]) == 2
     assert "grid 7: must be 2..6" in capsys.readouterr().err
-    assert main(["exhaustive", "--seed", "-1"]) == 2
-    assert "seed -1" in capsys.readouterr().err
+    assert main(["prove", "exhaustive", "--seed", "-1"]) == 2
+    assert "--seed: -1: must not be negative" in capsys.readouterr().err

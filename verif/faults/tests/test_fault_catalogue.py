@@ -12,8 +12,8 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.cli import faults as command
 from triaxis.host.cli import main
+from triaxis.host.cli import prove as command
 from triaxis.sim.build import rtl_files
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.detector import WIDTH, detect
@@ -472,16 +472,16 @@ def test_evidence_is_of_whole_runs_only(tmp_path):
 
 
 def test_command_line(seed, capsys, monkeypatch):
-    assert main(["faults", "--list"]) == 0
+    assert main(["prove", "faults", "--list"]) == 0
     listed = capsys.readouterr().out
     assert all(name in listed for name in fault_names())
-    assert main(["faults", "--fault", "F1", "--list"]) == 0
+    assert main(["prove", "faults", "--fault", "F1", "--list"]) == 0
     listed = capsys.readouterr().out
     assert "F1-plane" in listed
     assert "F2" not in listed
     for wrong in (["--fault", "F11"], ["--all", "--fault", "F1"], ["--seed", "-1"]):
-        assert main(["faults", *wrong]) == 2
-    assert main(["faults", "--fault", "F9", "--seed", str(seed)]) == 0
+        assert main(["prove", "faults", *wrong]) == 2
+    assert main(["prove", "faults", "--fault", "F9", "--seed", str(seed)]) == 0
     out = capsys.readouterr().out
     assert "PASSED: 1 of 1 faults caught" in out
     assert "written to" not in out
@@ -490,7 +490,7 @@ def test_command_line(seed, capsys, monkeypatch):
         return FaultsResult([Outcome(fault_of("F2"), 1, 0.0, None, reason="all pass")], [], False, 1, 0.0)
 
     monkeypatch.setattr(command, "catch_all", not_caught)
-    assert main(["faults", "--fault", "F2"]) == 1
+    assert main(["prove", "faults", "--fault", "F2"]) == 1
     assert "PROBLEM F2 (coplanarity) is not caught: all pass" in capsys.readouterr().out
 
 

@@ -68,12 +68,12 @@ def test_tests_and_configurations_must_fit():
 
 def test_command(capsys):
     parser = argparse.ArgumentParser()
-    sim.add_parser(parser.add_subparsers())
-    asked = ["sim", "MeshGapsTest", "--config", SQUARE, "--agent", "burst", "--pairs", "10"]
-    assert sim.run(parser.parse_args(asked)) == sim.PASSED
+    sim.add_arguments(parser)
+    asked = ["MeshGapsTest", "--config", SQUARE, "--agent", "burst", "--pairs", "10"]
+    assert sim.run(parser.parse_args(asked)) == 0
     assert "skipped with a proof" in capsys.readouterr().out
     for more in (["--soak"], ["--fault", "F1-box"]):
         with pytest.raises(InputError, match="go with tests of the core"):
             sim.run(parser.parse_args([*asked, *more]))
     with pytest.raises(InputError, match="must read"):
-        sim.run(parser.parse_args(["sim", "MeshGapsTest", "--config", "mesh_w16"]))
+        sim.run(parser.parse_args(["MeshGapsTest", "--config", "mesh_w16"]))

@@ -143,7 +143,7 @@ def test_a_mutant_is_killed_and_a_weakened_stimulus_leaves_it(tmp_path, seed, mo
     )
     found = run(tmp_path, lost, seed)
     assert found.fates[0].fate == SURVIVING
-    assert f"triaxis mutate --mutant {lost.id}" in found.problems[0]
+    assert f"triaxis prove mutate --mutant {lost.id}" in found.problems[0]
 
 
 def test_an_engine_that_breaks_its_contract_is_no_original(tmp_path, seed):

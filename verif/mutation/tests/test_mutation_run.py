@@ -1,6 +1,5 @@
 """Runs over a few mutants: a weak stimulus leaves survivors, a list of equivalents is not believed."""
 
-import argparse
 import json
 import os
 import signal
@@ -13,7 +12,7 @@ import pytest
 
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import mutate as command
+from triaxis.host.cli import main
 from triaxis.sim import programs
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys
@@ -121,7 +120,7 @@ def test_a_weakened_stimulus_leaves_a_survivor_and_fails(tmp_path, touching, see
     assert not found.passed
     assert found.fates[0].fate == SURVIVING
     assert touching.place in found.problems[0]
-    assert f"triaxis mutate --mutant {touching.id}" in found.problems[0]
+    assert f"triaxis prove mutate --mutant {touching.id}" in found.problems[0]
 
 
 def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed, monkeypatch):
@@ -369,14 +368,11 @@ def test_few_files_of_outcomes_are_kept_and_none_of_a_state_that_changed(tmp_pat
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--seed", "-1"], "seed -1"),
-        (["--jobs", "0"], "jobs 0"),
+        (["--seed", "-1"], "--seed: -1: must not be negative"),
+        (["--jobs", "0"], "--jobs: 0: must be at least 1"),
         (["--mutant", "nothing/at/all"], "no such mutant"),
     ],
 )
-def test_the_command_refuses_what_it_cannot_do(arguments, message):
-    parser = argparse.ArgumentParser()
-    command.add_parser(parser.add_subparsers())
-    options = parser.parse_args(["mutate", *arguments])
-    with pytest.raises(InputError, match=message):
-        options.run(options)
+def test_the_command_refuses_what_it_cannot_do(arguments, message, capsys):
+    assert main(["prove", "mutate", *arguments]) == 2
+    assert message in capsys.readouterr().err

@@ -50,7 +50,17 @@ def write_definition(folder, **changes):
 
 def command(folder, name, *options, definition="small.hjson"):
     """Return the command line of a small regression whose files are all in ``folder``."""
-    words = [TRIAXIS, "regress", name, "--definition", folder / definition, "--folder", folder, *options]
+    words = [
+        TRIAXIS,
+        "regress",
+        "run",
+        name,
+        "--definition",
+        folder / definition,
+        "--folder",
+        folder,
+        *options,
+    ]
     return [str(word) for word in words]
 
 

@@ -36,7 +36,7 @@ def outcome(folder: Path = Path(), **changes) -> Outcome:
     goals = Regression("nightly", ("MixedTest_w16_m0",), None, 2000, True)
     state = State("nightly", 7, 1.0, "sources", (10.0,))
     good = Outcome(
-        goals, state, folder, "triaxis regress nightly", "local", (RUN,), (PASSED,), (), (), 0,
+        goals, state, folder, "triaxis regress run nightly", "local", (RUN,), (PASSED,), (), (), 0,
         (ModelReport("core_w16_m0", (ITEM,)),), 4.0,
     )  # fmt: skip
     return replace(good, **changes)

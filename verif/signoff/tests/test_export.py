@@ -1,4 +1,4 @@
-"""`triaxis export` writes what is stored, and refuses what is absent, of another RTL, or not whole."""
+"""`triaxis coverage export` writes what is stored, and refuses what is absent, of another RTL, not whole."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import export
+from triaxis.host.cli import coverage
 
 HERE = "1234567890abcdef"
 MODELS = [core_model(16, 0), core_model(13, 4), core_model(16, 0, False, False)]
@@ -32,8 +32,8 @@ class Checkout:
     def export(self, *arguments: str) -> str:
         """Run the command; return what it prints."""
         parser = argparse.ArgumentParser()
-        export.add_parser(parser.add_subparsers())
-        options = parser.parse_args(["export", *arguments])
+        coverage.add_export(parser)
+        options = parser.parse_args(arguments)
         assert options.run(options) == 0
         return self.said.readouterr().out
 
@@ -73,18 +73,18 @@ def checkout(
     saved(tmp_path / "signoff" / "coverage.json", rng)
     write_counters(tmp_path / "w16_m0.dat", source, {FIRST: range(len(BINS)), SECOND: range(len(BINS))})
     write_counters(tmp_path / "w8_m8.dat", source, {FIRST: range(len(BINS))})
-    code = {"rtl_hash": HERE, "passed": True, "command": "triaxis code-coverage", "runs": []}
+    code = {"rtl_hash": HERE, "passed": True, "command": "triaxis coverage code", "runs": []}
     (tmp_path / "code.json").write_text(json.dumps(code))
     found = Checkout(tmp_path, capsys)
     found.change("code.json", runs=[{"model": "w16_m0"}, {"model": "w8_m8"}])
-    monkeypatch.setattr(export, "rtl_hash", lambda: HERE)
-    monkeypatch.setattr(export, "ROOT", tmp_path)
-    monkeypatch.setattr(export, "COUNTERS", tmp_path)
-    monkeypatch.setattr(export, "RESULT", tmp_path / "code.json")
-    monkeypatch.setattr(export, "LCOV", tmp_path / "triaxis.info")
-    monkeypatch.setattr(export, "UCIS", tmp_path / "triaxis.ucis.xml")
+    monkeypatch.setattr(coverage, "rtl_hash", lambda: HERE)
+    monkeypatch.setattr(coverage, "ROOT", tmp_path)
+    monkeypatch.setattr(coverage, "COUNTERS", tmp_path)
+    monkeypatch.setattr(coverage, "RESULT", tmp_path / "code.json")
+    monkeypatch.setattr(coverage, "LCOV", tmp_path / "triaxis.info")
+    monkeypatch.setattr(coverage, "UCIS", tmp_path / "triaxis.ucis.xml")
     # The default of the option is that of the definition.
-    monkeypatch.setattr(export, "COVERAGE", tmp_path / "signoff" / "coverage.json")
+    monkeypatch.setattr(coverage, "COVERAGE", tmp_path / "signoff" / "coverage.json")
     return found
 
 
@@ -106,7 +106,7 @@ def test_both_are_written(checkout: Checkout) -> None:
     records = [(r.get("logicalName"), r.get("testStatus"), r.get("cmd")) for r in root.iter("historyNodes")]
     assert records == [
         ("sign-off", "false", "triaxis signoff"),
-        ("code coverage", "true", "triaxis code-coverage"),
+        ("code coverage", "true", "triaxis coverage code"),
     ]
 
 
@@ -150,7 +150,7 @@ def damage(path: Path) -> None:
     [
         (
             lambda c: (c.folder / "code.json").unlink(),
-            r"code\.json: no such file: run `triaxis code-coverage`",
+            r"code\.json: no such file: run `triaxis coverage code`",
         ),
         (lambda c: (c.folder / "code.json").write_text("{"), r"code\.json: not readable"),
         (lambda c: c.change("code.json", command=None), r"code\.json: does not say"),

@@ -1,6 +1,5 @@
 """The project's own testplan is complete, and what is taken out of it, or put beside it, is named."""
 
-import argparse
 import re
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from triaxis.coverage.report import report
 from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
 from triaxis.golden.errors import InputError
-from triaxis.host.cli.testplan import CLEAN, REFUSED, run
+from triaxis.host.cli import main
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
@@ -123,9 +122,9 @@ def test_what_cannot_be_named_is_refused(tmp_path: Path, text: str, said: str):
 
 
 def test_command(tmp_path, capsys):
-    assert run(argparse.Namespace(plan=TESTPLAN)) == CLEAN
+    assert main(["coverage", "plan"]) == 0
     assert "lattice_near_misses" in capsys.readouterr().out
     broken = tmp_path / "plan.hjson"
     broken.write_text(TEXT.replace('"RegressionsTest"', '"MixedTest"'))
-    assert run(argparse.Namespace(plan=broken)) == REFUSED
+    assert main(["coverage", "plan", str(broken)]) == 1
     assert "test RegressionsTest: no testpoint owns it" in capsys.readouterr().out

