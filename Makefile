@@ -62,7 +62,7 @@ $(VENV)/.ready-peers: requirements-peers.lock $(READY)
 signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
-regress: $(READY) $(DVSIM) ## every test and every configuration at least once, on dvsim: minutes
+regress: $(READY) $(DVSIM) $(YOSYS) ## every test and every configuration at least once, on dvsim: minutes
 	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
 	@$(BIN)/pytest -n 2 -m regress
 

@@ -275,7 +275,7 @@ def cocotb_build(
         try:
             runner.build(
                 sources=list(sources),
-                includes=[dut],
+                includes=[dut / "core"],
                 hdl_toplevel=top,
                 parameters=dict(parameters),
                 build_dir=partial,

@@ -197,6 +197,6 @@ def _shrink(options: argparse.Namespace) -> int:
 
 def _check_rtl(dut: Path) -> None:
     """Raise InputError unless the folder has the files that make a core."""
-    missing = [source.name for source in rtl_sources(dut) if not source.is_file()]
+    missing = [source.name for source in rtl_sources() if not (dut / source.relative_to(DUT)).is_file()]
     if missing:
         raise InputError(f"{dut}: no {missing[0]}: must hold the files that dut/core/triaxis.f lists")

@@ -68,7 +68,7 @@ def test_the_same_is_kept_once(tmp_path, some):
 
 def test_nothing_is_left_where_it_cannot_be_written(tmp_path, some, monkeypatch):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot write"):
+    with pytest.raises(InputError, match="cannot make this folder"):
         write_case(some, tmp_path / "file")
     monkeypatch.setattr("pathlib.Path.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
     with pytest.raises(InputError, match="disk full"):
