@@ -19,7 +19,7 @@ Codes = npt.NDArray[np.uint8]
 
 # The axes before the 18 edge x box axes.
 SPACE_AXES = 14
-# The result word, see README: bit 0 near; 1..3 flags; 12..8 the claim; others 0.
+# The result word, see docs/interface.md: bit 0 near; 1..3 flags; 12..8 the claim; others 0.
 _CLAIM_SHIFT, _CLAIM_BITS, _FLAG_SHIFT, _RESERVED = 8, 0x1F, 1, 0xE0F0
 
 
@@ -84,8 +84,8 @@ class CoreSample:
     """N checked pairs in the order in which the core took them, all arrays of shape (N,).
 
     ``facts``: what the bulk checker says, over all 32 axes. ``margins``: in LSB. ``words``: TDATA of the
-    results, bits as README lists them. ``waits_in``, ``waits_out``: clocks that a pair was offered to
-    the core before it was taken, and a result by it; any integer type, narrow ones are faster. They may
+    results, bits as docs/interface.md lists them. ``waits_in``, ``waits_out``: clocks that a pair was offered
+    to the core before it was taken, and a result by it; any integer type, narrow ones are faster. They may
     saturate, at 8 or more.
     """
 

@@ -1,4 +1,4 @@
-"""The 32 axes by number, from their definition (DESIGN, section 2.1), and claims made with them.
+"""The 32 axes by number, from their definition (docs/theory.md, section 2), and claims made with them.
 
 0..2 box x, y, z; 3 normal of A; 4 normal of B; 5+3i+j edge i of A x edge j of B; 14+3i+k edge i of
 A x coordinate k; 23+3j+k edge j of B x coordinate k. Edge i runs from vertex i to the next.

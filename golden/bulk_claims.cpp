@@ -183,7 +183,7 @@ class Examination {
   }
 
   // The cross products of an edge of each, which begin at A_i and B_j. Relative to A_i, A lies between 0
-  // and -N_A.f_j, and B between D and D + N_B.e_i, with D = c.(B_j - A_i); see DESIGN, section 2.2.
+  // and -N_A.f_j, and B between D and D + N_B.e_i, with D = c.(B_j - A_i); see docs/theory.md, section 4.
   template <bool kMargin>
   void ByEdges(const Reals (&on_a)[3], const Reals (&on_b)[3]) {
     Reals low_a[3], high_a[3];

@@ -9,7 +9,7 @@ A solution is a pair of nearest points. Its dual is
 
     max d   where  c.A_i - c.B_j >= d for all vertices A_i, B_j,  |c|1 <= 1,
 
-whose solution is a separating axis. Both optima are the distance (DESIGN, section 5).
+whose solution is a separating axis. Both optima are the distance (docs/theory.md, section 8).
 """
 
 from dataclasses import dataclass

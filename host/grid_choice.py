@@ -1,7 +1,7 @@
 """Choosing a grid: the finest resolution with which a volume fits a width, and the false alarms it costs.
 
-The band (DESIGN, section 1). Let each coordinate of the two meshes together be off by at most ``reading``
-before rounding, and by r/2 each by rounding. Then near(Aq, Bq, m) implies
+The band (docs/theory.md, section 6). Let each coordinate of the two meshes together be off by at most
+``reading`` before rounding, and by r/2 each by rounding. Then near(Aq, Bq, m) implies
 
     distance(A, B) <= m r + r + reading,
 

@@ -6,7 +6,7 @@ A grid has a resolution r and an offset o. A coordinate x becomes q = round((x -
 
 Each point of a triangle therefore moves by at most r/2 in the Chebyshev distance, and two triangles
 approach or part by at most r. Hence a clearance c is never missed with the margin
-ceil(c / r) + 1 (DESIGN, section 1).
+ceil(c / r) + 1 (docs/theory.md, section 6).
 """
 
 from collections.abc import Sequence

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The Verilated board (nexys4ddr_top) behind a C interface: a serial line at each side, pins, a
-// clock. Built as a shared library; see simulated_top.py. One clock is one period of the board's
+// clock. Built as a shared library; see simulated_board.py. One clock is one period of the board's
 // 100 MHz oscillator. Boards are independent of each other.
 //
 //   Board* board_new()                      powered up and out of reset, the line idle

@@ -186,7 +186,7 @@ def _library(
 
 
 def library(configuration: Configuration, dut: Path = DUT) -> Path:
-    """Return the shared library of the core in that configuration; see engine.py.
+    """Return the shared library of the core in that configuration; see core_engine.py.
 
     ``dut`` may be another folder of RTL with the same files: mutants and faults.
     """
@@ -202,7 +202,7 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
 
 
 def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
-    """Return the shared library of the mesh engine; see mesh/engine.py. ``dut``: as `library`."""
+    """Return the shared library of the mesh engine; see mesh_engine.py. ``dut``: as `library`."""
     defines = [
         f"-DWIDTH={configuration.width}",
         f"-DMARGIN_BITS={configuration.margin_bits}",
@@ -215,7 +215,7 @@ def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
 
 
 def board_library(parameters: BoardParameters, rtl: Path = DUT / "board") -> Path:
-    """Return the shared library of the whole board; see board/simulated_top.py.
+    """Return the shared library of the whole board; see simulated_board.py.
 
     ``rtl``: another folder with the board's files.
     """
@@ -226,7 +226,7 @@ def board_library(parameters: BoardParameters, rtl: Path = DUT / "board") -> Pat
 
 
 def safety_library(rtl: Path = DUT / "board") -> Path:
-    """Return the shared library of the board's safety module; see board/safety.py. ``rtl``: as above."""
+    """Return the shared library of the board's safety module; see verif/board/safety.py."""
     harness = VERIF / "board" / "safety.cpp"
     above = [*mesh_sources(), rtl / "triaxis_safety.sv"]
     return _library("safety", "triaxis_safety", "Vsafety", {}, harness, [], above=above)

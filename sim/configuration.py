@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 
-# The core's latency in clocks without margins, from the first width that has it; one more with margins.
+# The core's latency in clocks without margins, from the first width that has it; one more with margins. What
+# docs/interface.md promises, and what the RTL is held against.
 _FIRST_WIDTHS = {8: 23, 13: 24, 18: 26, 25: 28}
 
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The bare Verilated core behind a C function: feeds pairs through the AXI4-Stream ports with no
-// gaps and takes results as they come. Built as a shared library; see engine.py.
+// gaps and takes results as they come. Built as a shared library; see core_engine.py.
 
 #include <cstdint>
 #include <cstring>

@@ -3,7 +3,7 @@
 //
 // The bare Verilated mesh engine behind C functions: loads meshes, runs, takes near pairs and the
 // summary, with stalls and an abort where they are asked for. Also notes which pairs reach the
-// core, so that a user can account for all others. Built as a shared library; see mesh/engine.py.
+// core, so that a user can account for all others. Built as a shared library; see mesh_engine.py.
 
 #include <cstdint>
 #include <cstring>

@@ -18,7 +18,7 @@ _CHARACTERS = {
 
 
 class _Pins(ctypes.Structure):
-    """The structure BoardPins of harness.cpp."""
+    """The structure BoardPins of board_harness.cpp."""
 
     _fields_ = (
         ("clocks", ctypes.c_int64),
@@ -34,7 +34,7 @@ class _Pins(ctypes.Structure):
 
 
 def _interface(library: Path) -> ctypes.CDLL:
-    """Return the loaded library with the types of harness.cpp's functions."""
+    """Return the loaded library with the types of board_harness.cpp's functions."""
     loaded = ctypes.CDLL(str(library))
     board, number, data = ctypes.c_void_p, ctypes.c_int64, ctypes.c_char_p
     signatures = {

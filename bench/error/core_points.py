@@ -6,7 +6,7 @@ distance of two by at most r. The core answers near(Aq, Bq, m) exactly for the r
     dist(A, B) <= (m - 1) r   implies near,   and   near implies   dist(A, B) <= (m + 1) r.
 
 Collision mode, m = 0, errs on both sides within r of touching. No-miss mode takes m of `margin_for` at
-clearance 0, which is 1: it misses nothing, and each false alarm is within 2 r (DESIGN, section 1).
+clearance 0, which is 1: it misses nothing, and each false alarm is within 2 r (docs/theory.md, section 6).
 
 Verdicts are those of the bulk checker, with which the RTL was signed off; a sample runs through the Verilated
 core.

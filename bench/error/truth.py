@@ -1,8 +1,8 @@
 """Exact distances of pairs of float32 triangles as they are, rounded to no grid: what verdicts are held to.
 
-The golden model solves each pair over the rationals and checks its own certificate (DESIGN, section 5); a
-float32 is a rational. The answers are kept in build/bench/truth/ under a hash of the triangles and of the
-model's sources.
+The golden model solves each pair over the rationals and checks its own certificate (docs/theory.md,
+section 8); a float32 is a rational. The answers are kept in build/bench/truth/ under a hash of the triangles
+and of the model's sources.
 """
 
 import hashlib

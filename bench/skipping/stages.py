@@ -2,7 +2,7 @@
 
 The stages are those of docs/mesh-engine.md. The first splits in two: objects whose boxes are apart as a
 whole, and groups of A that are apart from the whole of B. The last splits by the axis that decides, as
-numbered in DESIGN, section 2.1. A pair counts where it is skipped first.
+numbered in docs/theory.md, section 2. A pair counts where it is skipped first.
 """
 
 from dataclasses import dataclass, fields

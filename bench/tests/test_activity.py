@@ -88,7 +88,7 @@ def test_gating_leaves_about_the_undecided_share(tmp_path, stream):
 def test_broken_gating_is_seen(tmp_path, stream):
     dut = tmp_path / "dut"
     shutil.copytree(DUT, dut)
-    boxes, right = dut / "triaxis_boxes.sv", "assign open = valid && (!Gating || separated == '0);"
+    boxes, right = dut / "core" / "triaxis_boxes.sv", "assign open = valid && (!Gating || separated == '0);"
     assert boxes.read_text().count(right) == 1
     boxes.write_text(boxes.read_text().replace(right, "assign open = valid;"))
     broken = trace(stream, GATED, tmp_path / "core.saif", dut)

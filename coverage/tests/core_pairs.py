@@ -143,7 +143,7 @@ def distances(pairs: Pairs, largest: int) -> Margins:
 
 
 def true_words(facts: Facts, build: Build) -> npt.NDArray[np.uint16]:
-    """Return the result words that README asks of a core."""
+    """Return the result words that docs/interface.md asks of a core."""
     axes = np.uint32((1 << build.axes) - 1)
     separating = facts.separating & axes
     near = separating == 0

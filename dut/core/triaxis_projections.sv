@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: every inner product that the eleven three-dimensional axes need, from ten triple
-// products (DESIGN: ten determinants are enough), named as in triaxis_products. An axis serves with
+// products (docs/theory.md, section 4), named as in triaxis_products. An axis serves with
 // either sign, so the sign that needs no negation is taken:
 //   normal of A      A at 0, B at normal_a_o
 //   normal of B      B at 0, A at normal_b_o

@@ -1,9 +1,11 @@
+import re
+
 import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration, parse_configuration
-from triaxis.sim.paths import DUT
+from triaxis.sim.paths import DUT, ROOT
 from triaxis.verif.mutation.elaborated import core_latencies
 
 
@@ -34,5 +36,14 @@ def test_latency_and_queue_are_those_of_the_rtl():
     assert core_latencies(DUT, points) == [build.latency for build in builds]
     # The environment allows so many pairs to be lost at a reset: neither more nor fewer than the core holds.
     depth = "localparam int unsigned Depth = 2 ** $clog2(core_latency(W, M));"
-    assert (DUT / "triaxis_core.sv").read_text(encoding="utf-8").count(depth) == 1
+    assert (DUT / "core" / "triaxis_core.sv").read_text(encoding="utf-8").count(depth) == 1
     assert all(build.queue_depth / 2 < build.latency <= build.queue_depth for build in builds)
+
+
+def test_the_documented_latencies_are_those_that_the_rtl_is_held_against():
+    text = (ROOT / "docs" / "interface.md").read_text(encoding="utf-8")
+    section = text.split("## Latency")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| *(\d+) *\| *(\d+) *\| *(\d+) *\| *(\d+) *\|$", section, re.MULTILINE)
+    found = [tuple(map(int, row)) for row in rows]
+    widths = (8, 16, 24, 32)
+    assert found == [(w, *(Configuration(w, m).latency for m in (0, 8, w))) for w in widths]

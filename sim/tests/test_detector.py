@@ -26,7 +26,7 @@ def test_exact_and_blind_to_the_normals_handed_in(rng):
 
 
 def test_port_list():
-    text = (DUT / "CollisionDetector.sv").read_text()
+    text = (DUT / "core" / "CollisionDetector.sv").read_text()
     inputs = re.findall(r"input logic signed \[W-1:0\] (\w+)", text)
     vertices = [f"{t}{i}_{k}" for t in "AB" for i in (1, 2, 3) for k in "xyz"]
     assert inputs == vertices + [f"N{t}_{k}" for t in "AB" for k in "xyz"]

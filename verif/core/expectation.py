@@ -20,7 +20,8 @@ _SPACE = np.uint32((1 << AXES_WITHOUT_EDGE_BOX) - 1)
 def facts_of_core(facts: Facts, configuration: Configuration) -> Facts:
     """Return the facts as far as the core's axes decide.
 
-    Without the edge x box axes a pair that only they separate is near; it is coplanar (DESIGN, section 4).
+    Without the edge x box axes a pair that only they separate is near; it is coplanar (docs/theory.md,
+    section 2).
     """
     if configuration.edge_box:
         return facts

@@ -79,7 +79,7 @@ class TouchingTest(FamilyTest):
 
 
 class NearMissTest(FamilyTest):
-    """Lattice near-misses of every kind of axis: the hardest decisions (DESIGN, section 7)."""
+    """Lattice near-misses of every kind of axis: the hardest decisions (docs/theory.md, section 7)."""
 
     families = tuple(name for name in FAMILIES if name.startswith("near-miss"))
 

@@ -61,7 +61,13 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "engine_boxes",
             "The box of a group, and that of the mesh, is the smallest around its triangles' boxes, by "
             "induction over the triangles.",
-            ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "triaxis_extent", "triaxis_delay", "triaxis_pkg"),
+            (
+                "mesh/triaxis_mesh_store",
+                "mesh/triaxis_ram",
+                "core/triaxis_extent",
+                "core/triaxis_delay",
+                "core/triaxis_pkg",
+            ),
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
             window=2,
@@ -71,7 +77,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "For all time and under every pattern of stalls and resets: a queue between two streams loses, "
             "duplicates and reorders nothing; a word that waits stays; it is ready exactly where it "
             "has room, one clock after a reset.",
-            ("mesh/triaxis_stream_fifo", "triaxis_fifo"),
+            ("mesh/triaxis_stream_fifo", "core/triaxis_fifo"),
             {"Width": 8, "Depth": 4},
             12,
         ),

@@ -232,7 +232,7 @@ def _all_inputs(target: Target) -> Play:
 def bound(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Hold the largest value at the corners against the width without its top bit.
 
-    Parameters: orientation or span, see sequences/corners.py; the cast's operand has slope * W + offset bits.
+    Parameters: orientation or span, see stimulus/corners.py; the cast's operand has slope * W + offset bits.
     """
     del dut
     for mutant in mutants:

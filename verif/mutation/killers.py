@@ -7,7 +7,6 @@ from pathlib import Path
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import ROOT, VERIF
 from triaxis.sim.toolchain import verilator
-from triaxis.verif.mutation.latencies import latency_section
 
 _PACKAGE = "triaxis"
 _OTHER_THAN_PYTHON = (
@@ -33,8 +32,8 @@ def killers() -> list[Path]:
 
 
 def killers_hash() -> str:
-    """Return the hash of these files, of the README's latencies, and of Verilator's version."""
-    return content_hash(killers(), latency_section(), str(verilator()))
+    """Return the hash of these files and of Verilator's version."""
+    return content_hash(killers(), str(verilator()))
 
 
 def _with_what_they_import(modules: list[Path]) -> set[Path]:

@@ -11,12 +11,12 @@ from triaxis.sim.paths import VERIF, mesh_sources, rtl_sources
 
 _SVA = VERIF / "core" / "sva"
 EXACT_CORE = VERIF / "mutation" / "exact_core"
-_DATAPATH = "core/triaxis_datapath.sv"
+_DATAPATH = "triaxis_datapath.sv"
 
 
 @dataclass(frozen=True)
 class Target:
-    """A top module in one configuration. ``latency``: clocks, as the README's table has them."""
+    """A top module in one configuration. ``latency``: in clocks; 0 for the wrapper, which has none."""
 
     name: str
     top: str
@@ -58,7 +58,7 @@ class Target:
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
-        return "/" not in file
+        return file.startswith("core/")
 
 
 @dataclass(frozen=True)
@@ -114,30 +114,31 @@ class EngineTarget:
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
-        return "/" in file
+        return file.startswith("mesh/")
 
 
 AnyTarget = Target | EngineTarget
 
 
-def _core(name: str, latency: int) -> Target:
-    return Target(name, "triaxis_core", parse_configuration(name), latency)
+def _core(name: str) -> Target:
+    configuration = parse_configuration(name)
+    return Target(name, "triaxis_core", configuration, configuration.latency)
 
 
 # Narrow where possible: extremes are as likely as anything else, and a simulation is fast.
-MAIN = _core("w8_m8", 24)
+MAIN = _core("w8_m8")
 # Without margins; multipliers that are split and swapped; padding above the coordinates.
-PLAIN = _core("w18_m0_t1", 26)
+PLAIN = _core("w18_m0_t1")
 # Both operands of multipliers split; no edge x box axes, no gating.
-WIDE = _core("w32_m0_no_edge_box_ungated", 28)
+WIDE = _core("w32_m0_no_edge_box_ungated")
 WRAPPER = Target("detector_w8", "CollisionDetector", Configuration(8, 0), 0)
 
 # The smallest: what a mutant that needs a build of its own is built as first.
-SMALLEST = _core("w8_m0_no_edge_box", 23)
+SMALLEST = _core("w8_m0_no_edge_box")
 
 # Where the top piece of a multiplier's operand fills the 25-bit port, and the 18-bit one. For what survives
 # everywhere else.
-FULL_PIECES = (_core("w23_m17_t1", 27), _core("w24_m24_t1", 27))
+FULL_PIECES = (_core("w23_m17_t1"), _core("w24_m24_t1"))
 
 # Several words of lanes in a group, and of groups in a mesh.
 ENGINE = EngineTarget(MeshConfiguration(8, 8, depth=64, group=8, lanes=2, cycle_bits=9))

@@ -1,7 +1,8 @@
 """Pairs whose vertices are corners of the coordinate box, at which projections reach their bounds.
 
-A projection is affine in each coordinate, so it is largest at corners (DESIGN, section 2.3). Few corners do
-it, and a random pair hardly ever shows it in the verdict: those with the largest projections are looked up.
+A projection is affine in each coordinate, so it is largest at corners (docs/theory.md, section 5). Few
+corners do it, and a random pair hardly ever shows it in the verdict: those with the largest projections are
+looked up.
 """
 
 from functools import cache

@@ -180,9 +180,8 @@ def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch)
     monkeypatch.setattr(core_faults, "TESTS", ("RandomTest", "StallsTest"))
     header = "// Computes: the cross product a_i x b_i of two differences from a common vertex.\n"
     patch = tmp_path / "comment.patch"
-    patch.write_text(
-        f"--- a/dut/triaxis_cross.sv\n+++ b/dut/triaxis_cross.sv\n@@ -4 +4 @@\n-{header}+// Nothing.\n"
-    )
+    cross = "dut/core/triaxis_cross.sv"
+    patch.write_text(f"--- a/{cross}\n+++ b/{cross}\n@@ -4 +4 @@\n-{header}+// Nothing.\n")
     fault = Fault("comment", "a comment", "None.", patch=patch)
     found = catch_all(lambda _: None, seed, [fault])
     assert not found.passed

@@ -115,7 +115,7 @@ def test_affine_in_each_coordinate(rng, quantity):
 
 def rtl_width(name, width):
     """Return a width function of the RTL package, evaluated."""
-    text = (DUT / "triaxis_pkg.sv").read_text()
+    text = (DUT / "core" / "triaxis_pkg.sv").read_text()
     match = re.search(rf"function automatic int unsigned {name}\(int unsigned w\);\s*return (.*?);", text)
     assert match, name
     return eval(match[1], {}, {"w": width})

@@ -242,14 +242,22 @@ def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypa
 
 def test_the_hash_of_the_killers_changes_with_each_of_them(tmp_path, monkeypatch):
     names = {path.name for path in killers.killers()}
-    wanted = {"equivalents.toml", "core.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp", "packing.py"}
+    wanted = {
+        "equivalents.toml",
+        "core.cpp",
+        "configuration.py",
+        "families.py",
+        "triaxis_core_sva.sv",
+        "bulk.cpp",
+        "packing.py",
+    }
     assert wanted < names
     assert "result.json" not in names
     # Reached only through others: none of them is in the folder of the mutation.
-    assert {"certificate.py", "toolchain.py", "near_miss.py", "sby_proof.py"} < names
+    assert {"certificate.py", "configuration.py", "toolchain.py", "near_miss.py", "sby_proof.py"} < names
     assert "meshcheck.py" not in names
     before = killers.killers_hash()
-    monkeypatch.setattr(killers, "latency_section", lambda: "another table")
+    monkeypatch.setattr(killers, "verilator", lambda: "another Verilator")
     assert killers.killers_hash() != before
 
 
