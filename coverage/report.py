@@ -70,7 +70,7 @@ class ModelReport:
 
     @property
     def problems(self) -> list[str]:
-        """Return what stands against completeness, a line for each item and each illegal hit."""
+        """Return what is not covered, or hit and must not be, a line each."""
         found: list[str] = []
         for item in self.items:
             where = f"coverage {self.model}, {item.name}"

@@ -73,7 +73,10 @@ def judge(figures: Sequence[Figure], values: Values) -> Judgement:
     names = {figure.name for figure in figures}
     if names != set(values):
         odd = ", ".join(sorted(names ^ set(values)))
-        raise InputError(f"figures of a sign-off: {odd}: only on one side; they must be those of stages.toml")
+        raise InputError(
+            f"figures of a sign-off: {odd}: measured without a bound in stages.toml, or bounded there and "
+            "not measured"
+        )
     reached = None
     for stage in STAGES:
         if not all(figure.is_met(values[figure.name], stage) for figure in figures):

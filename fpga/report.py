@@ -78,7 +78,7 @@ class Row:
 
     @property
     def within_limit(self) -> bool:
-        """Return whether nothing stands against the build."""
+        """Return whether the build has no problem."""
         return not self.problems
 
 

@@ -40,7 +40,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Picture:
-    """Curves for every family: ``name`` of its files, and what stands above."""
+    """Curves for every family: ``name`` of its files, and their title."""
 
     name: str
     title: str

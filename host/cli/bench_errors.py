@@ -57,7 +57,7 @@ def _error(options: argparse.Namespace) -> int:
     console.print(_software_table(measured))
     console.print(_demand_table(found))
     if measured.taken_up:
-        print(f"{measured.taken_up} steps were those of a run that was interrupted")
+        print(f"{measured.taken_up} steps were taken over from an interrupted run")
     print(f"written to {path}, {', '.join(picture.name for picture in pictures)}")
     return DONE if passed(found) else NO
 

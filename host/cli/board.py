@@ -22,7 +22,7 @@ _WATCHDOG_CLOCKS = 50_000
 def add_status(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``board status``."""
     parser.description = (
-        "Say what the board is and how it stands. This takes the board: its output says stop, and its "
+        "Print what the board is, and its status. This takes the board: its output says stop, and its "
         "meshes are emptied. A board in use by another program is not taken."
     )
     _add_port(parser)
@@ -109,7 +109,7 @@ def _simulate(options: argparse.Namespace) -> int:
 
 
 def _status(options: argparse.Namespace) -> int:
-    """Print what the board is and how it stands."""
+    """Print what the board is, and its status."""
     with Board(SerialLine(options.port)) as board:
         description = board.hello()
         status = board.status()

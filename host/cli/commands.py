@@ -62,7 +62,7 @@ COMMANDS = {
         ("clear", "near"),
         _REPORT,
     ),
-    "board status": Command("say what the board is and how it stands", _HERE + "board:add_status", ("done",)),
+    "board status": Command("print what the board is, and its status", _HERE + "board:add_status", ("done",)),
     "board simulate": Command(
         "serve a simulated board at a pseudo-terminal", _HERE + "board:add_simulate", ("done",)
     ),

@@ -234,7 +234,7 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
     )
     add_seed(parser)
     parser.add_argument(
-        "--file", metavar="GLOB", help="only mutants of these files, as in 'triaxis_fifo*' or 'mesh/*'"
+        "--file", metavar="GLOB", help="only mutants of these files, as in 'core/triaxis_fifo*' or 'mesh/*'"
     )
     parser.add_argument("--mutant", metavar="ID", help="only this mutant, or those that a pattern matches")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"processes ({_JOBS})")

@@ -67,7 +67,7 @@ def _print(result: Signoff) -> None:
     console.print(_figures_table(result))
     print_list("PROBLEM", result.problems, _SHOWN, "all on the page")
     if not result.provenance.git_clean:
-        print("the checkout is not clean: what was signed off is in no commit")
+        print("the checkout has uncommitted changes: no commit holds what was signed off")
     verdict = "PASSED" if result.passed else "FAILED"
     print(f"{verdict}: stage {result.judgement.stage or 'none'} reached, {result.seconds:.0f} s")
 

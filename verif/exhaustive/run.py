@@ -56,14 +56,14 @@ class Outcome:
 
     @property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each."""
+        """Return the reasons for a failure, one line each."""
         counts = self.progress.result.counts
         if counts.mismatches:
             stopped = counts.classes < len(self.grid.classes)
             where = f"; stopped after {counts.classes} of {len(self.grid.classes)} classes" if stopped else ""
             return [f"{counts.mismatches} mismatches{where}"]
         return [
-            f"the runs at margin {margin} stand for {found} ordered pairs, not for {self.grid.ordered_pairs}"
+            f"the runs at margin {margin} cover {found} ordered pairs of {self.grid.ordered_pairs}"
             for margin, found in zip(MARGINS, counts.ordered, strict=True)
             if found != self.grid.ordered_pairs
         ]

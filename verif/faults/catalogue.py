@@ -109,7 +109,7 @@ FAULTS = (
     ),
     _replaced(
         "F10-unseen", "nothing checked: nothing seen",
-        "Pairs are sent and answered, and nobody looks.",
+        "Pairs are sent and answered, and nothing checks the answers.",
         Kind.ENVIRONMENT,
     ),
     _further("touching-is-clear", "Contact from one side counts as separation."),

@@ -61,7 +61,7 @@ def _try_range(fault: Fault, seed: int) -> Attempt:
     said = refusals(outside[1:])
     ways = len(said) + 3
     example = _range_example(written, outside[1], next(iter(said.values())) or "")
-    catch = Catch("every way in", f"{ways} of {ways} ways in refuse them")
+    catch = Catch("every way in", f"{ways} of {ways} entrances refuse them")
     return Attempt(catch, example=lambda: example)
 
 

@@ -102,7 +102,7 @@ class FaultsResult:
 
     @cached_property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each."""
+        """Return the reasons for a failure, one line each."""
         found = [
             f"{o.fault.name} ({o.fault.title}) is not caught: {o.reason}"
             for o in self.outcomes

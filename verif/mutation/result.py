@@ -264,6 +264,6 @@ def _miscount(content: Mapping[str, Any], fates: Sequence[Fate]) -> str | None:
     """Return what the file says of all fates that they do not bear out, None where there is nothing."""
     wrong = [name for name, counted in _counts(fates).items() if content[name] != counted]
     if wrong:
-        return f"{', '.join(wrong)}: not what its mutants come to"
+        return f"{', '.join(wrong)}: not the sum over its mutants"
     lives = any(fate.fate in (SURVIVING, ABSENT) for fate in fates)
     return "passed, with mutants that survive" if content["passed"] and lives else None

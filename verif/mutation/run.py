@@ -70,7 +70,7 @@ def mutate(
 
 
 def _survivor(fate: Fate) -> str:
-    what = "survives" if fate.fate == SURVIVING else "is in no target's elaborated code"
+    what = "survives" if fate.fate == SURVIVING else "is in none of the configurations that are played"
     return (
         f"{fate.id} {what}: {fate.place}: {fate.original} -> {fate.changed} "
         f"(replay: triaxis prove mutate --mutant {fate.id})"

@@ -1,4 +1,4 @@
-"""What came of a regression: its runs, and what stands against it."""
+"""The outcome of a regression: its runs, and the reasons for a failure."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -68,7 +68,7 @@ class Outcome:
 
     @property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each."""
+        """Return the reasons for a failure, one line each."""
         failures = [
             f"{r.run.test} in {r.run.config}, seed {r.run.seed} failed: {bucket_of(r)}" for r in self.failed
         ]

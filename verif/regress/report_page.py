@@ -38,7 +38,7 @@ def _body(outcome: Outcome) -> Iterator[str]:
         for bucket in outcome.buckets:
             yield from _bucket(bucket)
     if outcome.shortfalls:
-        yield "<h2>What else stands against it</h2>\n<ul>"
+        yield "<h2>Other problems</h2>\n<ul>"
         yield "".join(f"<li>{mark(problem, None)}\n" for problem in outcome.shortfalls)
         yield "</ul>\n"
     yield from _kept(outcome)

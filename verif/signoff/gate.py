@@ -20,7 +20,7 @@ _SHOWN = 3
 def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str]:
     """Return why the sign-off in ``result`` does not cover the RTL of that hash ``today``; empty: it does.
 
-    What else a reader should know of it, such as changes that are in no commit, `remarks` tells.
+    `remarks` tells what else a reader should know of it, such as uncommitted changes.
 
     The verdict is computed again from the figures: a file that merely says "passed" opens nothing.
     """
@@ -43,7 +43,7 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
         found.append(f"{result}: the sign-off did not pass")
     problems = content.get("problems")
     if not isinstance(problems, list):
-        found.append(f"{result}: does not say what stands against it: run `make signoff` again")
+        found.append(f"{result}: does not list its problems: run `make signoff` again")
     else:
         found += _first([str(problem) for problem in problems])
     found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed)
@@ -56,7 +56,7 @@ def remarks(result: Path) -> list[str]:
     content = json.loads(read_input(result))
     if content.get("git_clean") is True:
         return []
-    return ["signed off from a checkout with changes that are in no commit, or from none"]
+    return ["signed off from a checkout with uncommitted changes, or outside git"]
 
 
 def _short(rtl_hash: Any) -> str:

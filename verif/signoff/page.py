@@ -1,4 +1,4 @@
-"""The page of a sign-off: the verdict, what falls short, plots, then the details and the trends.
+"""The page of a sign-off: the verdict, the problems, plots, then the details and the trends.
 
 It shows what stands in the sign-off's file and in the history of nightly runs, and computes no verdict of
 its own.
@@ -43,7 +43,7 @@ def signoff_page(content: Content, figures: Sequence[Figure], nights: Sequence[C
 def _verdict(content: Content) -> Iterator[str]:
     passed = content["passed"]
     commit = content["git_commit"] or "no commit"
-    state = "" if content["git_clean"] else ", with changes that are in no commit"
+    state = "" if content["git_clean"] else ", with uncommitted changes"
     yield f"<h1>{_TITLE}</h1><div class='verdict {'good' if passed else 'bad'}'>"
     yield f"<b>{'PASSED' if passed else 'FAILED'}</b>: stage {content['stage'] or 'none'} reached"
     yield f", {STAGES[-1]} is wanted<br>" if not passed else "<br>"
@@ -53,7 +53,7 @@ def _verdict(content: Content) -> Iterator[str]:
 
 def _shortfalls(problems: Sequence[str]) -> Iterator[str]:
     if problems:
-        yield "<h2>What falls short</h2><ul>"
+        yield "<h2>Problems</h2><ul>"
         yield from (f"<li>{escape(problem)}" for problem in problems)
         yield "</ul>\n"
 
@@ -135,7 +135,7 @@ def _trends(nights: Sequence[Content]) -> Iterator[str]:
 
 
 def _provenance(content: Content) -> Iterator[str]:
-    yield "<h2>What was signed off, by what</h2>\n"
+    yield "<h2>RTL, environment and tools</h2>\n"
     keys = ("rtl_hash", "environment_hash", "git_commit", "command", "seed", "date")
     yield from table(["", ""], ([key.replace("_", " "), code(str(content[key]))] for key in keys))
     yield from table(["tool", "version"], sorted(content["tools"].items()))

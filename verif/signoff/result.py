@@ -40,7 +40,7 @@ class Signoff:
 
     @cached_property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each: as it is when first asked."""
+        """Return the reasons for a failure, one line each, as they are when first asked for."""
         found: list[str] = []
         for name, part in self.parts.items():
             title = name.replace("_", " ")

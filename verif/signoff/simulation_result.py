@@ -1,4 +1,4 @@
-"""What the simulations of a sign-off found, and what stands against a pass."""
+"""What the simulations of a sign-off found, and the reasons for a failure."""
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -74,7 +74,7 @@ class SimulationResult:
 
     @cached_property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each: as it is when first asked."""
+        """Return the reasons for a failure, one line each, as they are when first asked for."""
         found = [f"{r.settings.test} in {r.settings.config} failed" for r in self.runs if not r.passed]
         found += [
             f"{r.settings.test} in {r.settings.config}: {r.counts['accepted']} of {r.settings.pairs} "

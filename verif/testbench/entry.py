@@ -11,7 +11,8 @@ import pyuvm
 from triaxis.verif.testbench.settings import from_environment
 
 _SETTINGS = from_environment()
-# By name, for what is run stands above what runs it; and only what is needed: each import takes time.
+# By name: the tests' modules import this package, which must not import them. And only those that are needed:
+# each import takes time.
 _OF_MESH_ENGINE = ("mesh.uvm_tests", "mesh.sabotage_tests")
 _OF_CORE = ("core.uvm_tests", "core.bench_tests", "core.sabotage_tests", "faults.fault_tests")
 _NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE

@@ -275,7 +275,7 @@ KILL = killing.Killed("MixedTest", "touching", "w8_m8", "wrong word", 3)
         ({}, None, "killed, but listed as equivalent"),
         ({"fate": "equivalent"}, [], "equivalent, but not listed"),
         ({"fate": "excused"}, [], "no such fate"),
-        ({"fate": "surviving", "by": None}, [], "not what its mutants come to"),
+        ({"fate": "surviving", "by": None}, [], "not the sum over its mutants"),
         ({"nonsense": 1}, [], "damaged"),
     ],
 )
@@ -294,7 +294,7 @@ def test_fates_are_not_believed(tmp_path, change, listing, message):
 @pytest.mark.parametrize("key", ["summary", "total", "files", "operators", "kinds"])
 def test_counts_are_not_believed(tmp_path, key):
     content = json.loads(result.write_result(one(KILL), "test", tmp_path / "mutation.json").read_text())
-    with pytest.raises(InputError, match=f"{key}: not what its mutants come to"):
+    with pytest.raises(InputError, match=f"{key}: not the sum over its mutants"):
         result.fates_in(content | {key: {}}, empty(tmp_path))
 
 

@@ -1,4 +1,4 @@
-"""What stands against a regression, and how its reports say so."""
+"""The problems of a regression, and how its reports say so."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -85,7 +85,7 @@ def test_page_shows_buckets_first_and_coverage_of_a_configuration_with_other_tag
     page = write_report(found).read_text()
     assert page.count("96.96") == 2
     assert "1 run," in page and "1 runs" not in page.split("<h2>", 1)[1]
-    assert page.index("Failure buckets") < page.index("What else stands against it")
+    assert page.index("Failure buckets") < page.index("Other problems")
     assert "href='results.json'" in page and "href='junit.xml'" in page
     assert provenance().rtl_hash in page
     assert "<details open" not in page

@@ -49,7 +49,7 @@ def test_a_pass_of_this_rtl_opens(tmp_path):
 def test_a_sign_off_that_is_in_no_commit_is_remarked(tmp_path):
     path = tmp_path / "signoff.json"
     path.write_text(json.dumps(signed(git_clean=False)))
-    assert "in no commit" in remarks(path)[0]
+    assert "uncommitted changes" in remarks(path)[0]
     path.write_text(json.dumps(signed(git_clean=True)))
     assert remarks(path) == []
 
@@ -69,13 +69,13 @@ def test_no_sign_off_is_refused(tmp_path):
         (signed(passed=False), "did not pass"),
         (signed(passed="yes"), "did not pass"),
         (signed(problems=["mutation: 1 survivor"]), "mutation: 1 survivor"),
-        (signed(problems=None), "what stands against"),
+        (signed(problems=None), "does not list its problems"),
         (signed(figures=None), "no figures"),
         (signed(figures={**signed()["figures"], "mutation_score": "100"}), "no figures"),
         (signed(figures={**signed()["figures"], "mutation_score": True}), "no figures"),
         (signed(figures={**signed()["figures"], "mutation_score": 99.99}), "wanted at least 100 %"),
         (signed(figures={**signed()["figures"], "proofs_passed": None}), "not measured"),
-        (signed(figures={}), "only on one side"),
+        (signed(figures={}), "measured without a bound"),
         (signed(figures={**signed()["figures"], "mutation_score": float("nan")}), "no figures"),
         (signed(parts=None), "no evidence"),
         (signed(parts={}), "mutation: no evidence"),

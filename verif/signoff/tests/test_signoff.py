@@ -1,4 +1,4 @@
-"""The sign-off can fail: whatever falls short stands among its problems."""
+"""The sign-off can fail: whatever misses its bound is among its problems."""
 
 from dataclasses import replace
 from pathlib import Path
