@@ -245,6 +245,7 @@ def test_the_latency_table_finds_a_wrong_latency(tmp_path):
     table = every_latency()
     assert core_latencies(DUT, list(table)) == list(table.values())
     package = (DUT / "core/triaxis_pkg.sv").read_text()
+    (tmp_path / "core").mkdir()
     (tmp_path / "core/triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))
     assert core_latencies(tmp_path, list(table)) == [value + 1 for value in table.values()]
 
