@@ -123,6 +123,7 @@ def test_false_alarms_reach_into_the_band(rng):
     assert 1.2 < measured.farthest <= 2
 
 
+@pytest.mark.regress
 def test_command_writes_numbers_and_pictures(tmp_path, monkeypatch, capsys):
     rng = np.random.default_rng(1)
 
