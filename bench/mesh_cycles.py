@@ -3,28 +3,26 @@
 Each scene's near pairs are compared with those of the bulk checker behind the broad phase in NumPy.
 """
 
-import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from triaxis.bench.harness import FOLDER, Progress, write_result
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.outputs import write_whole
 from triaxis.host.engine_scene import MeshEngineScene
 from triaxis.host.machine_scenes import machine_scenes
 from triaxis.host.quantise import centred_grid, margin_for, quantise
 from triaxis.host.scene_engines import DecidingEngine, Integers, SceneRun
 from triaxis.host.scenes import Scene, scenes
 from triaxis.host.stl import Facets
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.paths import BUILD
 
-RESULT = BUILD / "bench" / "mesh.json"
+RESULT = FOLDER / "mesh.json"
 CONFIGURATION = MeshConfiguration()
 CLOCK_MHZ = 100
 
@@ -92,6 +90,11 @@ class Row:
         """Return whether it is right and within its bound."""
         return self.right and self.bound.met(self.pairs, self.cycles)
 
+    @property
+    def verdict(self) -> str:
+        """Return it in a word."""
+        return "WRONG" if not self.right else "reached" if self.passed else "MISSED"
+
 
 def _tilted(rng: np.random.Generator, side: int) -> Integers:
     """Return large facets that lie across all space, on one side of the plane x + y + z = 0."""
@@ -145,7 +148,7 @@ def _run(case: Case) -> Row:
     return Row(case.name, len(case.a), len(case.b), case.bound, run, right)
 
 
-def bench_mesh(chosen: list[Case], progress: Callable[[int], None]) -> list[Row]:
+def bench_mesh(chosen: list[Case], progress: Progress) -> list[Row]:
     """Run all scenes; ``progress`` is told of each."""
     rows: list[Row] = []
     for case in chosen:
@@ -154,33 +157,40 @@ def bench_mesh(chosen: list[Case], progress: Callable[[int], None]) -> list[Row]
     return rows
 
 
-def write_rows(rows: list[Row], data_present: bool) -> Path:
+def write_rows(rows: list[Row], data_present: bool, seconds: float) -> Path:
     """Write build/bench/mesh.json, whole or not at all."""
+    failed = [row for row in rows if not row.passed]
+    pairs, cycles = sum(row.pairs for row in rows), sum(row.cycles for row in rows)
     content = {
-        "command": "triaxis bench mesh",
         "engine": CONFIGURATION.name,
         "clock_mhz": CLOCK_MHZ,
-        "rtl_hash": rtl_hash(),
         "real_meshes": data_present,
-        "passed": all(row.passed for row in rows),
-        "scenes": [
-            {
-                "name": row.name,
-                "facets": [row.facets_a, row.facets_b],
-                "pairs": row.pairs,
-                "cycles": row.cycles,
-                "milliseconds": row.cycles / CLOCK_MHZ / 1000,
-                "group_pairs_skipped": row.run.group_pairs_skipped,
-                "group_pairs_opened": row.run.group_pairs_opened,
-                "pairs_skipped_in_groups": row.run.skipped_in_groups,
-                "pairs_skipped_by_boxes": row.run.skipped,
-                "tested": row.run.tested,
-                "near": row.run.near_count,
-                "right": row.right,
-                "bound": asdict(row.bound),
-                "passed": row.passed,
-            }
-            for row in rows
-        ],
+        "scenes": [_scene(row) for row in rows],
     }
-    return write_whole(RESULT, json.dumps(content, indent=2) + "\n")
+    return write_result(
+        RESULT,
+        "triaxis bench mesh",
+        [f"{row.name}: {row.verdict}, {row.cycles:,} cycles, {row.bound}" for row in failed],
+        f"{len(rows)} scenes, {pairs:,} pairs, {cycles:,} cycles",
+        seconds,
+        content,
+    )
+
+
+def _scene(row: Row) -> dict[str, Any]:
+    return {
+        "name": row.name,
+        "facets": [row.facets_a, row.facets_b],
+        "pairs": row.pairs,
+        "cycles": row.cycles,
+        "milliseconds": row.cycles / CLOCK_MHZ / 1000,
+        "group_pairs_skipped": row.run.group_pairs_skipped,
+        "group_pairs_opened": row.run.group_pairs_opened,
+        "pairs_skipped_in_groups": row.run.skipped_in_groups,
+        "pairs_skipped_by_boxes": row.run.skipped,
+        "tested": row.run.tested,
+        "near": row.run.near_count,
+        "right": row.right,
+        "bound": asdict(row.bound),
+        "passed": row.passed,
+    }

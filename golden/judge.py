@@ -1,14 +1,11 @@
 """Exact verdicts on pairs: the reference that everything else is compared with."""
 
-import os
 import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from multiprocessing import get_context
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +15,7 @@ from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
 from triaxis.golden.errors import ToldError
 from triaxis.golden.exact import Scalar, Triangle, coplanar, triangle_rank
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
+from triaxis.golden.processes import in_processes
 from triaxis.golden.rational import Rational
 from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
 
@@ -105,12 +103,6 @@ def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
     return verdicts
 
 
-def _ignore_interrupts() -> None:
-    """Let a worker finish its chunk; PPL's loader unblocks the signal and handles it itself."""
-    default_solver()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 def _judge_chunk(chunk: tuple[Pairs, npt.NDArray[np.int64]]) -> Verdicts:
     return judge_pairs(*chunk)
 
@@ -119,26 +111,10 @@ def judge_in_parallel(
     pairs: Pairs, margins: npt.NDArray[np.int64], progress: Callable[[int], None] | None = None
 ) -> Verdicts:
     """Do as `judge_pairs`, on all cores; ``progress`` is told how many pairs were done."""
-    chunks = [slice(start, start + _CHUNK) for start in range(0, len(pairs), _CHUNK)]
-    workers = min(os.cpu_count() or 1, len(chunks))
+    chunks = [
+        (pairs[start : start + _CHUNK], margins[start : start + _CHUNK])
+        for start in range(0, len(pairs), _CHUNK)
+    ]
     report = progress or (lambda _: None)
-    results: list[Verdicts] = []
-    if workers < 2:
-        for chunk in chunks:
-            results.append(judge_pairs(pairs[chunk], margins[chunk]))
-            report(len(results[-1]))
-    else:
-        pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
-        try:
-            # Workers start here, and inherit the blocked signal: an interrupt is for this process.
-            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-            try:
-                judged = pool.map(_judge_chunk, [(pairs[c], margins[c]) for c in chunks])
-            finally:
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-            for result in judged:
-                results.append(result)
-                report(len(result))
-        finally:
-            pool.shutdown(cancel_futures=True)
+    results = in_processes(_judge_chunk, chunks, lambda result: report(len(result)), default_solver)
     return np.concatenate(results) if results else np.zeros(0, VERDICT)

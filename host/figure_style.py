@@ -1,6 +1,13 @@
-"""How A and B look in every view: told apart by colour, marker and line, for colour-blind eyes too."""
+"""How figures look: one style, with A and B, and all else, told apart by colour-blind eyes too."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -15,11 +22,23 @@ class Style:
     line: str
 
 
-# Colours of M. Okabe and K. Ito, "Color Universal Design", 2008. A's hollow markers go around B's.
-A = Style("A", "#0072B2", "o", 11, True, "-")
-B = Style("B", "#D55E00", "s", 6, False, "--")
+# Colours of M. Okabe and K. Ito, "Color Universal Design", 2008.
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#6E6E6E"
+# A's hollow markers go around B's.
+A = Style("A", BLUE, "o", 11, True, "-")
+B = Style("B", VERMILION, "s", 6, False, "--")
 STYLES = (A, B)
-WITNESS = "#000000"
-GAP = "#009E73"
-MARGIN = "#6E6E6E"
+WITNESS, GAP, MARGIN = BLACK, GREEN, GREY
 SMALL, NORMAL, LARGE = 8.5, 10, 13
+
+_CHART: dict[Any, Any] = {"axes.spines.top": False, "axes.spines.right": False}
+
+
+@contextmanager
+def chart(inches: tuple[float, float], dpi: int) -> Iterator[Figure]:
+    """Give an empty figure to draw charts into while the block runs."""
+    with rc_context(_CHART):
+        figure = Figure(figsize=inches, dpi=dpi)
+        FigureCanvasAgg(figure)
+        yield figure

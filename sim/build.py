@@ -27,6 +27,8 @@ _SPEED = ["-O3", "--x-assign", "fast", "--x-initial", "fast", "--output-split-cf
 _LISTING = ".f"
 _RTL_SUFFIXES = (".sv", ".svh", ".v", ".vh", _LISTING)
 _FAST_CODE = "-march=native -std=c++20"
+# Thousands of clocks, not millions: compiled quickly.
+_TRACED = ("--trace-saif", "-MAKEFLAGS", "OPT_FAST=-O1 OPT_GLOBAL=-O2")
 _BURST_TOP = "triaxis_burst_tb"
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
 # Simulation time is kept by the model itself, not by a function of the main program.
@@ -156,39 +158,46 @@ def _library(
     defines: Sequence[str],
     dut: Path = DUT,
     above: Sequence[Path] = (),
+    traced: bool = False,
 ) -> Path:
     """Return a shared library of a Verilated module and its C++ harness, built where needed.
 
-    ``above``: files that compile after those of the core, control files of Verilator among them.
+    ``above``: files that compile after those of the core, control files of Verilator among them. ``traced``:
+    it follows its own switching activity; see traced.cpp.
     """
     command = [
         "--cc", "--exe", "--build", "-j", "2", "--no-public-flat-rw", *_SPEED,
         "--top-module", top, "--prefix", prefix,
         *(f"-G{parameter}={value}" for parameter, value in parameters.items()),
         f"-I{dut / 'core'}",
-        "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]),
+        "-CFLAGS", " ".join([_FAST_CODE, "-fPIC", *defines]), *(_TRACED if traced else ()),
     ]  # fmt: skip
-    sources = [*rtl_sources(dut), *above, harness]
+    compiled = harness.with_name("traced.cpp") if traced else harness
+    sources = [*rtl_sources(dut), *above, compiled]
     # The folder of the RTL stands for its contents, wherever it is.
     arguments = [argument for argument in command if argument != f"-I{dut / 'core'}"]
-    key = content_hash([*sources, *core_files(dut)], str(verilator()), target(cxx()), *arguments)
+    hashed = [*sources, *([harness] if traced else []), *core_files(dut)]
+    key = content_hash(hashed, str(verilator()), target(cxx()), *arguments)
+    name = f"{name}_traced" if traced else name
     folder = BUILD / "library" / f"{name}-{key[:12]}"
     file = f"lib{prefix}.so"
 
     def make(partial: Path) -> None:
         print(f"building {name} (once) ..", file=sys.stderr, flush=True)
         output = ["--Mdir", str(partial / "obj"), "-o", str(partial / file)]
-        linked = ["-LDFLAGS", f"-shared {_runtime(*_FAST_RUNTIME)}"]
+        # Verilator's own library, as it is compiled once for all, has no traces.
+        linked = ["-LDFLAGS", "-shared" if traced else f"-shared {_runtime(*_FAST_RUNTIME)}"]
         command_line = [str(verilator().executable), *command, *linked, *output, *map(str, sources)]
-        run_tool(command_line, partial, name, with_runtime=False)
+        run_tool(command_line, partial, name, with_runtime=traced)
 
     return built(folder, make) / file
 
 
-def library(configuration: Configuration, dut: Path = DUT) -> Path:
+def library(configuration: Configuration, dut: Path = DUT, traced: bool = False) -> Path:
     """Return the shared library of the core in that configuration; see core_engine.py.
 
-    ``dut`` may be another folder of RTL with the same files: mutants and faults.
+    ``dut`` may be another folder of RTL with the same files: mutants and faults. ``traced``: it follows its
+    own switching activity.
     """
     defines = [
         f"-DWIDTH={configuration.width}",
@@ -196,22 +205,22 @@ def library(configuration: Configuration, dut: Path = DUT) -> Path:
         f"-DTAG_BITS={configuration.tag_bits}",
     ]
     harness = Path(__file__).with_name("core_harness.cpp")
-    return _library(
-        configuration.name, "triaxis_core", "Vcore", configuration.parameters, harness, defines, dut
-    )
+    name, parameters = configuration.name, configuration.parameters
+    return _library(name, "triaxis_core", "Vcore", parameters, harness, defines, dut, traced=traced)
 
 
-def mesh_library(configuration: MeshConfiguration, dut: Path = DUT) -> Path:
-    """Return the shared library of the mesh engine; see mesh_engine.py. ``dut``: as `library`."""
+def mesh_library(configuration: MeshConfiguration, dut: Path = DUT, traced: bool = False) -> Path:
+    """Return the shared library of the mesh engine; see mesh_engine.py. ``dut``, ``traced``: as `library`."""
     defines = [
         f"-DWIDTH={configuration.width}",
         f"-DMARGIN_BITS={configuration.margin_bits}",
         f"-DINDEX_BITS={configuration.index_bits}",
+        *(["-DTRACED_MESH"] if traced else []),
     ]
     harness = Path(__file__).with_name("mesh_harness.cpp")
     above = [*mesh_sources(dut), harness.with_name("mesh_public.vlt")]
     name, parameters = f"mesh_{configuration.name}", configuration.parameters
-    return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above)
+    return _library(name, "triaxis_mesh", "Vmesh", parameters, harness, defines, dut, above, traced)
 
 
 def board_library(parameters: BoardParameters, rtl: Path = DUT / "board") -> Path:

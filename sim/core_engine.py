@@ -1,7 +1,8 @@
 """The bare Verilated core as a function on arrays."""
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,14 @@ class CoreError(ToldError, RuntimeError):
 class RtlEngine:
     """The core in one configuration, built on first use."""
 
-    def __init__(self, configuration: Configuration, dut: Path = DUT) -> None:
-        """Build the core where needed, and load it. ``dut``: another folder of RTL with the same files."""
+    def __init__(self, configuration: Configuration, dut: Path = DUT, traced: bool = False) -> None:
+        """Build the core where needed, and load it. ``dut``: another folder of RTL with the same files.
+
+        ``traced``: a build that follows its own switching activity; see `followed`.
+        """
         self.configuration = configuration
-        self._run = ctypes.CDLL(str(library(configuration, dut))).triaxis_run
+        self.library = ctypes.CDLL(str(library(configuration, dut, traced)))
+        self._run = self.library.triaxis_run
         self._run.restype = ctypes.c_int64
         self._run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
 
@@ -63,6 +68,18 @@ class RtlEngine:
             if progress:
                 progress(len(verdicts[chunk]))
         return verdicts
+
+
+@contextmanager
+def followed(library: ctypes.CDLL, file: Path) -> Iterator[None]:
+    """Write what toggles in the model of a traced build while the block runs to a file: SAIF, at 100 MHz."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    library.triaxis_trace.restype = None
+    library.triaxis_trace(str(file).encode())
+    try:
+        yield
+    finally:
+        library.triaxis_trace(b"")
 
 
 def configuration_for(width: int, margin: int) -> Configuration:

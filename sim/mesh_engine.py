@@ -88,11 +88,14 @@ _NO_STALLS = Traffic()
 class MeshEngine:
     """The engine in one configuration, built on first use."""
 
-    def __init__(self, configuration: MeshConfiguration, dut: Path = DUT) -> None:
-        """Build the engine where needed, load and reset it. ``dut``: another folder of the same files."""
+    def __init__(self, configuration: MeshConfiguration, dut: Path = DUT, traced: bool = False) -> None:
+        """Build the engine where needed, load and reset it. ``dut``: another folder of the same files.
+
+        ``traced``: a build that follows its own switching activity; see `followed`.
+        """
         self.configuration = configuration
         self.counts: tuple[int, int] = (0, 0)
-        library = ctypes.CDLL(str(mesh_library(configuration, dut)))
+        self.library = library = ctypes.CDLL(str(mesh_library(configuration, dut, traced)))
         self._delete = library.triaxis_mesh_delete
         self._delete.argtypes = [ctypes.c_void_p]
         library.triaxis_mesh_new.restype = ctypes.c_void_p

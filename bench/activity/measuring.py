@@ -5,7 +5,7 @@ products, and the products of every instance of triaxis_mul.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,8 +14,7 @@ import numpy as np
 
 from triaxis.bench.activity.saif import Activity, read_saif
 from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
-from triaxis.bench.activity.traced_core import TracedCore
-from triaxis.bench.activity.traced_mesh import TracedMeshEngine
+from triaxis.bench.harness import Progress, write_result
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
@@ -23,8 +22,9 @@ from triaxis.golden.outputs import write_whole
 from triaxis.host.scenes import Scene, scenes
 from triaxis.host.spatial_order import spatial_order
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.evidence import write_evidence
+from triaxis.sim.core_engine import RtlEngine, followed
 from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.verif.core.expectation import expected_words
 
@@ -107,7 +107,9 @@ def trace(stream: Stream, configuration: Configuration, file: Path, dut: Path = 
     Raises InputError where an answer is wrong: the activity of a broken core is worth nothing.
     """
     margins = np.full(len(stream.pairs), stream.margin, np.int64)
-    words = TracedCore(configuration, dut).run(stream.pairs, margins, file)
+    core = RtlEngine(configuration, dut, traced=True)
+    with followed(core.library, file):
+        words, _ = core.words(stream.pairs, margins)
     wrong = words != expected_words(bulk_facts(stream.pairs, margins), configuration)
     if wrong.any():
         raise InputError(
@@ -116,9 +118,7 @@ def trace(stream: Stream, configuration: Configuration, file: Path, dut: Path = 
     return multiplier_toggles(read_saif(file))
 
 
-def measure(
-    streams: Sequence[Stream], dut: Path = DUT, progress: Callable[[int], None] | None = None
-) -> list[Row]:
+def measure(streams: Sequence[Stream], dut: Path = DUT, progress: Progress = lambda _: None) -> list[Row]:
     """Measure all streams; ``progress`` is told of each that is done with."""
     rows: list[Row] = []
     with TemporaryDirectory() as folder:
@@ -127,8 +127,7 @@ def measure(
             gated, ungated = trace(stream, GATED, file, dut), trace(stream, UNGATED, file, dut)
             undecided = int(stream.undecided.sum())
             rows.append(Row(stream.name, len(stream.pairs), undecided, stream.margin, gated, ungated))
-            if progress:
-                progress(1)
+            progress(1)
     return rows
 
 
@@ -139,7 +138,11 @@ def trace_scene(scene: Scene, file: Path = SAIF, dut: Path = DUT) -> MultiplierT
     """
     stream, (a, b) = scene_stream(scene), scene_meshes(scene)
     order_a, order_b = spatial_order(a, ENGINE.group), spatial_order(b, ENGINE.group)
-    found = TracedMeshEngine(ENGINE, dut).count_near(a[order_a], b[order_b], stream.margin, file)
+    engine = MeshEngine(ENGINE, dut, traced=True)
+    engine.load(a[order_a], b[order_b])
+    # Without the loading.
+    with followed(engine.library, file):
+        found = engine.run(margin=stream.margin, mode=Mode.COUNT).near_count
     write_whole(file, in_place(file.read_text()))
     right = int(bulk_facts(stream.pairs, stream.margin).near.sum())
     if found != right:
@@ -156,20 +159,18 @@ def in_place(engine: str) -> str:
     return engine
 
 
-def write_result(rows: Sequence[Row], engine: MultiplierToggles, seed: int, seconds: float) -> Path:
+def write_numbers(rows: Sequence[Row], engine: MultiplierToggles, seed: int, seconds: float) -> Path:
     """Write `RESULT`: all rows, and the mesh engine on the scene of `SAIF`."""
-    beyond = [row for row in rows if not row.within_bound]
     worst = max(row.ratio for row in rows)
+    problems = [
+        f"{row.name}: {100 * row.ratio:.2f} % of the ungated toggles" for row in rows if not row.within_bound
+    ]
     content = {
-        "passed": not beyond,
-        "problems": [f"{row.name}: {100 * row.ratio:.2f} % of the ungated toggles" for row in beyond],
-        "summary": f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles",
-        "command": f"triaxis fpga activity --seed {seed}",
-        "seconds": round(seconds, 1),
         "seed": seed,
         "bound": BOUND,
         "worst": worst,
         "streams": [{**asdict(row), "ratio": row.ratio, "within_bound": row.within_bound} for row in rows],
         "engine": {"scene": SAIF_SCENE.name, "saif": SAIF.name, **asdict(engine)},
     }
-    return write_evidence(RESULT, content)
+    summary = f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles"
+    return write_result(RESULT, f"triaxis fpga activity --seed {seed}", problems, summary, seconds, content)

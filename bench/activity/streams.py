@@ -10,6 +10,7 @@ import numpy.typing as npt
 from triaxis.golden.pairs import Pairs, coordinate_range
 from triaxis.host.quantise import centred_grid, quantise
 from triaxis.host.scenes import Scene, scenes
+from triaxis.verif.core.stimulus.margins import box_gaps
 
 WIDTH = 16
 UNDECIDED = Fraction(1, 100)
@@ -38,13 +39,6 @@ class Stream:
         return float(self.undecided.mean())
 
 
-def box_gaps(pairs: Pairs) -> npt.NDArray[np.int64]:
-    """Return the Chebyshev distances (N,) of the boxes of pairs (N, 2, 3, 3), 0 where they meet."""
-    low, high = pairs.min(2), pairs.max(2)
-    gaps = np.maximum(low[:, 1] - high[:, 0], low[:, 0] - high[:, 1])
-    return np.maximum(gaps.max(1), 0)
-
-
 def scene_meshes(scene: Scene) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return both meshes of a scene, (N, 3, 3) and (M, 3, 3), on a grid that holds every scene."""
     grid = centred_grid([scene.a, scene.b], Fraction(_SPAN, 1 << WIDTH), WIDTH)
@@ -62,7 +56,8 @@ def scene_stream(scene: Scene) -> Stream:
 
 
 def _margin(gaps: npt.NDArray[np.int64]) -> int:
-    return int(np.sort(gaps)[ceil(UNDECIDED * len(gaps)) - 1])
+    # Where boxes overlap, gaps are negative.
+    return max(0, int(np.sort(gaps)[ceil(UNDECIDED * len(gaps)) - 1]))
 
 
 def random_stream(

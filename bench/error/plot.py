@@ -4,32 +4,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log10
 from pathlib import Path
-from typing import Any
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from triaxis.bench.error.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
-from triaxis.bench.error.errors import Errors
+from triaxis.bench import harness
+from triaxis.bench.error.points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS, Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
 from triaxis.fpga.part import XC7A100T
-from triaxis.host.saved_figure import write_figure
-from triaxis.sim.paths import BUILD
+from triaxis.host.figure_style import BLACK, BLUE, GREEN, SMALL, VERMILION, chart
+from triaxis.host.saved_figure import write_figures
 
-PICTURES = (BUILD / "bench" / "error.png", BUILD / "bench" / "error.svg")
+PICTURE = harness.FOLDER / "error"
 
-# Colours of M. Okabe and K. Ito, "Color Universal Design", 2008.
-_COLLISION, _NO_MISS, _GOLDEN, _PEER, _CALL = "#0072B2", "#009E73", "#000000", "#D55E00", "#BBBBBB"
-_STYLE: dict[Any, Any] = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-}
+_COLLISION, _NO_MISS, _GOLDEN, _PEER, _CALL = BLUE, GREEN, BLACK, VERMILION, "#BBBBBB"
 _DPI = 100
+_TEXT = 9
 # From two nanoseconds on, with room for labels; shares down to one pair in more than there are.
 _TIMES, _SHARES = (2.0, 3e9), (2e-5, 1.6)
 _LARGEST_TICK, _LABELS = 6, 3e5
@@ -38,7 +30,7 @@ _APART, _JOINED = 0.2, 0.15
 
 
 @dataclass(frozen=True)
-class Point:
+class PlottedPoint:
     """A method on a workload: nanoseconds a pair, without and with calls from Python; a share of errors."""
 
     label: str
@@ -52,9 +44,7 @@ class Point:
 
 def draw(measured: Measured) -> list[Path]:
     """Write both pictures, whole or not at all."""
-    figure = figure_of(measured)
-    with rc_context(_STYLE):
-        return [write_figure(figure, path) for path in PICTURES]
+    return write_figures(figure_of(measured), PICTURE)
 
 
 def figure_of(measured: Measured) -> Figure:
@@ -64,9 +54,7 @@ def figure_of(measured: Measured) -> Figure:
         ("missed: share of the pairs that collide", lambda errors: errors.missed_share),
         ("false alarms: share of the pairs that are clear", lambda errors: errors.false_alarm_share),
     )
-    with rc_context(_STYLE):
-        figure = Figure(figsize=(5.6 * len(results) + 0.5, 15.5), dpi=_DPI)
-        FigureCanvasAgg(figure)
+    with chart((5.6 * len(results) + 0.5, 15.5), _DPI) as figure:
         grid = figure.add_gridspec(
             5, len(results), height_ratios=(1, 0.9, 0.16, 1, 0.9), left=0.045, right=0.99,
             top=0.895, bottom=0.105,
@@ -80,8 +68,8 @@ def figure_of(measured: Measured) -> Figure:
                 _draw_errors(upper, [point for point in points if point.share > 0])
                 _draw_clean(lower, [point for point in points if point.share == 0])
                 if column == 0:
-                    upper.set_ylabel(meaning)
-                    lower.set_ylabel("none at all")
+                    upper.set_ylabel(meaning, fontsize=_TEXT)
+                    lower.set_ylabel("none at all", fontsize=_TEXT)
                 if row == 0:
                     collide = f"{result.colliding:,} of {len(result.workload):,} pairs collide"
                     upper.set_title(f"{result.workload.name}\n{collide}", fontsize=12, fontweight="bold")
@@ -89,25 +77,25 @@ def figure_of(measured: Measured) -> Figure:
     return figure
 
 
-def points_of(result: WorkloadResult, share: Callable[[Errors], float]) -> list[Point]:
+def points_of(result: WorkloadResult, share: Callable[[Errors], float]) -> list[PlottedPoint]:
     """Return all points of a workload, fastest first."""
-    points: list[Point] = []
+    points: list[PlottedPoint] = []
     for mode, colour in ((COLLISION, _COLLISION), (NO_MISS, _NO_MISS)):
         core = {p.width: share(p.errors) for p in result.core if p.mode == mode}
         for widths in _joined(core):
             middle = core[widths[len(widths) // 2]]
             about = any(core[width] != middle for width in widths)
             label = f"core, {mode}, W {_range(widths)}"
-            points.append(Point(label, CLOCK_NS, CLOCK_NS, middle, colour, "o", about))
+            points.append(PlottedPoint(label, CLOCK_NS, CLOCK_NS, middle, colour, "o", about))
         finest = next(p for p in result.bulk if p.mode == mode and p.width == WIDTHS[-1])
         label, time = f"bulk checker, {mode}, W {WIDTHS[-1]}", finest.claims_ns
-        points.append(Point(label, time, time, core[WIDTHS[-1]], colour, "s"))
-    points.append(Point("golden model", result.golden_ns, result.golden_ns, 0.0, _GOLDEN, "*"))
+        points.append(PlottedPoint(label, time, time, core[WIDTHS[-1]], colour, "s"))
+    points.append(PlottedPoint("golden model", result.golden_ns, result.golden_ns, 0.0, _GOLDEN, "*"))
     for peer in result.peers:
         most = peer.most_kernel_ns
         marker = "D" if most is None else "<"
         points.append(
-            Point(peer.name, most or peer.kernel_ns, peer.run_ns, share(peer.errors), _PEER, marker)
+            PlottedPoint(peer.name, most or peer.kernel_ns, peer.run_ns, share(peer.errors), _PEER, marker)
         )
     return sorted(points, key=lambda point: point.kernel_ns)
 
@@ -132,7 +120,7 @@ def _range(widths: Sequence[int]) -> str:
     return str(widths[0]) if len(widths) == 1 else f"{widths[0]}..{widths[-1]}"
 
 
-def _draw_errors(axes: Axes, points: Sequence[Point]) -> None:
+def _draw_errors(axes: Axes, points: Sequence[PlottedPoint]) -> None:
     """Draw points with errors: time against share, both by decades; labels in a column of their own."""
     _set_times(axes)
     axes.tick_params(labelbottom=False)
@@ -146,7 +134,7 @@ def _draw_errors(axes: Axes, points: Sequence[Point]) -> None:
         label = f"{'about ' if point.about else ''}{_percent(point.share)}  {point.label}"
         axes.annotate(
             label, (max(point.run_ns, point.kernel_ns), point.share), (_LABELS, 10**place),
-            va="center", fontsize=8.5, color=point.colour,
+            va="center", fontsize=SMALL, color=point.colour,
             arrowprops={"arrowstyle": "-", "color": _CALL, "lw": 0.5, "shrinkA": 0, "shrinkB": 4},
         )  # fmt: skip
 
@@ -168,28 +156,23 @@ def _percent(share: float) -> str:
     return f"{percent:.0f} %" if percent >= 10 else f"{percent:.2g} %"
 
 
-def _draw_clean(axes: Axes, points: Sequence[Point]) -> None:
+def _draw_clean(axes: Axes, points: Sequence[PlottedPoint]) -> None:
     """Draw points without errors, which logarithms have no place for: one line each, by time."""
     _set_times(axes)
     axes.set_facecolor("#F4F8F4")
     axes.set_ylim(len(points) + 0.2 if points else 1, -0.8)
     axes.yaxis.set_major_locator(NullLocator())
-    axes.set_xlabel("time a pair", loc="left")
+    axes.set_xlabel("time a pair", loc="left", fontsize=_TEXT)
     for row, point in enumerate(points):
         _draw_point(axes, point, row)
         end = (max(point.run_ns, point.kernel_ns), row)
         axes.annotate(
-            point.label,
-            end,
-            (7, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=8.5,
+            point.label, end, (7, 0), textcoords="offset points", va="center", fontsize=SMALL,
             color=point.colour,
-        )
+        )  # fmt: skip
 
 
-def _draw_point(axes: Axes, point: Point, height: float) -> None:
+def _draw_point(axes: Axes, point: PlottedPoint, height: float) -> None:
     if point.run_ns > point.kernel_ns:
         axes.plot([point.kernel_ns, point.run_ns], [height, height], color=_CALL, lw=1.6, zorder=1)
     axes.plot(
@@ -198,6 +181,7 @@ def _draw_point(axes: Axes, point: Point, height: float) -> None:
 
 
 def _set_times(axes: Axes) -> None:
+    axes.tick_params(labelsize=_TEXT)
     axes.set_xscale("log")
     axes.set_xlim(*_TIMES)
     axes.set_xticks([10.0**k for k in range(1, _LARGEST_TICK + 1)])

@@ -7,14 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.bench.error.core_points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint
-from triaxis.bench.error.errors import Errors
+from triaxis.bench import harness
+from triaxis.bench.error.points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint, Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.sim.evidence import write_evidence
-from triaxis.sim.paths import BUILD
 from triaxis.sim.provenance import Provenance
 
-RESULT = BUILD / "bench" / "error.json"
+RESULT = harness.FOLDER / "error.json"
 # How many times the bulk checker's time a pair CGAL's exact kernel must take at least, over all workloads.
 LEAST_TIMES_BULK = 2.0
 # What it installs from; in this order, since calls from Python blur the first steps of its kernel.
@@ -111,26 +109,29 @@ def write_report(measured: Measured, found: list[Demand], before: Provenance, se
     missed = [demand for demand in found if demand.reached is False]
     not_measured = [demand.what for demand in found if demand.reached is None]
     content = {
-        **asdict(before),
-        "command": f"triaxis bench error --seed {measured.seed}",
-        "passed": passed(found),
-        "problems": [f"{demand.what}: {demand.found}" for demand in missed],
-        "summary": "; ".join(f"{demand.what}: {demand.found}" for demand in found[:2]),
         "not_measured": not_measured,
-        "seconds": round(seconds, 1),
         "seed": measured.seed,
         "real_meshes": measured.real_meshes,
-        # Times are those of this machine, with what else it did.
+        # Times are those of this machine.
         "processor": _processor(),
         "load_average": round(os.getloadavg()[1], 2),
         "steps_of_an_interrupted_run": measured.taken_up,
         "demands": [asdict(demand) for demand in found],
-        "units": "times: nanoseconds a pair; shares: of colliding pairs missed, of clear pairs called near",
+        "units": "times: nanoseconds of processor time a pair; shares: of colliding pairs missed, of clear "
+        "pairs called near",
         "core": {"clock_ns": CLOCK_NS, "cycles_per_pair": 1, "dsp48e1": _dsps(measured)},
         "peers_absent": measured.absent,
         "workloads": {result.workload.name: _workload(result) for result in measured.results},
     }
-    return write_evidence(RESULT, content)
+    return harness.write_result(
+        RESULT,
+        f"triaxis bench error --seed {measured.seed}",
+        [f"{demand.what}: {demand.found}" for demand in missed],
+        "; ".join(f"{demand.what}: {demand.found}" for demand in found[:2]),
+        seconds,
+        content,
+        before,
+    )
 
 
 def _processor() -> str:

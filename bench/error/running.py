@@ -2,30 +2,25 @@
 
 import hashlib
 import platform
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from triaxis.bench.error.core_points import MODES, WIDTHS, CorePoint, configuration, core_point, on_grid
-from triaxis.bench.error.errors import Errors
-from triaxis.bench.error.own_points import BulkPoint, bulk_point, golden_ns
-from triaxis.bench.error.peer_points import PeerPoint, peer_point
-from triaxis.bench.error.peers import PEERS
-from triaxis.bench.error.peers.peer import Peer, PeerAbsentError
-from triaxis.bench.error.steps import Steps
+from triaxis.bench import harness
+from triaxis.bench.error.points import MODES, WIDTHS, CorePoint, Errors, configuration, core_point, on_grid
+from triaxis.bench.error.software_points import BulkPoint, PeerPoint, bulk_point, golden_ns, peer_point
 from triaxis.bench.error.truth import Truth, exact_truth
 from triaxis.bench.error.workloads import Workload, workloads
+from triaxis.bench.harness import Progress, StoredSteps
+from triaxis.bench.peers import TRIANGLE_PEERS
+from triaxis.bench.peers.peer import TrianglePeer, present
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
 from triaxis.host.mesh_data import mesh_data
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.provenance import Provenance
 
-FOLDER = BUILD / "bench" / "error-steps"
+FOLDER = harness.FOLDER / "error-steps"
 COUNT = 20_000
-
-# A peer that is installed, and its version.
-_Installed = tuple[Peer, str]
 
 
 @dataclass(frozen=True)
@@ -56,18 +51,6 @@ class Measured:
     taken_up: int
 
 
-def installed_peers() -> tuple[list[_Installed], dict[str, str]]:
-    """Return the peers that are there with their versions, and why the others are not."""
-    present: list[_Installed] = []
-    absent: dict[str, str] = {}
-    for peer in PEERS:
-        try:
-            present.append((peer, peer.version()))
-        except PeerAbsentError as error:
-            absent[peer.name] = str(error)
-    return present, absent
-
-
 class Benchmark:
     """A benchmark with its workloads, ready to be measured."""
 
@@ -77,7 +60,8 @@ class Benchmark:
         self.real_meshes = data is not None
         self._seed, self._before = seed, before
         self._workloads = workloads(count, seed, data)
-        self._present, self._absent = installed_peers()
+        self._present, packages = present(TRIANGLE_PEERS)
+        self._absent = {each.name: each.why_absent for each in packages if each.why_absent is not None}
 
     @property
     def steps(self) -> int:
@@ -85,9 +69,9 @@ class Benchmark:
         on_each = 1 + len(WIDTHS) + 1 + len(self._present)
         return len(WIDTHS) * len(MODES) + len(self._workloads) * on_each
 
-    def run(self, progress: Callable[[int], None]) -> Measured:
+    def run(self, progress: Progress) -> Measured:
         """Measure everything; ``progress`` is told of each step."""
-        steps = Steps(FOLDER, self._key(), progress)
+        steps = StoredSteps(FOLDER, self._key(), progress)
         dsps = _dsps(progress)
         results: list[WorkloadResult] = []
         for workload in self._workloads:
@@ -109,7 +93,7 @@ class Benchmark:
         return digest.hexdigest()
 
 
-def _dsps(progress: Callable[[int], None]) -> dict[tuple[int, str], int]:
+def _dsps(progress: Progress) -> dict[tuple[int, str], int]:
     counts = DspCounts(DUT, BUILD / "fpga" / "dsp_counts.json")
     found: dict[tuple[int, str], int] = {}
     for width in WIDTHS:
@@ -123,18 +107,17 @@ def _dsps(progress: Callable[[int], None]) -> dict[tuple[int, str], int]:
 class _OnWorkload:
     """Measures all methods on one workload."""
 
-    def __init__(self, workload: Workload, truth: Truth, steps: Steps) -> None:
+    def __init__(self, workload: Workload, truth: Truth, steps: StoredSteps) -> None:
         self._workload, self._truth, self._steps = workload, truth, steps
-        self._name = _file_name(workload.name)
 
-    def result(self, peers: list[_Installed]) -> WorkloadResult:
+    def result(self, peers: list[tuple[TrianglePeer, str]]) -> WorkloadResult:
         core: list[CorePoint] = []
         bulk: list[BulkPoint] = []
         for width in WIDTHS:
             found_core, found_bulk = self._at_width(width)
             core += found_core
             bulk += found_bulk
-        golden = self._steps.once(f"{self._name}-golden", lambda: {"ns": golden_ns(self._workload)})
+        golden = self._steps.once(f"{self._workload.name}-golden", lambda: {"ns": golden_ns(self._workload)})
         return WorkloadResult(
             self._workload,
             int(self._truth.near().sum()),
@@ -152,11 +135,11 @@ class _OnWorkload:
                 "bulk": [asdict(bulk_point(rounded, width, mode)) for mode in MODES],
             }
 
-        found = self._steps.once(f"{self._name}-w{width}", measure)
+        found = self._steps.once(f"{self._workload.name}-w{width}", measure)
         core = [CorePoint(**{**point, "errors": Errors(**point["errors"])}) for point in found["core"]]
         return core, [BulkPoint(**point) for point in found["bulk"]]
 
-    def _peer(self, peer: Peer, version: str) -> PeerPoint:
+    def _peer(self, peer: TrianglePeer, version: str) -> PeerPoint:
         def measure() -> dict[str, Any]:
             finest = on_grid(self._workload, WIDTHS[-1])
             try:
@@ -168,9 +151,5 @@ class _OnWorkload:
                     f"{peer.name} {version}: {what}; install the version of requirements-peers.lock, or none"
                 ) from error
 
-        found = self._steps.once(f"{self._name}-{_file_name(peer.name)}", measure)
+        found = self._steps.once(f"{self._workload.name}-{peer.name}", measure)
         return PeerPoint(**{**found, "errors": Errors(**found["errors"])})
-
-
-def _file_name(name: str) -> str:
-    return "".join(letter if letter.isalnum() else "-" for letter in name)

@@ -7,32 +7,30 @@ and of the model's sources.
 
 import hashlib
 import json
-import os
-import signal
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench import harness
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Triangle
 from triaxis.golden.judge import default_solver, judge
 from triaxis.golden.outputs import write_whole
+from triaxis.golden.processes import in_processes
 from triaxis.golden.rational import Rational
 from triaxis.sim.build import content_hash
-from triaxis.sim.paths import BUILD, ROOT
+from triaxis.sim.paths import ROOT
 
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]
 
-FOLDER = BUILD / "bench" / "truth"
+FOLDER = harness.FOLDER / "truth"
 _MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "rational.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
@@ -86,10 +84,9 @@ def exact_truth(
     if distances is not None:
         report(len(a))
         return Truth(distances)
-    found: list[Fraction] = []
-    for chunk in _solved(a, b):
-        found += chunk
-        report(len(chunk))
+    chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
+    solved = in_processes(_solve, chunks, lambda chunk: report(len(chunk)), default_solver)
+    found = [distance for chunk in solved for distance in chunk]
     write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
     return Truth(tuple(found))
 
@@ -118,37 +115,6 @@ def _stored(path: Path, count: int) -> tuple[Fraction, ...] | None:
     return distances if len(distances) == count else None
 
 
-def _solved(a: Triangles, b: Triangles) -> Iterator[list[Fraction]]:
-    """Yield the distances chunk by chunk, in order."""
-    chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
-    workers = min(os.cpu_count() or 1, len(chunks))
-    if workers < 2:
-        yield from (_solve(*chunk) for chunk in chunks)
-        return
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
-    try:
-        for future in _submitted(pool, chunks):
-            yield future.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _submitted(
-    pool: ProcessPoolExecutor, chunks: list[tuple[Triangles, Triangles]]
-) -> list[Future[list[Fraction]]]:
-    """Hand over all chunks. Workers start here, with interrupts blocked: those are for this process."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        return [pool.submit(_solve, *chunk) for chunk in chunks]
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-
-
-def _ignore_interrupts() -> None:
-    """Let a worker finish its chunk; PPL's loader unblocks the signal and handles it itself."""
-    default_solver()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _solve(a: Triangles, b: Triangles) -> list[Fraction]:
-    return [judge(exact_triangle(x), exact_triangle(y), 0).distance for x, y in zip(a, b, strict=True)]
+def _solve(chunk: tuple[Triangles, Triangles]) -> list[Fraction]:
+    pairs = zip(*chunk, strict=True)
+    return [judge(exact_triangle(a), exact_triangle(b), 0).distance for a, b in pairs]

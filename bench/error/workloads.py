@@ -11,14 +11,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.error.grids import finest_resolution
 from triaxis.bench.error.truth import Triangles, exact_triangle
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import triangle_rank
 from triaxis.host.broadphase import candidates
+from triaxis.host.grid_choice import Steps, finest_resolution
 from triaxis.host.machine_scenes import machine_scenes
-from triaxis.host.quantise import box_of, grid_around, quantise
+from triaxis.host.quantise import Grid, box_of, grid_around, quantise
 from triaxis.host.scenes import Scene, scenes
+from triaxis.host.stl import Facets
 from triaxis.verif.core.stimulus.contact import Contact, placed
 from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
 from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
@@ -73,6 +74,16 @@ class Workload:
     def b(self) -> Triangles:
         """Return the second triangles (N, 3, 3)."""
         return np.concatenate([part.b for part in self.parts])
+
+
+def part_grid(a: Facets, b: Facets, width: int) -> Grid:
+    """Return the grid that a user would choose for two solids: the finest that holds them.
+
+    Its resolution is a power of two: float32 coordinates are multiples of such, so a grid fine enough rounds
+    nothing.
+    """
+    box = box_of(np.concatenate([a, b]))
+    return grid_around([box], finest_resolution(box, width, steps=Steps.BINARY), width)
 
 
 def workloads(count: int, seed: int, data: Path | None) -> list[Workload]:
@@ -152,8 +163,7 @@ def _random(rng: Rng, count: int) -> _Pairs:
 
 def _close(scene: Scene) -> npt.NDArray[np.int64]:
     """Return the facets (K, 2) whose boxes come close, about."""
-    boxes = [box_of(scene.a), box_of(scene.b)]
-    grid = grid_around(boxes, finest_resolution(boxes, _SEARCH_BITS), _SEARCH_BITS)
+    grid = part_grid(scene.a, scene.b, _SEARCH_BITS)
     a, b = quantise(scene.a, grid, scene.name), quantise(scene.b, grid, scene.name)
     found = [np.empty((0, 2), np.int64), *(np.stack(block, 1) for block in candidates(a, b, _SEARCH_REACH))]
     return np.concatenate(found)

@@ -1,15 +1,14 @@
 """How the cost of the broad phase, and of other packages, grows with meshes of 10^3 to 10^6 facets."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.bench.skipping.asking import Meeting, PeerRun, ask_peer, contradiction
-from triaxis.bench.skipping.clocked import clocked
-from triaxis.bench.skipping.peers.mesh_peer import MeshPeer
-from triaxis.bench.skipping.software import all_pairs, behind_boxes
-from triaxis.bench.skipping.surfaces import SURFACES, Surfaces
+from triaxis.bench.harness import Progress, clocked
+from triaxis.bench.peers.peer import MeshPeer
+from triaxis.bench.skipping.scenes import SURFACES, Surfaces
+from triaxis.bench.skipping.software import Meeting, PeerRun, all_pairs, ask_peer, behind_boxes, contradiction
 from triaxis.host.box_tree import Work
 from triaxis.host.broadphase import candidates
 from triaxis.host.meshcheck import in_order
@@ -27,21 +26,21 @@ _ALL_PAIRS = 4_000
 
 
 @dataclass(frozen=True)
-class Point:
+class GrowthPoint:
     """One pair of meshes.
 
-    ``facets``: the mean of the two. ``seconds``: of the broad phase; ``decided_seconds``: with exact verdicts
-    on what it leaves. ``same``: the near pairs are those among all pairs; None where too many to try.
+    ``facets``: the mean of the two. Seconds of the broad phase alone, and with exact verdicts on what it
+    leaves. ``same_as_all_pairs``: the near pairs are those among all pairs; None where too many to try.
     """
 
     facets: int
-    seconds: float
-    decided_seconds: float
-    boxes: int
-    left: int
+    seconds_broad_phase: float
+    seconds_with_verdicts: float
+    boxes_compared: int
+    pairs_left: int
     near: int
-    same: bool | None
-    peers: tuple[PeerRun, ...]
+    same_as_all_pairs: bool | None
+    packages: tuple[PeerRun, ...]
 
 
 @dataclass(frozen=True)
@@ -49,19 +48,19 @@ class Growth:
     """All sizes of one kind of surfaces. Exponents: cost grows like facets to this power."""
 
     surfaces: Surfaces
-    points: tuple[Point, ...]
+    points: tuple[GrowthPoint, ...]
 
     @property
     def compared_exponent(self) -> float:
         """Return that of comparisons of boxes."""
-        return exponent([(point.facets, point.boxes) for point in self.points])
+        return exponent([(point.facets, point.boxes_compared) for point in self.points])
 
     @property
     def seconds_exponent(self) -> float:
         """Return that of the time of the broad phase, for larger meshes where there are such."""
         large = [point for point in self.points if point.facets >= _SECONDS_FROM]
         chosen = large if len(large) > 1 else self.points
-        return exponent([(point.facets, point.seconds) for point in chosen])
+        return exponent([(point.facets, point.seconds_broad_phase) for point in chosen])
 
     @property
     def problems(self) -> list[str]:
@@ -70,9 +69,9 @@ class Growth:
         found: list[str] = []
         for point in self.points:
             where = f"{name}, {point.facets} facets"
-            if point.same is False:
+            if point.same_as_all_pairs is False:
                 found.append(f"{where}: not the near pairs of all pairs")
-            found += [contradiction(where, run) for run in point.peers if run.contradicts]
+            found += [contradiction(where, run) for run in point.packages if run.contradicts]
         if len(self.points) > 1:
             if self.compared_exponent > MOST_COMPARED:
                 found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
@@ -88,7 +87,7 @@ def exponent(points: Sequence[tuple[float, float]]) -> float:
 
 
 def growths(
-    seed: int, peers: Sequence[MeshPeer], progress: Callable[[int], None], sizes: Sequence[int] = SIZES
+    seed: int, peers: Sequence[MeshPeer], progress: Progress, sizes: Sequence[int] = SIZES
 ) -> list[Growth]:
     """Measure all surfaces at all sizes; ``progress`` is told of each."""
     return [_growth(surfaces, seed, peers, progress, sizes) for surfaces in SURFACES]
@@ -98,22 +97,22 @@ def _growth(
     surfaces: Surfaces,
     seed: int,
     peers: Sequence[MeshPeer],
-    progress: Callable[[int], None],
+    progress: Progress,
     sizes: Sequence[int],
 ) -> Growth:
-    points: list[Point] = []
+    points: list[GrowthPoint] = []
     asked = list(peers)
     for size in sizes:
         a, b = surfaces.make(size, np.random.default_rng([seed, size]))
         point = _point(a, b, asked)
         points.append(point)
-        slow = {run.name for run in point.peers if run.seconds > _PATIENCE}
+        slow = {run.name for run in point.packages if run.seconds > _PATIENCE}
         asked = [peer for peer in asked if peer.name not in slow]
         progress(1)
     return Growth(surfaces, tuple(points))
 
 
-def _point(a: Integers, b: Integers, peers: Sequence[MeshPeer]) -> Point:
+def _point(a: Integers, b: Integers, peers: Sequence[MeshPeer]) -> GrowthPoint:
     def boxes_alone() -> tuple[Work, int]:
         work = Work()
         return work, sum(len(i) for i, _ in candidates(a, b, 0, work))
@@ -126,4 +125,4 @@ def _point(a: Integers, b: Integers, peers: Sequence[MeshPeer]) -> Point:
         same = np.array_equal(near, in_order(all_pairs(a, b, 0).near))
     runs = tuple(ask_peer(peer, [Meeting(a, b, near)]) for peer in peers)
     facets = (len(a) + len(b)) // 2
-    return Point(facets, seconds, decided_seconds, work.compared, left, len(near), same, runs)
+    return GrowthPoint(facets, seconds, decided_seconds, work.compared, left, len(near), same, runs)

@@ -2,32 +2,27 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from triaxis.bench.mesh_cycles import CLOCK_MHZ
-from triaxis.bench.skipping.growth import Growth, Point
-from triaxis.bench.skipping.run import AtMargin, SceneRow, SkippingResult
-from triaxis.host.figure_style import LARGE, NORMAL, SMALL
+from triaxis.bench.skipping.growth import Growth
+from triaxis.bench.skipping.run import RESULT, SceneRow, SkippingResult
+from triaxis.bench.skipping.stages import Stages
+from triaxis.host import figure_style as look
+from triaxis.host.figure_style import GREY, LARGE, NORMAL, SMALL
+from triaxis.host.saved_figure import write_figures
 
 _INCHES, _DPI = (17.0, 13.0), 110
-_STYLE: dict[Any, Any] = {
-    "font.family": "sans-serif",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-}
 # Where a count of nothing stands on a logarithmic axis.
 _NOTHING = 0.5
-_GREY = "#6E6E6E"
 
 
 @dataclass(frozen=True)
-class _Look:
-    """How one thing is drawn. Colours of M. Okabe and K. Ito, "Color Universal Design", 2008."""
+class Look:
+    """How one thing is drawn."""
 
     label: str
     colour: str
@@ -36,67 +31,53 @@ class _Look:
 
     @property
     def face(self) -> str:
+        """Return the colour inside the marker."""
         return "white" if self.hollow else self.colour
 
 
-@dataclass(frozen=True)
-class _Left:
-    """What is left of the pairs after a stage."""
-
-    look: _Look
-    count: Callable[[AtMargin], int]
-
-
-_LEFT = (
-    _Left(
-        _Look("all facet pairs: so many cycles without skipping", "#000000", "|"), lambda at: at.stages.pairs
-    ),
-    _Left(
-        _Look("left by whole objects", "#56B4E9", "o", True),
-        lambda at: at.stages.pairs - at.stages.objects,
-    ),
-    _Left(_Look("left by groups", "#0072B2", "o"), lambda at: at.stages.pairs - at.stages.before_boxes),
-    _Left(_Look("left by boxes: the core is asked", "#009E73", "s"), lambda at: at.stages.tested),
-    _Left(_Look("left by its axes: near", "#CC79A7", "v"), lambda at: at.stages.near),
-    _Left(_Look("cycles of the mesh engine", "#D55E00", "D"), lambda at: at.cycles),
+# What is left of the pairs after each stage.
+_LEFT: tuple[tuple[Look, Callable[[Stages], int]], ...] = (
+    (Look("all facet pairs: so many cycles without skipping", look.BLACK, "|"), lambda by: by.pairs),
+    (Look("left by whole objects", look.SKY, "o", True), lambda by: by.pairs - by.objects),
+    (Look("left by groups", look.BLUE, "o"), lambda by: by.pairs - by.before_boxes),
+    (Look("left by boxes: the core is asked", look.GREEN, "s"), lambda by: by.tested),
+    (Look("left by its axes: near", look.PURPLE, "v"), lambda by: by.near),
 )
+_CYCLES = Look("cycles of the mesh engine", look.VERMILION, "D")
 
-_ALL = _Look("bulk checker, all pairs", "#000000", "|")
-_OURS = _Look("broad phase and bulk checker", "#D55E00", "D")
-_ALONE = _Look("broad phase alone", "#E69F00", "d", True)
+_ALL = Look("bulk checker, all pairs", look.BLACK, "|")
+_OURS = Look("broad phase and bulk checker", look.VERMILION, "D")
+_ALONE = Look("broad phase alone", look.ORANGE, "d", True)
 _PACKAGES = {
-    "FCL OBB": _Look("FCL, OBB tree (OBBTree)", "#0072B2", "o"),
-    "FCL OBBRSS": _Look("FCL, OBBRSS tree", "#56B4E9", "o", True),
-    "FCL AABB": _Look("FCL, AABB tree", "#009E73", "s"),
-    "FCL OBBRSS, python-fcl": _Look("FCL by python-fcl", "#56B4E9", "^"),
-    "trimesh CollisionManager": _Look("trimesh's collision manager", "#CC79A7", "v"),
-    "trimesh triangles_tree (rtree)": _Look("trimesh's R-tree, boxes only", "#6E6E6E", "x"),
+    "FCL OBB": Look("FCL, OBB tree (OBBTree)", look.BLUE, "o"),
+    "FCL OBBRSS": Look("FCL, OBBRSS tree", look.SKY, "o", True),
+    "FCL AABB": Look("FCL, AABB tree", look.GREEN, "s"),
+    "FCL OBBRSS, python-fcl": Look("FCL by python-fcl", look.SKY, "^"),
+    "trimesh CollisionManager": Look("trimesh's collision manager", look.PURPLE, "v"),
+    "trimesh triangles_tree (rtree)": Look("trimesh's R-tree, boxes only", look.GREY, "x"),
 }
+
+
+def draw(result: SkippingResult) -> list[Path]:
+    """Write the picture, as PNG and as SVG, each whole or not at all; return the files."""
+    return write_figures(figure_of(result), RESULT)
 
 
 def figure_of(result: SkippingResult) -> Figure:
     """Return the picture of a result."""
-    with rc_context(_STYLE):
-        figure = Figure(figsize=_INCHES, dpi=_DPI)
-        FigureCanvasAgg(figure)
+    with look.chart(_INCHES, _DPI) as figure:
         grid = figure.add_gridspec(
-            2,
-            2,
-            left=0.17,
-            right=0.985,
-            top=0.895,
-            bottom=0.06,
-            hspace=0.48,
-            wspace=0.12,
+            2, 2, left=0.17, right=0.985, top=0.895, bottom=0.06, hspace=0.48, wspace=0.12,
             height_ratios=(1.1, 1),
-        )
+        )  # fmt: skip
         pairs, cycles, software = result.totals
         figure.text(0.012, 0.968, "Skipping what a scene does not need", fontsize=LARGE + 5, weight="bold")
         figure.text(
             0.012, 0.944,
             f"All scenes, with margins: {pairs:,} facet pairs in {cycles:,} cycles of the mesh engine; "
-            f"the bulk checker takes {software.without:.2f} s alone, {software.with_skipping:.3f} s behind "
-            "the broad phase. Every answer is exact, with and without skipping.",
+            f"the bulk checker takes {software.seconds_all_pairs:.2f} s alone, "
+            f"{software.seconds_behind_boxes:.3f} s behind the broad phase. Every answer is exact, with and "
+            "without skipping.",
             fontsize=NORMAL + 1,
         )  # fmt: skip
         _draw_stages(figure.add_subplot(grid[0, 0]), result.scenes)
@@ -119,21 +100,21 @@ def _rows(axes: Axes, rows: Sequence[SceneRow], named: bool) -> None:
 
 
 def _draw_stages(axes: Axes, rows: Sequence[SceneRow]) -> None:
-    for left in _LEFT:
-        values = [max(left.count(row.at[-1]), _NOTHING) for row in rows]
-        _scatter(axes, values, left.look)
+    for drawn, left in _LEFT:
+        _scatter(axes, [max(left(row.at[-1].pairs_by_stage), _NOTHING) for row in rows], drawn)
+    _scatter(axes, [row.at[-1].hardware.cycles for row in rows], _CYCLES)
     for place, row in enumerate(rows):
-        at = row.at[-1]
+        at = row.at[-1].hardware
         axes.plot(
-            [at.cycles, at.cycles_without], [place, place], color="#D55E00", alpha=0.3, linewidth=4, zorder=1
+            [at.cycles, at.cycles_without_skipping],
+            [place, place],
+            color=look.VERMILION,
+            alpha=0.3,
+            linewidth=4,
+            zorder=1,
         )
-        axes.text(
-            at.cycles_without * 1.5,
-            place,
-            f"{at.cycles_without / at.cycles:.0f} x",
-            fontsize=SMALL,
-            va="center",
-        )
+        times = f"{at.cycles_without_skipping / at.cycles:.0f} x"
+        axes.text(at.cycles_without_skipping * 1.5, place, times, fontsize=SMALL, va="center")
     _rows(axes, rows, named=True)
     highest = max(row.scene.pairs for row in rows)
     axes.set_xlim(_NOTHING / 1.5, highest * 8)
@@ -147,41 +128,36 @@ def _draw_stages(axes: Axes, rows: Sequence[SceneRow]) -> None:
 
 def _draw_times(axes: Axes, result: SkippingResult) -> None:
     rows = result.scenes
-    _scatter(axes, [row.at[0].software.without for row in rows], _ALL)
-    for name, look in _PACKAGES.items():
+    _scatter(axes, [row.at[0].software.seconds_all_pairs for row in rows], _ALL)
+    for name, drawn in _PACKAGES.items():
         places = [(place, run) for place, row in enumerate(rows) for run in row.peers if run.name == name]
         if places:
-            _scatter(axes, [run.seconds for _, run in places], look, [place for place, _ in places])
-    _scatter(axes, [row.at[0].software.with_skipping for row in rows], _OURS)
+            _scatter(axes, [run.seconds for _, run in places], drawn, [place for place, _ in places])
+    _scatter(axes, [row.at[0].software.seconds_behind_boxes for row in rows], _OURS)
     _rows(axes, rows, named=False)
     axes.set_xlabel("seconds of processor time, building of trees included", fontsize=NORMAL)
     absent = [package.name for package in result.packages if package.version is None]
     missing = f"; absent: {', '.join(absent)}" if absent else ""
     _title(axes, "Software: all colliding pairs of facets", f"the same scenes and meshes, margin 0{missing}")
     axes.legend(
-        loc="upper left",
-        bbox_to_anchor=(-0.04, -0.1),
-        ncols=3,
-        fontsize=SMALL,
-        frameon=False,
+        loc="upper left", bbox_to_anchor=(-0.04, -0.1), ncols=3, fontsize=SMALL, frameon=False,
         columnspacing=0.8,
-    )
+    )  # fmt: skip
 
 
 def _draw_growth(axes: Axes, growth: Growth, with_legend: bool) -> None:
     points = growth.points
-    for name, look in _PACKAGES.items():
-        runs = [(p.facets, run.seconds) for p in points for run in p.peers if run.name == name]
+    for name, drawn in _PACKAGES.items():
+        runs = [(p.facets, run.seconds) for p in points for run in p.packages if run.name == name]
         if runs:
-            _line(axes, runs, look, 1)
-    alone, decided = ([(p.facets, seconds(p)) for p in points] for seconds in (_alone_seconds, _seconds))
+            _line(axes, runs, drawn, 1)
+    alone = [(point.facets, point.seconds_broad_phase) for point in points]
+    decided = [(point.facets, point.seconds_with_verdicts) for point in points]
     _line(axes, alone, _ALONE, 1.5)
     _line(axes, decided, _OURS, 2.5)
-    slowest = [run.seconds for point in points for run in point.peers]
-    lowest, highest = (
-        min(seconds for _, seconds in alone) / 2,
-        3 * max(*slowest, decided[-1][1], decided[0][1]),
-    )
+    slowest = [run.seconds for point in points for run in point.packages]
+    lowest = min(seconds for _, seconds in alone) / 2
+    highest = 3 * max(*slowest, decided[-1][1], decided[0][1])
     for power in (1, 2):
         _draw_slope(axes, decided, power, highest)
     axes.set_xscale("log")
@@ -199,51 +175,29 @@ def _draw_growth(axes: Axes, growth: Growth, with_legend: bool) -> None:
         axes.legend(loc="upper left", fontsize=SMALL, frameon=False)
 
 
-def _alone_seconds(point: Point) -> float:
-    return point.seconds
-
-
-def _seconds(point: Point) -> float:
-    return point.decided_seconds
-
-
-def _line(axes: Axes, points: Sequence[tuple[int, float]], look: _Look, width: float) -> None:
+def _line(axes: Axes, points: Sequence[tuple[int, float]], drawn: Look, width: float) -> None:
     facets, seconds = [facets for facets, _ in points], [seconds for _, seconds in points]
     axes.plot(
-        facets,
-        seconds,
-        color=look.colour,
-        marker=look.marker,
-        markerfacecolor=look.face,
-        markersize=5,
-        linewidth=width,
-        label=look.label,
-    )
+        facets, seconds, color=drawn.colour, marker=drawn.marker, markerfacecolor=drawn.face, markersize=5,
+        linewidth=width, label=drawn.label,
+    )  # fmt: skip
 
 
 def _draw_slope(axes: Axes, points: Sequence[tuple[int, float]], power: int, highest: float) -> None:
     """Draw what grows like the facets to a power, from the first point to the top."""
     (first, cost), (last, _) = points[0], points[-1]
     end = min(last, first * (0.6 * highest / cost) ** (1 / power))
-    axes.plot([first, end], [cost, cost * (end / first) ** power], color=_GREY, linestyle=":", linewidth=1)
+    axes.plot([first, end], [cost, cost * (end / first) ** power], color=GREY, linestyle=":", linewidth=1)
     label = f"facets$^{{{power}}}$ "
-    axes.text(end, cost * (end / first) ** power, label, fontsize=SMALL, color=_GREY, ha="right", va="bottom")
+    axes.text(end, cost * (end / first) ** power, label, fontsize=SMALL, color=GREY, ha="right", va="bottom")
 
 
-def _scatter(axes: Axes, values: Sequence[float], look: _Look, places: Sequence[int] | None = None) -> None:
+def _scatter(axes: Axes, values: Sequence[float], drawn: Look, places: Sequence[int] | None = None) -> None:
     rows = range(len(values)) if places is None else places
     axes.plot(
-        values,
-        rows,
-        linestyle="",
-        color=look.colour,
-        marker=look.marker,
-        markerfacecolor=look.face,
-        markersize=13 if look.marker == "|" else 6.5,
-        markeredgewidth=1.4,
-        label=look.label,
-        zorder=3,
-    )
+        values, rows, linestyle="", color=drawn.colour, marker=drawn.marker, markerfacecolor=drawn.face,
+        markersize=13 if drawn.marker == "|" else 6.5, markeredgewidth=1.4, label=drawn.label, zorder=3,
+    )  # fmt: skip
 
 
 def _title(axes: Axes, title: str, about: str) -> None:

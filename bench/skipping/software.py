@@ -1,15 +1,26 @@
-"""What skipping saves in software: the bulk checker on all facet pairs, and behind the broad phase."""
+"""Asking software which facets of two meshes collide, and what it takes: our own, and packages.
 
-from dataclasses import dataclass
+Our own is the bulk checker, on all facet pairs and behind the broad phase.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 
-from triaxis.bench.skipping.clocked import clocked
+from triaxis.bench.harness import clocked
+from triaxis.bench.peers.peer import MeshPeer
+from triaxis.bench.skipping.stages import Summed
 from triaxis.golden.bulk import bulk_facts
 from triaxis.host.box_tree import Work
 from triaxis.host.broadphase import candidates
 from triaxis.host.meshcheck import in_order
 from triaxis.host.scene_engines import Integers
+
+# What a package finds.
+BOXES, FACETS = "pairs of boxes", "colliding facets"
 
 # Pairs decided at a time, such that they stay in the processor's cache.
 _AT_ONCE = 1 << 14
@@ -29,60 +40,129 @@ class Found:
 
 def all_pairs(a: Integers, b: Integers, margin: int) -> Found:
     """Decide all pairs of facets (N, 3, 3) and (M, 3, 3), coordinates and margin in LSB."""
-    near = [np.empty((0, 2), np.int64)]
-    facets_b = np.arange(len(b))
-    step = max(1, _AT_ONCE // max(1, len(b)))
-    for start in range(0, len(a), step):
-        i = np.repeat(np.arange(start, min(start + step, len(a))), len(b))
-        near.append(_near(a, b, i, np.tile(facets_b, len(i) // len(b)), margin))
-    return Found(np.concatenate(near), 0, len(a) * len(b))
+    numbers, step = np.arange(len(b)), max(1, _AT_ONCE // max(1, len(b)))
+    rows = (np.arange(start, min(start + step, len(a))) for start in range(0, len(a), step))
+    return _decided(a, b, margin, ((np.repeat(row, len(b)), np.tile(numbers, len(row))) for row in rows))
 
 
 def behind_boxes(a: Integers, b: Integers, margin: int) -> Found:
     """Decide the pairs that the broad phase leaves; the near ones are the same."""
-    work, tested, near = Work(), 0, [np.empty((0, 2), np.int64)]
-    for i, j in candidates(a, b, margin, work):
-        tested += len(i)
-        for start in range(0, len(i), _AT_ONCE):
-            chosen = slice(start, start + _AT_ONCE)
-            near.append(_near(a, b, i[chosen], j[chosen], margin))
-    return Found(np.concatenate(near), work.compared, tested)
+    work = Work()
+    found = _decided(a, b, margin, candidates(a, b, margin, work))
+    return replace(found, boxes=work.compared)
 
 
-def _near(a: Integers, b: Integers, i: Integers, j: Integers, margin: int) -> Integers:
-    """Return which pairs (i, j) are near, (K, 2)."""
-    near = bulk_facts(np.stack([a[i], b[j]], 1).astype(np.int32), margin).near
-    return np.stack([i[near], j[near]], 1)
+def _decided(a: Integers, b: Integers, margin: int, blocks: Iterable[tuple[Integers, Integers]]) -> Found:
+    """Decide pairs of facets, given as their numbers (K,) in A and in B, block by block."""
+    tested, near = 0, [np.empty((0, 2), np.int64)]
+    for block in blocks:
+        tested += len(block[0])
+        for start in range(0, len(block[0]), _AT_ONCE):
+            i, j = (numbers[start : start + _AT_ONCE] for numbers in block)
+            chosen = bulk_facts(np.stack([a[i], b[j]], 1).astype(np.int32), margin).near
+            near.append(np.stack([i[chosen], j[chosen]], 1))
+    return Found(np.concatenate(near), 0, tested)
 
 
 @dataclass(frozen=True)
-class Saved:
+class Saved(Summed):
     """Seconds of processor time with and without skipping, of pairs of solids, and what was done with it.
 
-    ``same``: both found the same near pairs.
+    ``right``: both find the near pairs of the golden model.
     """
 
-    with_skipping: float = 0.0
-    without: float = 0.0
-    boxes: int = 0
-    tested: int = 0
-    same: bool = True
-
-    def __add__(self, other: "Saved") -> "Saved":
-        """Return the sums."""
-        return Saved(
-            self.with_skipping + other.with_skipping,
-            self.without + other.without,
-            self.boxes + other.boxes,
-            self.tested + other.tested,
-            self.same and other.same,
-        )
+    seconds_behind_boxes: float = 0.0
+    seconds_all_pairs: float = 0.0
+    boxes_compared: int = 0
+    pairs_tested: int = 0
+    right: bool = True
 
 
-def saved(a: Integers, b: Integers, margin: int) -> tuple[Saved, Integers]:
-    """Measure both in one run; return also the near pairs (K, 2) behind the broad phase."""
+def saved(a: Integers, b: Integers, margin: int, exact: Integers) -> Saved:
+    """Measure both in one run; ``exact``: the near pairs (K, 2), in order."""
     skipped, seconds = clocked(lambda: behind_boxes(a, b, margin))
     complete, all_seconds = clocked(lambda: all_pairs(a, b, margin))
-    near = in_order(skipped.near)
-    same = np.array_equal(near, in_order(complete.near))
-    return Saved(seconds, all_seconds, skipped.boxes, skipped.tested, same), near
+    right = all(np.array_equal(in_order(found.near), exact) for found in (skipped, complete))
+    return Saved(seconds, all_seconds, skipped.boxes, skipped.tested, right)
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two meshes, facets (N, 3, 3) and (M, 3, 3) in LSB, and the pairs that collide exactly: (K, 2)."""
+
+    a: Integers
+    b: Integers
+    near: Integers
+
+
+@dataclass(frozen=True)
+class PeerRun(Summed):
+    """What a package did about some pairs of meshes, in all.
+
+    Seconds of processor time: to build its trees, and to ask. Comparisons of two bounding volumes, of two
+    triangles; None where it does not tell. ``found``: different pairs that it returned; ``missed``,
+    ``extra``: against the exact answer.
+    """
+
+    name: str
+    build_seconds: float
+    ask_seconds: float
+    volumes_compared: int | None
+    triangles_compared: int | None
+    finds: str
+    found: int
+    missed: int
+    extra: int
+
+    @property
+    def contradicts(self) -> bool:
+        """Return whether it compared boxes, which doubles do exactly here, and found others than we do."""
+        return self.finds == BOXES and self.missed + self.extra > 0
+
+    @property
+    def seconds(self) -> float:
+        """Return the time of all of it."""
+        return self.build_seconds + self.ask_seconds
+
+
+def contradiction(where: str, run: PeerRun) -> str:
+    """Return a line about boxes that a package finds otherwise."""
+    return (
+        f"{where}: {run.name} misses {run.missed} pairs of boxes that we find, and finds {run.extra} others"
+    )
+
+
+def ask_peer(peer: MeshPeer, meetings: Sequence[Meeting]) -> PeerRun:
+    """Ask a package about all meetings, one after the other."""
+    return reduce(add, (_ask(peer, meeting) for meeting in meetings))
+
+
+def _ask(peer: MeshPeer, meeting: Meeting) -> PeerRun:
+    reals = meeting.a.astype(np.float64), meeting.b.astype(np.float64)
+    question, build_seconds = clocked(lambda: peer.load(*reals))
+    pairs, ask_seconds = clocked(question.ask)
+    found, exact = _numbers(pairs, meeting), _numbers(_exact(peer, meeting), meeting)
+    counted = question.count()
+    return PeerRun(
+        peer.name,
+        build_seconds,
+        ask_seconds,
+        counted.volumes,
+        counted.triangles,
+        BOXES if peer.boxes_only else FACETS,
+        len(found),
+        len(np.setdiff1d(exact, found, assume_unique=True)),
+        len(np.setdiff1d(found, exact, assume_unique=True)),
+    )
+
+
+def _exact(peer: MeshPeer, meeting: Meeting) -> Integers:
+    if not peer.boxes_only:
+        return meeting.near
+    blocks = [np.stack(block, 1) for block in candidates(meeting.a, meeting.b, 0)]
+    return np.concatenate([np.empty((0, 2), np.int64), *blocks])
+
+
+def _numbers(pairs: Integers, meeting: Meeting) -> Integers:
+    """Return a number for each different pair, ascending."""
+    return np.unique(pairs[:, 0] * len(meeting.b) + pairs[:, 1])

@@ -7,6 +7,7 @@ numbered in docs/theory.md, section 2. A pair counts where it is skipped first.
 
 from dataclasses import dataclass, fields
 from itertools import product
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -22,8 +23,28 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 _NORMALS, _EDGES, _EDGE_BOXES = 3, 5, 14
 
 
+class Summed:
+    """Figures of a pair of meshes, which can be added field by field.
+
+    What holds must hold of both; what is not known of one is not known of the sum; names stay.
+    """
+
+    def __add__(self, other: Self) -> Self:
+        """Return the sums."""
+        names = [field.name for field in fields(cast(Any, self))]
+        return type(self)(*(_sum(getattr(self, name), getattr(other, name)) for name in names))
+
+
+def _sum(one: Any, other: Any) -> Any:
+    if one is None or other is None:
+        return None
+    if isinstance(one, bool):
+        return one and other
+    return one if isinstance(one, str) else one + other
+
+
 @dataclass(frozen=True)
-class Stages:
+class Stages(Summed):
     """How many facet pairs each stage skips, and how many are near: together all of them."""
 
     objects: int = 0
@@ -34,10 +55,6 @@ class Stages:
     edges: int = 0
     edge_boxes: int = 0
     near: int = 0
-
-    def __add__(self, other: "Stages") -> "Stages":
-        """Return the sums."""
-        return Stages(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
     @property
     def before_boxes(self) -> int:
@@ -56,17 +73,13 @@ class Stages:
 
 
 @dataclass(frozen=True)
-class Clocks:
+class Clocks(Summed):
     """How many clocks each part of the engine has work for; all are at work at the same time."""
 
     rows: int = 0
     words: int = 0
     boxes: int = 0
     core: int = 0
-
-    def __add__(self, other: "Clocks") -> "Clocks":
-        """Return the sums."""
-        return Clocks(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
 
 @dataclass(frozen=True)

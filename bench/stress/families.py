@@ -3,9 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from triaxis.bench.stress.degenerate_steps import degenerate
-from triaxis.bench.stress.lattice_families import WIDTH, contacts_at, near_misses, nearly_coplanar
-from triaxis.bench.stress.real_families import far_away, of_unlike_size, slivers
+from triaxis.bench.stress.constructions import (
+    WIDTH,
+    contacts_at,
+    degenerate,
+    far_away,
+    near_misses,
+    nearly_coplanar,
+    of_unlike_size,
+    slivers,
+)
 from triaxis.verif.core.stimulus.stimulus import Ints, Rng
 
 

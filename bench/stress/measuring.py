@@ -5,8 +5,12 @@ is exact on what it is given, so all that it gets wrong about the unrounded pair
 resolution R and margin m, near on the grid means at most (m + 1) R in reality (each triangle moves by at most
 R / 2), and a distance of 0 is never missed with m = 1: the no-miss mode. Its false alarms are pairs at a
 distance in (0, 2 R].
+
+Exact are the verdicts of the bulk checker on 32 bits, of which the judge sees a sample, and of the judge
+beyond.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,14 +19,77 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.stress.exact_pairs import BulkPairs, ExactPairs, JudgedPairs
-from triaxis.bench.stress.orders import METHODS, Answers, Errors, Mask, errors, method_errors, total
+from triaxis.bench.harness import Progress
+from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors, total
 from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.judge import judge
+from triaxis.host.grid_choice import Steps, finest_resolution
 from triaxis.host.quantise import Grid, box_of, fits, grid_around, margin_for, quantise
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 from triaxis.sim.result import NEAR
-from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32
+from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, chosen_rows
 from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, all_orders
+
+# One in so many of the bulk checker's verdicts is judged again by the linear program.
+JUDGED_ONE_IN = 100
+
+
+class ExactPairs(ABC):
+    """Pairs (N, 2, 3, 3) whose exact Chebyshev distances can be compared with whole limits."""
+
+    # Pairs judged by the linear program, and how many answers on them it contradicts.
+    judged: int = 0
+    contradicted: int = 0
+
+    @abstractmethod
+    def within(self, limit: int) -> Mask:
+        """Return which pairs are at most ``limit`` units from each other: (N,)."""
+
+    def reach(self, chosen: Mask, most: int) -> int | None:
+        """Return the least whole limit, up to ``most``, that all chosen pairs are within; None if none is."""
+        if not (self.within(most) | ~chosen).all():
+            return None
+        low, high = -1, most
+        while high - low > 1:
+            middle = (low + high) // 2
+            if (self.within(middle) | ~chosen).all():
+                high = middle
+            else:
+                low = middle
+        return high
+
+
+class BulkPairs(ExactPairs):
+    """Pairs of 32 bits."""
+
+    def __init__(self, pairs: Ints) -> None:
+        """Take pairs of 32 bits; a sample of what `within` says is judged by the linear program."""
+        self._pairs = pairs.astype(np.int32)
+        self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN)
+        judgements = [judge(a, b, 0) for a, b in chosen_rows(pairs, self._sample).tolist()]
+        self._distances = [judgement.distance for judgement in judgements]
+        self.judged = len(judgements)
+
+    def within(self, limit: int) -> Mask:
+        """Return which pairs are within the limit; count in ``contradicted`` where the judge disagrees."""
+        near = bulk_facts(self._pairs, limit).near
+        judged = np.array([distance <= limit for distance in self._distances], np.bool_)
+        self.contradicted += int((near[self._sample] != judged).sum())
+        return near
+
+
+class JudgedPairs(ExactPairs):
+    """Pairs of any size: each is judged, with a certificate that is checked."""
+
+    def __init__(self, pairs: Ints) -> None:
+        """Judge all pairs."""
+        self._distances: list[Fraction] = [judge(a, b, 0).distance for a, b in pairs.tolist()]
+        self.judged = len(pairs)
+
+    def within(self, limit: int) -> Mask:
+        """Return which pairs are within the limit."""
+        return np.array([distance <= limit for distance in self._distances], np.bool_)
+
 
 # Widths of the simulated cores; a setting's own resolution is the first that holds its pairs as they are.
 WIDTHS = (8, 12, 16, 24, 32)
@@ -40,7 +107,7 @@ def _engine(width: int) -> RtlEngine:
     return RtlEngine(configuration_for(width, 1))
 
 
-def build_cores(progress: Callable[[int], None]) -> None:
+def build_cores(progress: Progress) -> None:
     """Build all cores where needed; ``progress`` is told of each."""
     for width in WIDTHS:
         _engine(width)
@@ -54,7 +121,7 @@ def rtl_core(width: int, pairs: Pairs32, margin: int) -> Mask:
 
 
 @dataclass(frozen=True)
-class Measured:
+class SettingResult:
     """What was found at one setting; counts are of answers in all 72 orders unless it says pairs.
 
     pairs, near_pairs, judged_pairs: of the unrounded pairs; the last by the linear program, which contradicts
@@ -71,11 +138,11 @@ class Measured:
     judged_pairs: int
     contradicted: int
     own_width: int | None
-    core: Errors
-    methods: dict[str, Errors]
+    core: OrderErrors
+    methods: dict[str, OrderErrors]
     resolution: int
-    rounded: Errors
-    no_miss: Errors
+    rounded: OrderErrors
+    no_miss: OrderErrors
     band_pairs: int
     beyond_band: int
     farthest: float
@@ -102,11 +169,10 @@ def _own_width(facets: npt.NDArray[np.float64]) -> int | None:
 
 
 def _rounding_grid(facets: npt.NDArray[np.float64]) -> Grid:
-    """Return the finest grid of ROUNDING_WIDTH around the facets whose resolution is a power of 2."""
-    boxes, exponent = [box_of(facets)], 0
-    while not fits(boxes, grid_around(boxes, Fraction(1 << exponent), ROUNDING_WIDTH)):
-        exponent += 1
-    return grid_around(boxes, Fraction(1 << exponent), ROUNDING_WIDTH)
+    """Return the finest grid of ROUNDING_WIDTH around the facets whose resolution is a power of 2, or 1."""
+    box = box_of(facets)
+    finest = finest_resolution(box, ROUNDING_WIDTH, steps=Steps.BINARY)
+    return grid_around([box], max(finest, Fraction(1)), ROUNDING_WIDTH)
 
 
 def _on(grid: Grid, facets: npt.NDArray[np.float64]) -> Pairs32:
@@ -118,7 +184,7 @@ def _asked(core: Core, width: int, pairs: Pairs32, margin: int) -> Answers:
     return core(width, all_orders(pairs), margin).reshape(-1, NUM_ORDERS).T
 
 
-def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Measured:
+def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> SettingResult:
     """Measure everything on pairs (N, 2, 3, 3) of whole numbers below 2^53.
 
     ``margin``: of the no-miss mode, in LSB, where it shall not be what the theorem says.
@@ -146,7 +212,7 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Me
     in_band = exact.within(limit) & ~near
     alarms = at_margin & ~near
     farthest = exact.reach(alarms.any(0) & in_band, limit)
-    return Measured(
+    return SettingResult(
         pairs=len(pairs),
         near_pairs=int(near.sum()),
         judged_pairs=exact.judged,

@@ -7,14 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.stress.published.guigue_devillers import guigue_devillers
-from triaxis.bench.stress.published.moller import moller
-from triaxis.bench.stress.published.separating_axes import separating_axes
-from triaxis.bench.stress.published.vectors import Triangles
+from triaxis.bench.stress.methods import Mask, Triangles, guigue_devillers, moller, separating_axes
 from triaxis.verif.core.stimulus.stimulus import Ints
 from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, VERTICES
 
-Mask = npt.NDArray[np.bool_]
 # Answers "near" in each order of each pair: (orders, N).
 Answers = npt.NDArray[np.bool_]
 # From two arrays of triangles (3, 3, N), which pairs it takes for near: (N,).
@@ -47,7 +43,7 @@ METHODS = tuple(
 
 
 @dataclass(frozen=True)
-class Errors:
+class OrderErrors:
     """Of the answers on N pairs in all orders: how many there are, and how many of them are wrong.
 
     misses: "clear" of a near pair; false_alarms: "near" of a clear one. pairs: N; wrong_pairs: pairs that
@@ -77,15 +73,15 @@ class Errors:
         return self.changing_pairs / self.pairs
 
 
-def total(parts: Iterable[Errors]) -> Errors:
+def total(parts: Iterable[OrderErrors]) -> OrderErrors:
     """Return the errors of all parts together."""
-    return Errors(*(sum(counts) for counts in zip(*(astuple(part) for part in parts), strict=True)))
+    return OrderErrors(*(sum(counts) for counts in zip(*(astuple(part) for part in parts), strict=True)))
 
 
-def errors(answers: Answers, near: Mask) -> Errors:
+def errors(answers: Answers, near: Mask) -> OrderErrors:
     """Compare answers (orders, N) with the exact verdicts (N,)."""
     wrong, some = answers != near, answers.any(0)
-    return Errors(
+    return OrderErrors(
         answers.size,
         int((wrong & near).sum()),
         int((wrong & ~near).sum()),
@@ -116,6 +112,6 @@ def in_all_orders(test: Test, points: npt.NDArray[Any]) -> Answers:
     return answers
 
 
-def method_errors(method: Method, pairs: Ints, near: Mask) -> Errors:
+def method_errors(method: Method, pairs: Ints, near: Mask) -> OrderErrors:
     """Return what a method gets wrong on pairs below 2^53, in all orders, against exact verdicts."""
     return errors(in_all_orders(method.test, scaled(pairs).astype(method.dtype)), near)

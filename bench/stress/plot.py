@@ -1,18 +1,140 @@
-"""Pictures of a stress test: a panel for each family, the knob from easy to impossible, errors in percent."""
+"""Pictures of a stress test: a panel for each family, the knob from easy to impossible, shares in percent."""
 
 import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.typing import LineStyleType
 
-from triaxis.bench.stress.curves import Curve, Picture
+from triaxis.bench.stress.measuring import ROUNDING_WIDTH, SettingResult
+from triaxis.bench.stress.orders import METHODS, OrderErrors
 from triaxis.bench.stress.run import FamilyResult, StressResult
+from triaxis.host import figure_style as look
 from triaxis.host.figure_style import LARGE, NORMAL, SMALL
 from triaxis.host.saved_figure import write_figures
+
+_COLOURS = {"SAT": look.BLUE, "Moller": look.ORANGE, "Guigue-Devillers": look.PURPLE}
+_MARKERS = {"SAT": "o", "Moller": "^", "Guigue-Devillers": "s"}
+_BAND = "#9A9A9A"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line of a picture: what it shows of a setting, and its look.
+
+    ``filled``: down to 0. ``counted``: what the legend says of it, from all settings together.
+    """
+
+    label: str
+    share: Callable[[SettingResult], float]
+    colour: str
+    line: LineStyleType = "-"
+    marker: str = ""
+    width: float = 1.4
+    hollow: bool = False
+    filled: bool = False
+    counted: Callable[[StressResult], str] | None = None
+
+    def shares(self, result: FamilyResult) -> list[float]:
+        """Return its share at each setting, in percent."""
+        return [100 * self.share(measured) for measured in result.measured]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Curves for every family: ``name`` of its files, and what stands above."""
+
+    name: str
+    title: str
+    about: str
+    axis: str
+    curves: tuple[Curve, ...]
+
+
+def _of_methods(share: Callable[[OrderErrors], float]) -> Iterator[Curve]:
+    """Yield a curve for each method; ``share``: what it shows of its errors."""
+    for method in METHODS:
+        single = method.name.startswith("float32")
+        yield Curve(
+            method.name, lambda m, name=method.name: share(m.methods[name]), _COLOURS[method.title],
+            "--" if single else "-", _MARKERS[method.title], hollow=single,
+        )  # fmt: skip
+
+
+def _missed(measured: SettingResult) -> float:
+    return measured.no_miss.misses / measured.no_miss.answers
+
+
+def _all_missed(result: StressResult) -> str:
+    return f"{result.no_miss.misses} of {result.no_miss.answers:,}"
+
+
+ERRORS = Picture(
+    "stress",
+    "Wrong answers of triangle tests, as inputs go from easy (left) to impossible (right)",
+    "near or clear, in all 72 orders of every pair, against exact verdicts on the coordinates as given; the "
+    "core: on what it is given, at its own resolution",
+    "wrong answers (%)",
+    (
+        *_of_methods(lambda errors: errors.rate),
+        Curve(
+            "core, as simulated", lambda m: m.core.rate, look.GREEN, width=4.5,
+            counted=lambda result: f"{result.core.wrong} of {result.core.answers:,} wrong",
+        ),
+        Curve(
+            f"no-miss mode at {ROUNDING_WIDTH} bits, missed", _missed, look.BLACK, ":", width=1.8,
+            counted=_all_missed,
+        ),
+    ),
+)  # fmt: skip
+ORDERS = Picture(
+    "stress_orders",
+    "Pairs whose answer hangs on the order of their vertices and triangles, from easy (left) to impossible",
+    "the same pair in all 72 orders (6 x 6 of the vertices, A and B exchanged): not always the same answer",
+    "pairs (%)",
+    (
+        *_of_methods(lambda errors: errors.changing_rate),
+        Curve(
+            "core, as simulated", lambda m: m.core.changing_rate, look.GREEN, width=4.5,
+            counted=lambda result: f"{result.core.changing_pairs} of {result.core.pairs:,}",
+        ),
+    ),
+)  # fmt: skip
+QUANTISATION = Picture(
+    "stress_quantisation",
+    f"What rounding to {ROUNDING_WIDTH} bits costs, and what the no-miss mode makes of it, from easy (left) "
+    "to impossible",
+    "the core on rounded coordinates against exact verdicts on the unrounded ones; the no-miss mode has a "
+    "margin of 1 LSB, and its band ends at a distance of 2 LSB",
+    "answers (%)",
+    (
+        Curve(
+            "clear pairs at most 2 LSB apart: the band", lambda m: m.band_pairs / m.pairs, _BAND, width=0,
+            filled=True,
+        ),
+        Curve(
+            "no-miss mode, false alarms", lambda m: m.no_miss.false_alarms / m.no_miss.answers, look.BLUE,
+            marker="o",
+            counted=lambda r: f"{r.no_miss.false_alarms:,}, {r.beyond_band:,} beyond the band",
+        ),
+        Curve("no-miss mode, missed collisions", _missed, look.GREEN, width=4.5, counted=_all_missed),
+        Curve(
+            "without margin, false alarms", lambda m: m.rounded.false_alarms / m.rounded.answers, look.SKY,
+            "--", "^", hollow=True,
+        ),
+        Curve(
+            "without margin, missed collisions", lambda m: m.rounded.misses / m.rounded.answers,
+            look.VERMILION, "--", "x",
+        ),
+    ),
+)  # fmt: skip
+PICTURES = (ERRORS, ORDERS, QUANTISATION)
+
 
 _INCHES, _DPI = (17.0, 8.6), 110
 _ROWS, _COLUMNS = 2, 4
@@ -23,14 +145,22 @@ _TICKS = (0, 0.1, 1, 10, 100)
 _LABELS = 12
 
 
-def draw(folder: Path, picture: Picture, result: StressResult) -> list[Path]:
-    """Draw into ``folder``, as PNG and as SVG, each whole or not at all; return the files."""
-    return write_figures(_figure(picture, result), folder / f"{picture.name}.png")
+def draw(result: StressResult, folder: Path) -> list[Path]:
+    """Draw all pictures into ``folder``, as PNG and as SVG, each whole or not at all; return the files."""
+    return [
+        path
+        for picture in PICTURES
+        for path in write_figures(_figure(picture, result), folder / picture.name)
+    ]
 
 
 def _figure(picture: Picture, result: StressResult) -> Figure:
-    figure = Figure(figsize=_INCHES, dpi=_DPI)
-    FigureCanvasAgg(figure)
+    with look.chart(_INCHES, _DPI) as figure:
+        _fill(figure, picture, result)
+    return figure
+
+
+def _fill(figure: Figure, picture: Picture, result: StressResult) -> None:
     figure.text(0.02, 0.955, picture.title, fontsize=LARGE + 3, weight="bold")
     figure.text(0.02, 0.925, picture.about, fontsize=NORMAL + 1)
     panels = figure.subplots(
@@ -55,7 +185,6 @@ def _figure(picture: Picture, result: StressResult) -> Figure:
         "float32 holds 24-bit coordinates exactly,\n53-bit ones rounded.",
         fontsize=SMALL, transform=legend.transAxes,
     )  # fmt: skip
-    return figure
 
 
 def _draw_family(axes: Axes, picture: Picture, result: FamilyResult) -> None:

@@ -15,18 +15,18 @@ from triaxis.bench.activity.measuring import (
     in_place,
     multiplier_toggles,
     trace,
-    write_result,
 )
 from triaxis.bench.activity.saif import Activity, read_saif
-from triaxis.bench.activity.streams import UNDECIDED, box_gaps, random_stream, streams
-from triaxis.bench.activity.traced_mesh import TracedMeshEngine
+from triaxis.bench.activity.streams import UNDECIDED, random_stream, streams
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import fpga as command
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import followed
 from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import DUT
 
 # The smallest core: what it shows of gating holds for all.
@@ -55,6 +55,7 @@ def cross_products(pairs):
             yield a[:, (k + 2) % 3], b[:, (k + 1) % 3]
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize("configuration", [GATED, UNGATED], ids=lambda c: c.name)
 def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, configuration):
     file = tmp_path / "core.saif"
@@ -76,26 +77,22 @@ def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, conf
     }
 
 
-def test_gating_leaves_about_the_undecided_share(tmp_path, stream):
-    gated, ungated = (trace(stream, c, tmp_path / "core.saif") for c in (GATED, UNGATED))
-    # Four cross products of six, ten triple products of three.
-    assert gated.multipliers == ungated.multipliers == 24 + 30
-    row = Row(stream.name, len(stream.pairs), int(stream.undecided.sum()), 0, gated, ungated)
-    assert row.within_bound
-    assert 0.5 * UNDECIDED < row.ratio < BOUND
-
-
-def test_broken_gating_is_seen(tmp_path, stream):
+@pytest.mark.simulator
+def test_gating_leaves_about_the_undecided_share_and_broken_gating_is_seen(tmp_path, stream):
     dut = tmp_path / "dut"
     shutil.copytree(DUT, dut)
     boxes, right = dut / "core" / "triaxis_boxes.sv", "assign open = valid && (!Gating || separated == '0);"
     assert boxes.read_text().count(right) == 1
     boxes.write_text(boxes.read_text().replace(right, "assign open = valid;"))
-    broken = trace(stream, GATED, tmp_path / "core.saif", dut)
-    ungated = trace(stream, UNGATED, tmp_path / "core.saif")
-    row = Row(stream.name, len(stream.pairs), int(stream.undecided.sum()), 0, broken, ungated)
-    assert not row.within_bound
-    assert row.ratio > 0.9
+    file = tmp_path / "core.saif"
+    gated, ungated, broken = (
+        trace(stream, c, file, d) for c, d in ((GATED, DUT), (UNGATED, DUT), (GATED, dut))
+    )
+    # Four cross products of six, ten triple products of three.
+    assert gated.multipliers == ungated.multipliers == 24 + 30
+    rows = [Row(stream.name, len(stream.pairs), 20, 0, each, ungated) for each in (gated, broken)]
+    assert rows[0].within_bound and 0.5 * UNDECIDED < rows[0].ratio < BOUND
+    assert not rows[1].within_bound and rows[1].ratio > 0.9
 
 
 def test_streams_have_one_undecided_pair_in_a_hundred():
@@ -106,24 +103,20 @@ def test_streams_have_one_undecided_pair_in_a_hundred():
         assert stream.margin < 1 << measuring.GATED.margin_bits
 
 
-def test_box_gaps():
-    pairs = np.zeros((3, 2, 3, 3), np.int64)
-    pairs[1, 1, :, 2] = [7, 5, 9]
-    pairs[2, 0, :, 0] = [4, 4, 6]
-    pairs[2, 1, :, 1] = [-3, -9, -5]
-    assert box_gaps(pairs).tolist() == [0, 5, 4]
-
-
+@pytest.mark.simulator
 def test_the_mesh_engine_is_followed_while_it_runs(tmp_path, rng):
     a, b = rng.integers(-128, 127, (2, 20, 3, 3), endpoint=True)
     file = tmp_path / "mesh.saif"
-    near = TracedMeshEngine(MeshConfiguration(8, 0, 64, 4, 2)).count_near(a, b, 0, file)
+    engine = MeshEngine(MeshConfiguration(8, 0, 64, 4, 2), traced=True)
+    engine.load(a, b)
+    with followed(engine.library, file):
+        near = engine.run(mode=Mode.COUNT).near_count
     pairs = np.stack([np.repeat(a, 20, 0), np.tile(b, (20, 1, 1))], 1)
     assert near == bulk_facts(pairs, 0).near.sum() > 0
-    followed = read_saif(file)
-    assert followed.instances["TOP"]["clk_i"] * 5000 == followed.duration
-    assert any(path.startswith("TOP/triaxis_mesh/u_core/") for path in followed.instances)
-    assert multiplier_toggles(followed).total > 0
+    measured = read_saif(file)
+    assert measured.instances["TOP"]["clk_i"] * 5000 == measured.duration
+    assert any(path.startswith("TOP/triaxis_mesh/u_core/") for path in measured.instances)
+    assert multiplier_toggles(measured).total > 0
 
 
 def test_the_engines_activity_is_given_its_place_in_the_board(tmp_path):
@@ -140,13 +133,6 @@ def test_the_engines_activity_is_given_its_place_in_the_board(tmp_path):
     }
 
 
-def test_the_board_has_the_engine_where_its_activity_says():
-    top = TOP_RTL
-    if not top.exists():
-        pytest.skip(f"{top} is not there")
-    assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", top.read_text())
-
-
 @pytest.mark.parametrize(("gated", "status"), [(3, 0), (4, 1)])
 def test_command(tmp_path, monkeypatch, capsys, gated, status):
     row = Row("pairs", 1000, 10, 5, MultiplierToggles(1, gated, 0, 0), MultiplierToggles(1, 50, 30, 20))
@@ -155,7 +141,9 @@ def test_command(tmp_path, monkeypatch, capsys, gated, status):
     monkeypatch.setattr(command, "trace_scene", lambda _: row.gated)
     assert main(["fpga", "activity"]) == status
     assert f"{gated}.00 %" in capsys.readouterr().out
-    assert (tmp_path / "activity.json").exists()
+    content = json.loads((tmp_path / "activity.json").read_text())
+    assert content["passed"] is bool(status == 0) is not bool(content["problems"])
+    assert content["streams"][0]["ratio"] == content["worst"] == gated / 100
 
 
 def test_nothing_counted_is_an_error():
@@ -167,26 +155,86 @@ def test_nothing_counted_is_an_error():
             multiplier_toggles(Activity(1, instances))
 
 
+@pytest.mark.simulator
 def test_wrong_answers_are_no_measurement(tmp_path, stream, monkeypatch):
-    class Broken:
-        def __init__(self, *_):
-            pass
+    def nothing(_, pairs, _margins):
+        return np.zeros(len(pairs), np.uint16), 0
 
-        def run(self, pairs, _margins, _file):
-            return np.zeros(len(pairs), np.uint16)
-
-    monkeypatch.setattr(measuring, "TracedCore", Broken)
+    monkeypatch.setattr("triaxis.sim.core_engine.RtlEngine.words", nothing)
     with pytest.raises(InputError, match="answers wrong"):
         trace(stream, GATED, tmp_path / "core.saif")
 
 
-@pytest.mark.parametrize(("gated", "passed"), [(3, True), (4, False)])
-def test_result_file(tmp_path, monkeypatch, gated, passed):
-    monkeypatch.setattr(measuring, "RESULT", tmp_path / "activity.json")
-    counted = MultiplierToggles(1, gated, 0, 0)
-    row = Row("pairs", 1000, 10, 5, counted, MultiplierToggles(1, 50, 30, 20))
-    content = json.loads(write_result([row], counted, 1, 2.0).read_text())
-    assert content["passed"] is passed
-    assert content["streams"][0]["ratio"] == gated / 100
-    assert bool(content["problems"]) is not passed
-    assert content["worst"] == gated / 100
+def test_the_board_has_the_engine_where_its_activity_says():
+    top = TOP_RTL
+    if not top.exists():
+        pytest.skip(f"{top} is not there")
+    assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", top.read_text())
+
+
+GOOD = r"""// Generated by a simulator
+(SAIFILE
+(SAIFVERSION "2.0")
+(DIRECTION "backward")
+(PROGRAM_NAME "Some Simulator")
+(DIVIDER / )
+(TIMESCALE 1ps)
+(DURATION 840)
+ (INSTANCE TOP
+  (NET
+   (clk_i (T0 420) (T1 420) (TZ 0) (TX 0) (TB 0) (TC 84))
+  )
+  (INSTANCE "triaxis_mul" u_mul
+   (NET
+    (a_i\[0\] (T0 1) (T1 2) (TX 0) (TC 3) (IG 0))
+    (a_i\[1\]
+       (T0 1) (T1 2) (TC 4))
+    (array\[2\]\[7\] (T0 1) (T1 2) (TC 5))
+   )
+   (INSTANCE g_product[0]
+    (NET (a_i (T0 0) (T1 0) (TC 10)))
+   )
+  )
+  (INSTANCE u_multiplier (NET (a_i (TC 100))))
+ )
+)
+"""
+
+
+def written(tmp_path, text):
+    path = tmp_path / "activity.saif"
+    path.write_text(text)
+    return path
+
+
+def test_toggles_of_all_bits_of_a_signal_are_added(tmp_path):
+    activity = read_saif(written(tmp_path, GOOD))
+    assert activity.duration == 840
+    assert activity.instances["TOP"] == {"clk_i": 84}
+    assert activity.instances["TOP/u_mul"] == {"a_i": 7, "array": 5}
+
+    assert activity.inside("TOP/u_mul", "a_i") == 17
+    assert activity.inside("TOP", "a_i") == 117
+    assert activity.inside("TOP/u_mul", "b_i") == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (GOOD[:-3], "ends early"),
+        (GOOD[: GOOD.index("(NET (a_i (T0 0)")], "ends early"),
+        (GOOD[: GOOD.index("g_product")], r":20: not SAIF: .*INSTANCE"),
+        (GOOD[: GOOD.index("(T0 0) (T1 0)") + 3], r":21: not SAIF: .*T0"),
+        (GOOD.replace("(DURATION 840)\n", ""), "no DURATION"),
+        (GOOD + ")", "one closing parenthesis too many"),
+        (GOOD.replace("(TC 84)", "(TC many)"), r":11: not SAIF: .*clk_i"),
+        (GOOD.replace(" (TC 84)", ""), "clk_i has no toggle count"),
+        ("", "not a whole SAIF file"),
+        ("$date today $end\n", ":1: not SAIF"),
+    ],
+)
+def test_damaged_files_are_one_clear_error(tmp_path, text, says):
+    with pytest.raises(InputError, match=says):
+        read_saif(written(tmp_path, text))
+    with pytest.raises(InputError, match="not readable"):
+        read_saif(tmp_path / "none.saif")

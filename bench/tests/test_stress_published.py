@@ -5,12 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from triaxis.bench.stress.lattice_families import near_misses, nearly_coplanar
+from triaxis.bench.stress.constructions import near_misses, nearly_coplanar
+from triaxis.bench.stress.methods import guigue_devillers, moller, separating_axes
 from triaxis.bench.stress.orders import METHODS, in_all_orders, scaled
-from triaxis.bench.stress.published.guigue_devillers import guigue_devillers
-from triaxis.bench.stress.published.lone_vertex import lone_vertex
-from triaxis.bench.stress.published.moller import moller
-from triaxis.bench.stress.published.separating_axes import separating_axes
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.rational import Rational
 from triaxis.verif.core.stimulus.symmetry import VERTICES
@@ -36,36 +33,24 @@ def grid_pairs(rng, count, flat):
     return pairs[(facts.rank_a == 2) & (facts.rank_b == 2)]
 
 
-@pytest.mark.parametrize("test", TESTS)
-@pytest.mark.parametrize("width", [24, 32])
-def test_right_on_near_misses_in_exact_arithmetic(rng, test, width):
-    pairs = near_misses(rng, 60, width)
-    near = bulk_facts(pairs, 0).near
-    assert 0.2 < near.mean() < 0.9
-    points = exact_points(pairs)
-    for order in VERTICES[rng.permutation(72)[:12]]:
-        ordered = points[order]
-        assert (test(ordered[:3], ordered[3:]) == near).all()
+MADE = {
+    "near misses of 24 bits": lambda rng: near_misses(rng, 60, 24),
+    "near misses of 32 bits": lambda rng: near_misses(rng, 60, 32),
+    "nearly coplanar": lambda rng: nearly_coplanar(rng, 80, 2.0**-60),
+    "coplanar": lambda rng: nearly_coplanar(rng, 80, 0.0),
+    "small grid": lambda rng: grid_pairs(rng, 250, False),
+    "small grid, coplanar": lambda rng: grid_pairs(rng, 250, True),
+}
 
 
-@pytest.mark.parametrize("test", TESTS)
-@pytest.mark.parametrize("tilt", [2.0**-60, 0.0])
-def test_right_on_nearly_coplanar_pairs_in_exact_arithmetic(rng, test, tilt):
-    pairs = nearly_coplanar(rng, 80, tilt)
+@pytest.mark.parametrize("made", MADE)
+def test_right_in_exact_arithmetic(rng, made):
+    pairs = MADE[made](rng)
     facts = bulk_facts(pairs, 0)
     proper = (facts.rank_a == 2) & (facts.rank_b == 2)
-    points = exact_points(pairs[proper])
+    near, points = facts.near[proper], exact_points(pairs[proper])
+    assert 0 < near.sum() < len(near) > 40
     for order in VERTICES[rng.permutation(72)[:6]]:
-        ordered = points[order]
-        assert (test(ordered[:3], ordered[3:]) == facts.near[proper]).all()
-
-
-@pytest.mark.parametrize("flat", [False, True])
-def test_right_on_a_small_grid_in_exact_arithmetic(rng, flat):
-    pairs = grid_pairs(rng, 250, flat)
-    near = bulk_facts(pairs, 0).near
-    points = exact_points(pairs)
-    for order in VERTICES[rng.permutation(72)[:4]]:
         ordered = points[order]
         for test in TESTS:
             assert (test(ordered[:3], ordered[3:]) == near).all(), test.__name__
@@ -105,21 +90,3 @@ def test_each_type_rounds_as_it_does(rng):
     for method in METHODS:
         wrong = (in_all_orders(method.test, scaled(pairs).astype(method.dtype)) != near).mean()
         assert wrong > 0.1 if method.dtype is np.float32 else wrong < 0.001, method.name
-
-
-def test_lone_vertex():
-    signs = np.array(
-        [
-            [1, -1, -1], [-1, 1, 1], [1, 0, 0], [0, 0, -1], [0, 1, 1], [1, 0, -1], [0, 0, 0], [1, 1, 1],
-            [-1, 1, 0], [0, -1, -1],
-        ],
-        np.int8,
-    ).T  # fmt: skip
-    number, side = lone_vertex(signs)
-    assert number.tolist()[:5] == [0, 0, 0, 2, 0]
-    assert side.tolist()[:5] == [1, -1, 1, -1, -1]
-    # Two vertices are alone on their sides: either will do.
-    assert (number[5], side[5]) in {(0, 1), (2, -1)}
-    assert side.tolist()[6:8] == [0, 0]
-    assert (number[8], side[8]) in {(0, -1), (1, 1)}
-    assert (number[9], side[9]) == (0, 1)

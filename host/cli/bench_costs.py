@@ -1,16 +1,17 @@
 """``triaxis bench sim``, ``mesh`` and ``skipping``: how fast simulation, engine and skipping are."""
 
 import argparse
+import time
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, Row, bench_mesh, cases, write_rows
-from triaxis.bench.skipping.asking import PeerRun
 from triaxis.bench.skipping.growth import Growth
-from triaxis.bench.skipping.results import summary, write_result
-from triaxis.bench.skipping.run import SkippingResult, run_skipping, steps
+from triaxis.bench.skipping.plot import draw
+from triaxis.bench.skipping.run import SkippingResult, run_skipping, steps, summary, write_numbers
+from triaxis.bench.skipping.software import BOXES, PeerRun
 from triaxis.bench.speed import BOUNDS, STEPS, SimSpeeds, bench_sim, write_speeds
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
@@ -28,9 +29,10 @@ def add_sim(parser: argparse.ArgumentParser) -> None:
 
 
 def _sim(_options: argparse.Namespace) -> int:
+    started = time.monotonic()
     with progress_bar("measurements", STEPS) as progress:
         speeds = bench_sim(progress)
-    path = write_speeds(speeds)
+    path = write_speeds(speeds, time.monotonic() - started)
     _print_speeds(speeds)
     print(f"written to {path}")
     missed = [name for name, bound in BOUNDS.items() if speeds.ratios[name] < bound]
@@ -71,11 +73,11 @@ def add_mesh(parser: argparse.ArgumentParser) -> None:
 
 
 def _mesh(_options: argparse.Namespace) -> int:
-    data = _data()
+    started, data = time.monotonic(), _data()
     chosen = cases(data)
     with progress_bar("scenes", len(chosen)) as progress:
         rows = bench_mesh(chosen, progress)
-    path = write_rows(rows, data is not None)
+    path = write_rows(rows, data is not None, time.monotonic() - started)
     _print_scenes(rows)
     print(f"written to {path}")
     return DONE if all(row.passed for row in rows) else NO
@@ -95,7 +97,7 @@ def _print_scenes(rows: list[Row]) -> None:
             f"{row.cycles / CLOCK_MHZ / 1000:.3f}",
             f"{row.pairs / row.cycles:.1f}",
             str(row.bound),
-            "WRONG" if not row.right else "reached" if row.passed else "MISSED",
+            row.verdict,
         )
     Console(width=160).print(scenes)
 
@@ -125,7 +127,7 @@ def _skipping(options: argparse.Namespace) -> int:
             print(f"absent: {package.name}: {package.why_absent}")
     print_list("PROBLEM", result.problems)
     print(f"{'FAILED' if result.problems else 'PASSED'}: {summary(result)}, {result.seconds:.0f} s")
-    for path in write_result(result):
+    for path in (write_numbers(result), *draw(result)):
         print(f"written to {path}")
     return NO if result.problems else DONE
 
@@ -140,7 +142,7 @@ def _stages(result: SkippingResult) -> Table:
     rows = table(title, headings)
     for row in result.scenes:
         for at in row.at:
-            stages = at.stages
+            stages, hardware = at.pairs_by_stage, at.hardware
             rows.add_row(
                 row.scene.name if at is row.at[0] else "",
                 f"{at.margin}",
@@ -150,10 +152,10 @@ def _stages(result: SkippingResult) -> Table:
                 f"{stages.boxes:,}",
                 f"{stages.tested - stages.near:,}",
                 f"{stages.near:,}",
-                f"{at.cycles:,}",
-                f"{at.cycles_without / at.cycles:.1f}",
-                f"{1000 * at.software.without:.2f}",
-                f"{1000 * at.software.with_skipping:.2f}",
+                f"{hardware.cycles:,}",
+                f"{hardware.cycles_without_skipping / hardware.cycles:.1f}",
+                f"{1000 * at.software.seconds_all_pairs:.2f}",
+                f"{1000 * at.software.seconds_behind_boxes:.2f}",
             )
     return rows
 
@@ -169,11 +171,11 @@ def _packages(result: SkippingResult) -> Table:
     rows.add_row(
         "broad phase and bulk checker",
         "trees each time",
-        f"{sum(saved.boxes for saved in software):,}",
-        f"{sum(saved.tested for saved in software):,}",
+        f"{sum(saved.boxes_compared for saved in software):,}",
+        f"{sum(saved.pairs_tested for saved in software):,}",
         "",
-        f"{1000 * sum(saved.with_skipping for saved in software):.1f}",
-        f"{sum(row.at[0].stages.near for row in result.scenes):,}",
+        f"{1000 * sum(saved.seconds_behind_boxes for saved in software):.1f}",
+        f"{sum(row.at[0].pairs_by_stage.near for row in result.scenes):,}",
         "0",
         "0",
     )
@@ -186,11 +188,11 @@ def _packages(result: SkippingResult) -> Table:
 
 
 def _counts(runs: list[PeerRun]) -> tuple[str, ...]:
-    volumes = [run.volumes for run in runs if run.volumes is not None]
-    triangles = [run.triangles for run in runs if run.triangles is not None]
+    volumes = [run.volumes_compared for run in runs if run.volumes_compared is not None]
+    triangles = [run.triangles_compared for run in runs if run.triangles_compared is not None]
     return (
         f"{sum(volumes):,}" if volumes else "not told",
-        f"{sum(triangles):,}" if triangles else "boxes only" if runs[0].boxes_only else "not told",
+        f"{sum(triangles):,}" if triangles else "boxes only" if runs[0].finds == BOXES else "not told",
         f"{1000 * sum(run.build_seconds for run in runs):.1f}",
         f"{1000 * sum(run.ask_seconds for run in runs):.1f}",
         f"{sum(run.found for run in runs):,}",
@@ -216,14 +218,14 @@ def _growth(growth: Growth, result: SkippingResult) -> Table:
     )
     rows = table(title, headings)
     for point in growth.points:
-        seconds = {run.name: f"{run.seconds:.3f}" for run in point.peers}
+        seconds = {run.name: f"{run.seconds:.3f}" for run in point.packages}
         rows.add_row(
             f"{point.facets:,}",
-            f"{point.boxes:,}",
-            f"{point.left:,}",
+            f"{point.boxes_compared:,}",
+            f"{point.pairs_left:,}",
             f"{point.near:,}",
-            f"{point.seconds:.3f}",
-            f"{point.decided_seconds:.3f}",
+            f"{point.seconds_broad_phase:.3f}",
+            f"{point.seconds_with_verdicts:.3f}",
             *(seconds.get(name, "not asked") for name in present),
         )
     return rows

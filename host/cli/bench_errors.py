@@ -6,16 +6,25 @@ import time
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.bench.error.core_points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS
-from triaxis.bench.error.errors import Errors
-from triaxis.bench.error.peer_points import PeerPoint
-from triaxis.bench.error.plot import draw
+from triaxis.bench.error import plot as error_plot
+from triaxis.bench.error.points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS, Errors
 from triaxis.bench.error.report import Demand, demands, passed, write_report
 from triaxis.bench.error.running import Benchmark, Measured
+from triaxis.bench.error.software_points import PeerPoint
+from triaxis.bench.stress import plot as stress_plot
 from triaxis.bench.stress.measuring import ROUNDING_WIDTH
 from triaxis.bench.stress.orders import METHODS
-from triaxis.bench.stress.results import summary, write_result
-from triaxis.bench.stress.run import PAIRS, STEPS, FamilyResult, StressResult, check_options, run_stress
+from triaxis.bench.stress.run import (
+    PAIRS,
+    RESULT,
+    STEPS,
+    FamilyResult,
+    StressResult,
+    check_options,
+    run_stress,
+    summary,
+    write_numbers,
+)
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
@@ -51,7 +60,7 @@ def _error(options: argparse.Namespace) -> int:
         measured = benchmark.run(progress)
     found = demands(measured)
     path = write_report(measured, found, before, time.monotonic() - started)
-    pictures = draw(measured)
+    pictures = error_plot.draw(measured)
     console = Console(width=_WIDTH)
     console.print(_core_table(measured))
     console.print(_software_table(measured))
@@ -147,7 +156,7 @@ def _stress(options: argparse.Namespace) -> int:
     print_list("PROBLEM", result.problems)
     verdict = "FAILED" if result.problems else "PASSED"
     print(f"{verdict}: {summary(result)}, {result.seconds:.0f} s")
-    for path in write_result(result):
+    for path in (write_numbers(result), *stress_plot.draw(result, RESULT.parent)):
         print(f"written to {path}")
     return NO if result.problems else DONE
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from triaxis.bench.activity import measuring
-from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene, write_result
+from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene, write_numbers
 from triaxis.bench.activity.streams import streams
 from triaxis.fpga import ecp5_flow, vivado_run
 from triaxis.fpga.bitstream import (
@@ -188,7 +188,7 @@ def _activity(options: argparse.Namespace) -> int:
         rows = measure(wanted, progress=progress)
         engine = trace_scene(SAIF_SCENE)
         progress(1)
-    path = write_result(rows, engine, options.seed, time.perf_counter() - start)
+    path = write_numbers(rows, engine, options.seed, time.perf_counter() - start)
     _print_toggles(rows)
     print(f"written to {path} and {SAIF.name}")
     return DONE if all(row.within_bound for row in rows) else NO

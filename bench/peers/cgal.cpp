@@ -1,7 +1,7 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// CGAL's exact predicates on arrays of pairs, without Python in between; see cgal_native.py.
+// CGAL's exact predicates on arrays of pairs, without Python in between; see native.py.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangle_3.h>

@@ -18,15 +18,50 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.error.errors import Errors, Mask, count_errors
-from triaxis.bench.error.grids import finest_grid
 from triaxis.bench.error.truth import Truth
-from triaxis.bench.error.workloads import Part, Workload
+from triaxis.bench.error.workloads import Part, Workload, part_grid
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import Pairs
-from triaxis.host.quantise import Grid, box_of, margin_for, quantise
+from triaxis.host.quantise import Grid, margin_for, quantise
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
+
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """How many of ``pairs`` collide in truth, how many of those were missed, how many others were alarms."""
+
+    pairs: int
+    colliding: int
+    missed: int
+    false_alarms: int
+
+    @property
+    def missed_share(self) -> float:
+        """Return the share of the colliding pairs that was missed; 0 where none collides."""
+        return self.missed / self.colliding if self.colliding else 0.0
+
+    @property
+    def false_alarm_share(self) -> float:
+        """Return the share of the clear pairs that was called near; 0 where none is clear."""
+        clear = self.pairs - self.colliding
+        return self.false_alarms / clear if clear else 0.0
+
+
+def count_errors(verdicts: Mask, truth: Truth) -> Errors:
+    """Return the errors of verdicts (N,), true: near, on whether pairs collide, touching included."""
+    colliding = truth.near()
+    if verdicts.shape != colliding.shape:
+        raise ValueError(f"{len(verdicts)} verdicts on {len(truth)} pairs")
+    return Errors(
+        len(truth),
+        int(colliding.sum()),
+        int((colliding & ~verdicts).sum()),
+        int((verdicts & ~colliding).sum()),
+    )
+
 
 WIDTHS = (8, 10, 12, 14, 16, 20, 24, 32)
 COLLISION, NO_MISS = "collision", "no-miss"
@@ -96,6 +131,11 @@ def configuration(width: int, mode: str) -> Configuration:
     return Configuration(width, 0 if mode == COLLISION else 1)
 
 
+def spread_rows(count: int, most: int) -> npt.NDArray[np.int64]:
+    """Return which of so many pairs are chosen, evenly spread: all where there are no more than wanted."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
+
+
 def on_grid(workload: Workload, width: int) -> OnGrid:
     """Return a workload on the finest grids that hold its parts."""
     parts = [_part_on_grid(part, width) for part in workload.parts]
@@ -111,7 +151,7 @@ def on_grid(workload: Workload, width: int) -> OnGrid:
 
 
 def _part_on_grid(part: Part, width: int) -> tuple[Pairs, Grid, bool]:
-    grid = finest_grid([box_of(part.a), box_of(part.b)], width)
+    grid = part_grid(part.a, part.b, width)
     pairs = np.stack(
         [quantise(part.a, grid, f"{part.source}, A"), quantise(part.b, grid, f"{part.source}, B")], 1
     )
@@ -173,7 +213,7 @@ def _through_rtl(
     The cycles are those of the second half of the sample, after the first: what a pair costs in the stream.
     """
     engine = RtlEngine(build)
-    chosen = np.unique(np.linspace(0, len(rounded.pairs) - 1, SAMPLE).astype(np.int64))
+    chosen = spread_rows(len(rounded.pairs), SAMPLE)
     pairs, asked = rounded.pairs[chosen], margins[chosen]
     exact, said = bulk_verdicts(pairs, asked), engine.verdicts(pairs, asked)
     differs = (exact["near"] != said["near"]) | (exact["axis"] != said["axis"])

@@ -1,0 +1,198 @@
+"""Packages with wheels, of the lock file of peers: each called in the cheapest way it has from Python."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from triaxis.bench.peers.peer import (
+    Ask,
+    Integers,
+    MeshPeer,
+    Question,
+    Reals,
+    Singles,
+    TrianglePeer,
+    imported,
+    installed_version,
+)
+
+_VTK = "vtkmodules.vtkCommonDataModel"
+_PREDICATES = "igl.predicates"
+# FCL's own limit of contacts is 1.
+_ALL_CONTACTS = 1 << 31
+
+
+def doubles(triangles: Singles) -> Reals:
+    """Return triangles as the float64 that most packages take: the same numbers."""
+    return np.ascontiguousarray(triangles, np.float64)
+
+
+def one_by_one(call: Callable[..., Any], arguments: list[tuple[Any, ...]]) -> Ask:
+    """Return what calls a function on each pair's arguments; anything that is true is a collision."""
+    return lambda: np.array([call(*pair) for pair in arguments], dtype=object).astype(np.bool_)
+
+
+def _each(make: Callable[[Reals], Any], a: Singles, b: Singles) -> list[tuple[Any, Any]]:
+    """Return the objects that a package makes of each triangle, pair by pair."""
+    return [(make(x), make(y)) for x, y in zip(doubles(a), doubles(b), strict=True)]
+
+
+def _vertices(a: Singles, b: Singles) -> Reals:
+    """Return all six vertices of each pair: (N, 6, 3)."""
+    return np.concatenate([doubles(a), doubles(b)], 1)
+
+
+def _numbered(facets: Reals) -> tuple[Reals, Integers]:
+    """Return the vertices (3 N, 3) of facets (N, 3, 3), and the numbers of those of each: (N, 3)."""
+    return facets.reshape(-1, 3), np.arange(3 * len(facets)).reshape(-1, 3)
+
+
+def _cgal(a: Singles, b: Singles) -> Ask:
+    kernel = imported("CGAL.CGAL_Kernel")
+
+    def triangle(vertices: Reals) -> object:
+        return kernel.Triangle_3(*(kernel.Point_3(*vertex) for vertex in vertices.tolist()))
+
+    return one_by_one(kernel.do_intersect, _each(triangle, a, b))
+
+
+def _libigl(a: Singles, b: Singles) -> Ask:
+    test = imported("igl").tri_tri_overlap_test_3d
+    return one_by_one(test, [tuple(pair) for pair in _vertices(a, b)[:, :, None]])
+
+
+def _libigl_predicates(a: Singles, b: Singles) -> Ask:
+    intersect = imported(_PREDICATES).triangle_triangle_intersect
+    pairs: list[tuple[Any, ...]] = [tuple(pair) for pair in _vertices(a, b)]
+    return one_by_one(lambda *vertices: intersect(*vertices)[0], pairs)
+
+
+def _vtk(a: Singles, b: Singles) -> Ask:
+    test = imported(_VTK).vtkTriangle.TrianglesIntersect
+    return one_by_one(test, [tuple(map(tuple, pair)) for pair in _vertices(a, b).tolist()])
+
+
+def _fcl_model(facets: Reals) -> Any:
+    """Return a hierarchy over facets (N, 3, 3): python-fcl has no other way, for a single triangle either."""
+    fcl = imported("fcl")
+    bvh = fcl.BVHModel()
+    bvh.beginModel(3 * len(facets), len(facets))
+    bvh.addSubModel(*_numbered(facets))
+    bvh.endModel()
+    return fcl.CollisionObject(bvh)
+
+
+def _python_fcl(a: Singles, b: Singles) -> Ask:
+    fcl = imported("fcl")
+    request = fcl.CollisionRequest()
+    pairs = _each(lambda triangle: _fcl_model(triangle[None]), a, b)
+    return one_by_one(fcl.collide, [(*pair, request) for pair in pairs])
+
+
+def _python_fcl_meshes(a: Reals, b: Reals) -> Question:
+    """It makes a Python object of each contact, within its time."""
+    fcl = imported("fcl")
+    first, second = _fcl_model(a), _fcl_model(b)
+
+    def ask() -> Integers:
+        request, result = fcl.CollisionRequest(num_max_contacts=_ALL_CONTACTS), fcl.CollisionResult()
+        fcl.collide(first, second, request, result)
+        pairs = [(contact.b1, contact.b2) for contact in result.contacts]
+        return np.array(pairs, np.int64).reshape(-1, 2)
+
+    return Question(ask)
+
+
+def _coal(a: Singles, b: Singles) -> Ask:
+    """Coal, formerly hpp-fcl: its triangle shape, which its GJK decides within a tolerance.
+
+    Asked by the function object that it makes for a pair of shapes.
+    """
+    coal = imported("coal")
+    here, request, result = coal.Transform3s(), coal.CollisionRequest(), coal.CollisionResult()
+    request.enable_contact = False
+    clear = result.clear
+    shapes = _each(lambda triangle: coal.TriangleP(*triangle), a, b)
+
+    # The function objects only point to the shapes, which this keeps.
+    def collide(test: Any, _shapes: Any = shapes) -> Any:
+        clear()
+        return test(here, here, request, result)
+
+    return one_by_one(collide, [(coal.ComputeCollision(*pair),) for pair in shapes])
+
+
+def _open3d(a: Singles, b: Singles) -> Ask:
+    """Meshes of one triangle each, which it compares after their boxes."""
+    open3d = imported("open3d")
+    vector, mesh = open3d.utility.Vector3dVector, open3d.geometry.TriangleMesh
+    face = open3d.utility.Vector3iVector(np.array([[0, 1, 2]], np.int32))
+    return one_by_one(mesh.is_intersecting, _each(lambda triangle: mesh(vector(triangle), face), a, b))
+
+
+def _trimesh_manager(name: str, facets: Reals) -> Any:
+    """Return a manager of a mesh of facets (N, 3, 3), which hands it to python-fcl."""
+    made = imported("trimesh.collision").CollisionManager()
+    made.add_object(name, imported("trimesh").Trimesh(*_numbered(facets), process=False))
+    return made
+
+
+def _trimesh(a: Singles, b: Singles) -> Ask:
+    ask = imported("trimesh.collision").CollisionManager.in_collision_other
+    return one_by_one(ask, _each(lambda triangle: _trimesh_manager("", triangle[None]), a, b))
+
+
+def _trimesh_meshes(a: Reals, b: Reals) -> Question:
+    first, second = _trimesh_manager("a", a), _trimesh_manager("b", b)
+
+    def ask() -> Integers:
+        _, contacts = first.in_collision_other(second, return_data=True)
+        pairs = [(contact.index("a"), contact.index("b")) for contact in contacts]
+        return np.array(pairs, np.int64).reshape(-1, 2)
+
+    return Question(ask)
+
+
+def _rtree_boxes(a: Reals, b: Reals) -> Question:
+    """The tree that trimesh makes of a mesh's facets, of package rtree, asked about the other's boxes."""
+    tree = imported("trimesh.triangles").bounds_tree(b)
+    low, high = np.ascontiguousarray(a.min(1)), np.ascontiguousarray(a.max(1))
+
+    def ask() -> Integers:
+        found, counts = tree.intersection_v(low, high)
+        return np.stack([np.repeat(np.arange(len(a)), counts.astype(np.int64)), found], 1)
+
+    return Question(ask)
+
+
+def _of(distribution: str, *modules: str) -> Callable[[], str]:
+    return partial(installed_version, distribution, *modules)
+
+
+# trimesh's managers need python-fcl.
+_FCL, _TRIMESH = _of("python-fcl", "fcl"), _of("trimesh", "fcl", "trimesh.collision")
+
+TRIANGLE_WHEELS = (
+    TrianglePeer("CGAL, wheel", "cgal", "CGAL_Kernel.do_intersect(Triangle_3, Triangle_3)",
+                 _of("cgal", "CGAL.CGAL_Kernel"), _cgal),
+    TrianglePeer("libigl", "libigl", "igl.tri_tri_overlap_test_3d", _of("libigl", "igl"), _libigl),
+    TrianglePeer("libigl, predicates", "libigl", "igl.predicates.triangle_triangle_intersect",
+                 _of("libigl", _PREDICATES), _libigl_predicates),
+    TrianglePeer("VTK", "vtk", "vtkTriangle.TrianglesIntersect", _of("vtk", _VTK), _vtk),
+    TrianglePeer("python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)", _FCL, _python_fcl),
+    TrianglePeer("coal", "coal", "coal.ComputeCollision(TriangleP, TriangleP)(..)",
+                 _of("coal", "coal"), _coal),
+    TrianglePeer("Open3D", "open3d", "TriangleMesh.is_intersecting", _of("open3d", "open3d"), _open3d),
+    TrianglePeer("trimesh", "trimesh", "CollisionManager.in_collision_other", _TRIMESH, _trimesh),
+)  # fmt: skip
+
+MESH_WHEELS = (
+    MeshPeer("FCL OBBRSS, python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)",
+             _FCL, _python_fcl_meshes),
+    MeshPeer("trimesh CollisionManager", "trimesh", "CollisionManager.in_collision_other(return_data=True)",
+             _TRIMESH, _trimesh_meshes),
+    MeshPeer("trimesh triangles_tree (rtree)", "rtree", "Trimesh.triangles_tree.intersection_v",
+             _of("rtree", "trimesh.triangles"), _rtree_boxes, boxes_only=True),
+)  # fmt: skip
