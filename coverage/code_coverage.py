@@ -23,12 +23,11 @@ from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
 
-from triaxis.coverage.arithmetic import BoundError
 from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
 from triaxis.coverage.elaboration import Instance
 from triaxis.coverage.stages import share
 from triaxis.coverage.waiver_upkeep import WaivedPlace, stale_patterns
-from triaxis.coverage.waivers import KINDS, Waiver
+from triaxis.coverage.waivers import KINDS, BoundError, Waiver
 from triaxis.golden.errors import InputError
 
 _LABEL = re.compile(r"\bbegin\s*:\s*(\w+)")

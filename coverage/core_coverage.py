@@ -18,7 +18,7 @@ Item = CoverItem[CoreView]
 _HERE = Path(__file__).parent
 # Code that decides what a count means: counts of another version of it are refused.
 _SOURCES = tuple(
-    _HERE / name for name in ("core_coverage.py", "core_points.py", "core_sample.py", "sampling.py")
+    _HERE / name for name in ("core_coverage.py", "core_points.py", "core_sample.py", "cover_model.py")
 )
 # One hit of an axis as the claim may be luck: it is the answer that users rely on.
 _CLAIMS = 10
@@ -155,15 +155,13 @@ def _orders() -> list[Item]:
             "which order of the vertices sorts A x B x verdict, of two triangles",
             (points.TRIANGLE_ORDER_A, points.TRIANGLE_ORDER_B, points.VERDICT),
         ),
-        Item(
-            "segment_order_a",
-            "which order of the vertices sorts A x verdict, A a segment",
-            (points.SEGMENT_ORDER_A, points.VERDICT),
-        ),
-        Item(
-            "segment_order_b",
-            "which order of the vertices sorts B x verdict, B a segment",
-            (points.SEGMENT_ORDER_B, points.VERDICT),
+        *(
+            Item(
+                f"segment_order_{name.lower()}",
+                f"which order of the vertices sorts {name} x verdict, {name} a segment",
+                (point, points.VERDICT),
+            )
+            for name, point in (("A", points.SEGMENT_ORDER_A), ("B", points.SEGMENT_ORDER_B))
         ),
     ]
 

@@ -1,16 +1,15 @@
-"""Counts of a model's bins: sampled, merged, and kept in files."""
+"""Counts of models' bins: sampled, merged and kept in files, one configuration apart from another."""
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from triaxis.coverage.cover_model import CoverModel, Sample
-from triaxis.coverage.sampling import Hits, Sampler
+from triaxis.coverage.cover_model import CoverModel, Hits, Sample, Sampler
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
@@ -52,14 +51,6 @@ class Counts:
     def save(self, path: Path) -> None:
         """Write the counts as JSON, whole or not at all; raise InputError where that cannot be done."""
         write_counts(path, [self])
-
-
-def merge(model: CoverModel[Any], counts: Iterable[Counts]) -> Counts:
-    """Return the sum of counts of one model."""
-    total = Counts.empty(model)
-    for one in counts:
-        total.add(one)
-    return total
 
 
 def load(path: Path, model: CoverModel[Any]) -> Counts:
@@ -123,3 +114,31 @@ def _checked(path: Path, content: dict[str, Any], known: dict[str, CoverModel[An
 
 def _digest(models: object) -> str:
     return hashlib.sha256(json.dumps(models).encode()).hexdigest()
+
+
+class CoverageDatabase:
+    """Counts by the name of their model. Merging is addition, model by model."""
+
+    def __init__(self, models: Iterable[CoverModel[Any]]) -> None:
+        """Start with zero counts of each model: what was never run shows as missing."""
+        self._models = {model.name: model for model in models}
+        self._counts = {name: Counts.empty(model) for name, model in self._models.items()}
+
+    def __iter__(self) -> Iterator[tuple[CoverModel[Any], Counts]]:
+        """Go through models and their counts, in the order given."""
+        return ((model, self._counts[name]) for name, model in self._models.items())
+
+    def add(self, counts: Counts) -> None:
+        """Add counts to those of their model; raise InputError where that is not in the database."""
+        if counts.model not in self._counts:
+            raise InputError(f"counts of coverage model {counts.model}: no such model in this database")
+        self._counts[counts.model].add(counts)
+
+    def add_file(self, path: Path) -> None:
+        """Add the counts in a file; raise InputError, adding nothing, where they do not belong here."""
+        for counts in read_counts(path, self._models.values()):
+            self.add(counts)
+
+    def save(self, path: Path) -> None:
+        """Write all counts into one file, whole or not at all."""
+        write_counts(path, [counts for _, counts in self])

@@ -5,12 +5,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from triaxis.coverage.counts import Counts
-from triaxis.coverage.cover_model import CoverItem, CoverModel
-from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.counts import Counts, CoverageDatabase
+from triaxis.coverage.cover_model import CoverItem, CoverModel, Hits
 from triaxis.coverage.html import page
 from triaxis.coverage.report import ItemReport, ModelReport, percent, report
-from triaxis.coverage.sampling import Hits
 from triaxis.coverage.terminal import summary_line
 from triaxis.golden.outputs import write_whole
 

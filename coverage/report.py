@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from triaxis.coverage.counts import Counts
-from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion
-from triaxis.coverage.sampling import Hits
+from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Hits
 
 
 @dataclass(frozen=True)

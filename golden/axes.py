@@ -4,22 +4,22 @@
 A x coordinate k; 23+3j+k edge j of B x coordinate k. Edge i runs from vertex i to the next.
 """
 
+from functools import reduce
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.exact import Scalar, Triangle, difference
+from triaxis.golden.exact import Scalar, Triangle, difference, dot
 from triaxis.golden.pairs import NO_AXIS, Pairs
 
 NUM_AXES = 32
 BOX_AXES = 3
 
-# Below this width every number in `separating` fits 64 bits: axes are at most 2 L^2 in a component,
+# Below this width every number in `separates` fits 64 bits: axes are at most 2 L^2 in a component,
 # a projection at most 3 * 2 L^2 * L/2 = 3 L^3, a gap twice that, and margin * |axis|1 at most
 # L * 4 L^2; 6 L^3 < 2^63 holds for L < 2^20.
 _INT64_WIDTH = 20
-_BLOCK = 1 << 14
 
 
 def axis_name(number: int) -> str:
@@ -60,38 +60,6 @@ def axis_vector(number: int, a: Triangle, b: Triangle) -> list[Scalar]:
     return _cross(edges[index // 3], unit[index % 3])
 
 
-def _cross_arrays(x: npt.NDArray[Any], y: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return np.stack(
-        [
-            x[..., 1] * y[..., 2] - x[..., 2] * y[..., 1],
-            x[..., 2] * y[..., 0] - x[..., 0] * y[..., 2],
-            x[..., 0] * y[..., 1] - x[..., 1] * y[..., 0],
-        ],
-        -1,
-    )
-
-
-def _separating_block(pairs: npt.NDArray[Any], margins: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    a, b = pairs[:, 0], pairs[:, 1]
-    edges_a, edges_b = np.roll(a, -1, 1) - a, np.roll(b, -1, 1) - b
-    unit = np.eye(3, dtype=np.int64).astype(pairs.dtype)
-    axes = np.concatenate(
-        [
-            np.broadcast_to(unit, (len(pairs), 3, 3)),
-            _cross_arrays(edges_a[:, 0], edges_a[:, 1])[:, None],
-            _cross_arrays(edges_b[:, 0], edges_b[:, 1])[:, None],
-            _cross_arrays(edges_a[:, :, None], edges_b[:, None, :]).reshape(-1, 9, 3),
-            _cross_arrays(edges_a[:, :, None], unit[None, None]).reshape(-1, 9, 3),
-            _cross_arrays(edges_b[:, :, None], unit[None, None]).reshape(-1, 9, 3),
-        ],
-        1,
-    )
-    on_a = (axes[:, :, None, :] * a[:, None, :, :]).sum(-1)
-    on_b = (axes[:, :, None, :] * b[:, None, :, :]).sum(-1)
-    gap = np.maximum(on_b.min(-1) - on_a.max(-1), on_a.min(-1) - on_b.max(-1))
-    return (gap > margins[:, None] * np.abs(axes).sum(-1)).astype(np.bool_)
-
-
 def fits_int64(pairs: npt.NDArray[np.integer[Any]], margins: npt.NDArray[np.integer[Any]]) -> bool:
     """Return whether 64-bit integers provably hold every number of an axis test on these pairs."""
     limit = 1 << (_INT64_WIDTH - 1)
@@ -100,20 +68,32 @@ def fits_int64(pairs: npt.NDArray[np.integer[Any]], margins: npt.NDArray[np.inte
     )
 
 
-def separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-    """Return, for pairs (N, 2, 3, 3) and margins (N,), which of the 32 axes separate: (N, 32).
+def separates(
+    number: int, pairs: npt.NDArray[np.integer[Any]], margins: npt.NDArray[np.integer[Any]]
+) -> npt.NDArray[np.bool_]:
+    """Return which of pairs (N, 2, 3, 3) axis ``number`` separates by more than their margins (N,).
 
     Exact for any coordinates: 64-bit integers where they provably suffice, Python's own otherwise.
     """
-    dtype = np.dtype(np.int64) if fits_int64(pairs, margins) else np.dtype(object)
-    result = np.empty((len(pairs), NUM_AXES), np.bool_)
-    for start in range(0, len(pairs), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        result[block] = _separating_block(pairs[block].astype(dtype), margins[block].astype(dtype))
-    return result
+    kind = np.int64 if fits_int64(pairs, margins) else object
+    # Triangle, vertex, coordinate, pair: the definitions for one pair then serve all of them.
+    vertices: Any = np.ascontiguousarray(pairs.reshape(-1, 18).T, kind).reshape(2, 3, 3, -1)
+    axis: Any = axis_vector(number, vertices[0], vertices[1])
+    projections: Any = [[dot(axis, vertex) for vertex in triangle] for triangle in vertices]
+    on_a, on_b = projections
+    gap = np.maximum(
+        reduce(np.minimum, on_b) - reduce(np.maximum, on_a),
+        reduce(np.minimum, on_a) - reduce(np.maximum, on_b),
+    )
+    return (gap > margins.astype(kind) * sum(np.abs(component) for component in axis)).astype(np.bool_)
+
+
+def separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return, for pairs (N, 2, 3, 3) and margins (N,), which of the 32 axes separate: (N, 32)."""
+    return np.stack([separates(number, pairs, margins) for number in range(NUM_AXES)], 1)
 
 
 def claims(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.int16]:
     """Return the lowest-numbered separating axis of each pair, NO_AXIS where none separates."""
-    separates = separating(pairs, margins)
-    return np.where(separates.any(1), separates.argmax(1), NO_AXIS).astype(np.int16)
+    found = separating(pairs, margins)
+    return np.where(found.any(1), found.argmax(1), NO_AXIS).astype(np.int16)

@@ -1,8 +1,10 @@
-"""The bulk checker: the facts of many pairs, exactly, at the speed of a simulation.
+"""The bulk checker: facts of many pairs, or their claims alone, exactly, at the speed of a simulation.
 
-Native code (bulk.cpp, compiled on first use) that decides the 32 axes by their definition, for all
-coordinates of 32 bits and margins below 2^32. It runs without Python's lock, so a thread can check one
-burst of pairs while the simulation works at the next.
+Native code, compiled on first use, that decides the 32 axes by their definition, for all coordinates of 32
+bits and margins below 2^32. It runs without Python's lock, so a thread can check one burst of pairs while the
+simulation works at the next. For claims alone (bulk_claims.cpp) it asks the axes in their order until one
+separates: in doubles where a bound on their rounding allows it, in exact arithmetic elsewhere; several times
+as fast as with all the facts that coverage wants (bulk.cpp).
 """
 
 import ctypes
@@ -36,18 +38,27 @@ _TYPES = {
     "extent": np.uint32,
 }
 
+# From the addresses of pairs and margins, their number, and the address of what is to be filled.
 _Native = Callable[[int | None, int | None, int, Any], None]
 
 
-def load_checker(folder: Path = _FOLDER) -> _Native:
-    """Return the native function, compiled where needed, from the sources in a folder."""
-    function = native_library("bulk", [folder / "bulk.cpp"], sorted(folder.glob("bulk_*.h"))).triaxis_facts
-    function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
-    function.restype = None
-    return function
+def load_native(library: str, function: str, folder: Path = _FOLDER) -> _Native:
+    """Return a native function, compiled where needed, from the sources in a folder."""
+    sources, headers = [folder / f"{library}.cpp"], sorted(folder.glob("bulk_*.h"))
+    found = getattr(native_library(library, sources, headers), function)
+    found.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
+    found.restype = None
+    return found
 
 
-_checker = cache(load_checker)
+@cache
+def _facts() -> _Native:
+    return load_native("bulk", "triaxis_facts")
+
+
+@cache
+def _claims() -> _Native:
+    return load_native("bulk_claims", "triaxis_claims")
 
 
 def _as_coordinates(pairs: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
@@ -84,7 +95,7 @@ def bulk_facts(pairs: npt.NDArray[Any], margins: npt.NDArray[Any] | int) -> Fact
     limits = _as_margins(margins, count)
     arrays: dict[str, npt.NDArray[Any]] = {name: np.empty(count, kind) for name, kind in _TYPES.items()}
     addresses = (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays.values()))
-    _checker()(coordinates.ctypes.data, limits.ctypes.data, count, addresses)
+    _facts()(coordinates.ctypes.data, limits.ctypes.data, count, addresses)
     return Facts(**arrays)
 
 
@@ -106,3 +117,16 @@ def bulk_verdicts(
         if progress:
             progress(len(verdicts[chunk]))
     return verdicts
+
+
+def bulk_claims(pairs: npt.NDArray[Any], margins: npt.NDArray[Any] | int) -> npt.NDArray[np.int8]:
+    """Return the lowest-numbered separating axis of each pair, NO_AXIS (-1) where the pair is near: (N,).
+
+    Pairs and margins, in LSB, as `bulk_facts` takes them; exact for all of those. The axis of a clear pair is
+    its certificate, which `triaxis.golden.certificate` confirms.
+    """
+    coordinates = _as_coordinates(pairs)
+    limits = _as_margins(margins, len(coordinates))
+    claims = np.empty(len(coordinates), np.int8)
+    _claims()(coordinates.ctypes.data, limits.ctypes.data, len(coordinates), claims.ctypes.data)
+    return claims

@@ -1,9 +1,20 @@
-"""Exact scalars, vectors and the rank of a few of them."""
+"""Exact scalars, vectors and the rank of a few of them.
+
+Rationals are those of gmpy2, which compute as Fraction does in a fraction of its time. To the type checker
+they are Fractions: gmpy2 says nothing of its types.
+"""
 
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from triaxis.golden.rational import Rational
+if TYPE_CHECKING:
+    Rational = Fraction
+else:
+    import gmpy2
+
+    Rational = gmpy2.mpq
+
 
 Scalar = int | Fraction | Rational
 Vector = Sequence[Scalar]

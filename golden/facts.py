@@ -15,7 +15,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Verdicts
 
 Mask = npt.NDArray[np.uint32]
@@ -108,10 +107,3 @@ def lowest_axis(mask: Mask) -> npt.NDArray[np.int16]:
     # The base-2 logarithm of a power of two below 2^32 is exact: frexp reads the exponent.
     number = np.frexp(lowest.astype(np.float64))[1] - 1
     return np.where(mask == 0, NO_AXIS, number).astype(np.int16)
-
-
-def axis_bit(number: int) -> np.uint32:
-    """Return the mask of one axis."""
-    if not 0 <= number < NUM_AXES:
-        raise ValueError(f"axis {number}: must be 0..{NUM_AXES - 1}")
-    return np.uint32(1 << number)

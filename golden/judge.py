@@ -13,10 +13,9 @@ import numpy.typing as npt
 from triaxis.golden.axes import claims
 from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
 from triaxis.golden.errors import ToldError
-from triaxis.golden.exact import Scalar, Triangle, coplanar, triangle_rank
+from triaxis.golden.exact import Rational, Scalar, Triangle, coplanar, triangle_rank
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
 from triaxis.golden.processes import in_processes
-from triaxis.golden.rational import Rational
 from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
 
 # Pairs a worker process takes at a time: large enough to hide the cost of handing them over.

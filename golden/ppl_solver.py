@@ -9,8 +9,7 @@ from math import lcm
 
 import ppl
 
-from triaxis.golden.exact import Triangle
-from triaxis.golden.rational import Rational
+from triaxis.golden.exact import Rational, Triangle
 from triaxis.golden.solver import BestAxis, NearestPoints
 
 

@@ -15,8 +15,7 @@ whose solution is a separating axis. Both optima are the distance (docs/theory.m
 from dataclasses import dataclass
 from typing import Protocol
 
-from triaxis.golden.exact import Triangle
-from triaxis.golden.rational import Rational
+from triaxis.golden.exact import Rational, Triangle
 
 
 @dataclass(frozen=True)

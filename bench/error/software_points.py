@@ -17,9 +17,8 @@ from triaxis.bench.error.truth import Truth, exact_triangle
 from triaxis.bench.error.workloads import Workload
 from triaxis.bench.harness import ROUNDS, best_times, clocked
 from triaxis.bench.peers.peer import TrianglePeer
-from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.bulk_claims import bulk_claims
-from triaxis.golden.claim_check import claims_prove_clear
+from triaxis.golden.bulk import bulk_claims, bulk_facts
+from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
 

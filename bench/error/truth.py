@@ -19,11 +19,10 @@ import numpy.typing as npt
 
 from triaxis.bench import harness
 from triaxis.golden.errors import InputError
-from triaxis.golden.exact import Triangle
+from triaxis.golden.exact import Rational, Triangle
 from triaxis.golden.judge import default_solver, judge
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.processes import in_processes
-from triaxis.golden.rational import Rational
 from triaxis.sim.build import content_hash
 from triaxis.sim.paths import ROOT
 
@@ -31,7 +30,7 @@ from triaxis.sim.paths import ROOT
 Triangles = npt.NDArray[np.float32]
 
 FOLDER = harness.FOLDER / "truth"
-_MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "rational.py", "solver.py")
+_MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
 

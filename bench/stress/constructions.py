@@ -19,8 +19,7 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.verif.core.stimulus.contact import Contact, placed
-from triaxis.verif.core.stimulus.degenerate import of_rank
-from triaxis.verif.core.stimulus.draws import around, chance, up_to
+from triaxis.verif.core.stimulus.flat import of_rank
 from triaxis.verif.core.stimulus.lattice import Step, plane_step, raised
 from triaxis.verif.core.stimulus.near_miss import (
     edge_edge,
@@ -34,11 +33,14 @@ from triaxis.verif.core.stimulus.stimulus import (
     Ints,
     Rng,
     Stimulus,
+    around,
+    chance,
     collected,
     divided,
     joined,
     largest_extents,
     largest_span,
+    up_to,
 )
 from triaxis.verif.core.stimulus.symmetry import random_cube_symmetries, random_orders, random_translations
 

@@ -9,7 +9,7 @@ from triaxis.bench.stress.constructions import near_misses, nearly_coplanar
 from triaxis.bench.stress.methods import guigue_devillers, moller, separating_axes
 from triaxis.bench.stress.orders import METHODS, in_all_orders, scaled
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.rational import Rational
+from triaxis.golden.exact import Rational
 from triaxis.verif.core.stimulus.symmetry import VERTICES
 
 TESTS = (separating_axes, moller, guigue_devillers)

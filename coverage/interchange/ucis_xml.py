@@ -30,12 +30,10 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.coverage.counts import Counts
-from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Kind
-from triaxis.coverage.database import CoverageDatabase
-from triaxis.coverage.interchange.code_points import CodePoint, branch_statements
+from triaxis.coverage.counts import Counts, CoverageDatabase
+from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Hits, Kind
+from triaxis.coverage.interchange.lcov import CodePoint, branch_statements
 from triaxis.coverage.report import report
-from triaxis.coverage.sampling import Hits
 from triaxis.golden.outputs import write_whole
 
 _VERSION = "1.0"

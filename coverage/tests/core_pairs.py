@@ -1,7 +1,7 @@
 """Pairs that reach what a core can reach, and samples of them as a faultless core would answer."""
 
 from collections.abc import Iterator
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -65,35 +65,6 @@ def pointing_pairs(rng: np.random.Generator, count: int) -> Pairs:
     return pairs
 
 
-def sheared(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
-    """Return the pairs after one unimodular shear that nearly fills the range.
-
-    What was level, or one step away, at margin 0 on a normal or on an edge x edge axis still is.
-    """
-    rows, limit = np.arange(len(pairs)), (1 << (width - 1)) - 1
-    to, by = rng.permuted(np.tile(np.arange(3), (len(pairs), 1)), axis=1).T[:2]
-    room = (limit - abs(pairs).max((1, 2, 3))) // np.maximum(abs(pairs[rows, :, :, by]).max((1, 2)), 1)
-    factor = rng.integers(-room, room + 1)
-    result = pairs.copy()
-    result[rows, :, :, to] += factor[:, None, None] * pairs[rows, :, :, by]
-    return result
-
-
-def grown(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
-    """Return the pairs with each triangle grown about its first vertex, nearly to fill the range."""
-    limit = (1 << (width - 1)) - 1
-    apex = pairs[:, :, :1]
-    room = (limit - abs(apex).max((2, 3))) // np.maximum(abs(pairs - apex).max((2, 3)), 1)
-    factor = np.where(rng.integers(0, 4, room.shape) == 0, 1, rng.integers(1, np.maximum(room, 1) + 1))
-    return apex + factor[:, :, None, None] * (pairs - apex)
-
-
-def one_size_larger(rng: np.random.Generator, pairs: Pairs, width: int) -> Pairs:
-    """Return the pairs scaled as they are, nearly to fill the range."""
-    room = ((1 << (width - 1)) - 1) // np.maximum(abs(pairs).max((1, 2, 3)), 1)
-    return pairs * rng.integers((room + 1) // 2, room + 1)[:, None, None, None]
-
-
 def moved(rng: np.random.Generator, pairs: Pairs, width: int, to_limits: bool) -> Pairs:
     """Return the pairs in random places of the range, or each coordinate at a limit of it."""
     low, high = coordinate_range(width)
@@ -104,31 +75,6 @@ def moved(rng: np.random.Generator, pairs: Pairs, width: int, to_limits: bool) -
         end = rng.integers(0, 3, shift.shape)
         shift = np.where(end == 0, lowest, np.where(end == 1, highest, shift))
     return pairs + shift[:, None, None]
-
-
-def all_variants(pairs: Pairs) -> Pairs:
-    """Return each pair in 432 variants that are decided alike: its 72 orders, with coordinates permuted
-    cyclically, and reflected in the middle of the range.
-    """
-    orders = [list(p) for p in permutations(range(3))]
-    pairs = np.concatenate([pairs, pairs[:, ::-1]])
-    pairs = np.concatenate([pairs, -1 - pairs])
-    pairs = np.concatenate([np.roll(pairs, k, 3) for k in range(3)])
-    return np.concatenate([np.stack([pairs[:, 0, p], pairs[:, 1, q]], 1) for p in orders for q in orders])
-
-
-def sole_representatives(pairs: Pairs, margins: Margins) -> tuple[Pairs, Margins]:
-    """Return, in all variants, one pair for each way in which a single axis separates: the kind of axis,
-    the ranks, the margin in three classes, by the smallest step or not.
-    """
-    facts = bulk_facts(pairs, margins)
-    kind = np.searchsorted([1 << 3, 1 << 5, 1 << 14], facts.separating, side="right")
-    margin = (margins > 0).astype(np.int64) + (margins >= 8)
-    step = facts.clear_step & facts.separating != 0
-    key = (((kind * 3 + facts.rank_a) * 3 + facts.rank_b) * 3 + margin) * 2 + step
-    key[np.bitwise_count(facts.separating) != 1] = -1
-    chosen = np.unique(key, return_index=True)[1][1:]
-    return all_variants(pairs[chosen]), np.tile(margins[chosen], 432)
 
 
 def distances(pairs: Pairs, largest: int) -> Margins:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from triaxis.coverage.code_counters import FIRST_LINE, LAST_LINE, Counters, read_counters
+from triaxis.coverage.code_counters import FIRST_LINE, LAST_LINE, read_counters
 from triaxis.coverage.code_coverage import (
     Assessment,
     ModelCoverage,
@@ -137,11 +137,6 @@ def test_counters_of_what_is_not_in_the_design_fail(tmp_path: Path) -> None:
     assert len(found.problems) == 2 and all("not in the design" in problem for problem in found.problems)
 
 
-def test_a_kind_without_bins_fails(tmp_path: Path) -> None:
-    found = assessed(tmp_path, without("block"))
-    assert not found.uncovered and not found.problems and not found.passed
-
-
 def test_a_generate_block_that_no_model_has_fails(tmp_path: Path) -> None:
     found = assessed(tmp_path, GOOD, design=replace(DESIGN, blocks=frozenset()))
     assert [(bin_.kind, bin_.what, bin_.line) for bin_ in found.uncovered] == [("generate", "g_block", 2)]
@@ -192,11 +187,6 @@ def test_a_pattern_of_a_waiver_that_fits_nothing_fails(
     assert [f": {said}: fits no bin" in problem for problem in found.problems] == [True]
 
 
-def test_a_waiver_that_repeats_another_fails(tmp_path: Path) -> None:
-    found = assessed(tmp_path, never("sum[1]"), [waiver(), waiver(number=2)])
-    assert [problem.startswith("waiver 2") for problem in found.problems] == [True]
-
-
 def test_an_expired_waiver_fails(tmp_path: Path) -> None:
     assert assessed(tmp_path, never("sum[1]"), [waiver(expires=TODAY)]).passed
     found = assessed(tmp_path, never("sum[1]"), [waiver(expires=date(2025, 12, 31))])
@@ -223,11 +213,6 @@ def test_runs_of_one_model_are_merged(tmp_path: Path) -> None:
     assert (toggle.rises, toggle.falls) == (1, 2)
     assert sorted(point.count for point in first.points.values()) == [2, 4, 8, 10]
     assert assess_model(ModelCoverage("model", first, {TOP: DESIGN}), []).uncovered == []
-
-
-def test_bins_in_different_columns_are_different(tmp_path: Path) -> None:
-    found = assessed(tmp_path, [*GOOD, line("branch", "if", 0, column=9)])
-    assert [bin_.what for bin_ in found.uncovered] == ["if"]
 
 
 @pytest.mark.parametrize(
@@ -263,11 +248,6 @@ def test_a_damaged_file_is_an_error(tmp_path: Path) -> None:
         read_counters(path)
     with pytest.raises(InputError, match="cannot read"):
         read_counters(tmp_path / "none.dat")
-
-
-def test_nothing_is_no_coverage() -> None:
-    empty = assess_model(ModelCoverage("model", Counters(), {TOP: instance()}), [])
-    assert not conclude(empty, [], [], TODAY).passed
 
 
 def test_a_percentage_never_rounds_up_to_all() -> None:

@@ -1,16 +1,98 @@
+"""What pairs and answers hit in the model of the core."""
+
 import importlib
-import time
-import timeit
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import CoreCoverage, core_model
-from triaxis.coverage.core_sample import Build, CoreSample
+from triaxis.coverage.core_sample import Build, CoreSample, CoreView, Decision
 from triaxis.coverage.report import report
-from triaxis.coverage.tests.core_pairs import grid_pairs, related_pairs, samples, true_words
+from triaxis.coverage.tests.core_pairs import (
+    grid_pairs,
+    margins_for,
+    moved,
+    pointing_pairs,
+    related_pairs,
+    samples,
+    true_words,
+)
 from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
+
+VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True, False))
+
+
+@pytest.fixture(params=VIEWED, ids=lambda build: build.name)
+def view(request, rng):
+    build = request.param
+    pairs = np.concatenate(
+        [
+            grid_pairs(rng, 1500, 3),
+            grid_pairs(rng, 1500, 12),
+            related_pairs(rng, 3000, 2),
+            pointing_pairs(rng, 500),
+            moved(rng, related_pairs(rng, 1500, 3), build.width, to_limits=True),
+        ]
+    )
+    pairs = rng.permutation(pairs)
+    (sample,) = samples(rng, build, pairs, margins_for(rng, build, pairs))
+    waits = rng.integers(0, 2, (2, len(pairs)), np.uint8)
+    return CoreView(build, CoreSample(sample.facts, sample.margins, sample.words, *waits))
+
+
+def bits(mask):
+    return {n for n in range(32) if int(mask) >> n & 1}
+
+
+def of_build(view, mask):
+    return {n for n in bits(mask) if view.build.edge_box or n < 14}
+
+
+def each(view):
+    """Number, facts of one pair, and the axes that separate it in this build."""
+    for i in range(len(view.facts)):
+        one = view.facts[i : i + 1]
+        yield i, one, of_build(view, one.separating[0])
+
+
+def test_axes_that_decide(view):
+    none, kinds = view.build.axes, set()
+    for i, one, separating in each(view):
+        assert view.near[i] == (not separating)
+        boxed = bool(separating & {0, 1, 2})
+        decision = Decision.NEAR if not separating else Decision.BOX if boxed else Decision.OTHER
+        kinds.add(decision)
+        assert view.decision[i] == decision
+        assert view.lowest[i] == min(separating, default=0)
+        sole = separating if len(separating) == 1 else set()
+        assert view.sole[i] == min(sole, default=none)
+        assert view.sole_step[i] == min(sole & bits(one.clear_step[0]), default=none)
+        if sole:
+            assert view.side[i] == (min(sole) in bits(one.below[0]))
+    assert kinds == set(Decision)
+
+
+def test_runs_and_successions(view):
+    waited = [bool(x or y) for x, y in zip(view.sample.waits_in, view.sample.waits_out, strict=True)]
+    assert view.runs.tolist() == [len(list(run)) for wait, run in groupby(waited) if not wait]
+    assert view.previous.tolist() == [3, *view.decision[:-1].tolist()]
+
+
+def test_answers_are_read_from_the_word(view):
+    for i, _, separating in each(view):
+        assert view.answered_near[i] == (not separating)
+        assert view.claim[i] == (1 + min(separating) if separating else 0)
+        assert view.answer[i] == (2 if separating else 3)
+
+
+def test_builds_that_cannot_be_are_refused():
+    for wrong in ((7, 0, True, True), (33, 0, True, True), (8, 9, True, True), (8, 1, False, True)):
+        with pytest.raises(InputError):
+            Build(*wrong)
+
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
 BUILDS = [(8, m) for m in (0, 1, 2, 3, 4, 8)]
@@ -32,12 +114,6 @@ def sampled(pairs, margins, words=None, parameters=(16, 16, True, True)):
     answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
     coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits))
     return coverage
-
-
-def test_models_differ_by_build_and_are_made_once():
-    models = [core_model(*build) for build in BUILDS]
-    assert len({model.name for model in models}) == len({model.hash for model in models}) == len(BUILDS)
-    assert core_model(16, 0) is core_model(16, 0, True, True)
 
 
 @pytest.mark.parametrize("parameters", BUILDS)
@@ -72,15 +148,6 @@ def test_a_point_above_a_triangle_is_decided_by_its_normal():
         "penetrating / A triangle / B point / m > 0": 1,
     }
     assert hit_bins(coverage, "succession") == {"after near / clear by other axis": 1}
-
-
-def test_touching_features_and_exact_margins():
-    upside = [[0, 0, 4], [6, 0, 5], [0, 6, 5]]
-    vertex = [[0, 0, 0], [-5, -5, 3], [-5, -4, -2]]
-    coverage = sampled([[TRIANGLE, vertex], [TRIANGLE, upside]], [0, 2])
-    assert hit_bins(coverage, "contact")["A 1 / B 1 / m = 0"] == 1
-    assert hit_bins(coverage, "contact_features")["A vertex / B vertex / not coplanar / m = 0"] == 1
-    assert hit_bins(coverage, "relation")["touching / A triangle / B triangle / m = 0"] == 1
 
 
 def test_a_core_without_the_last_axes_sees_only_what_it_can():
@@ -149,17 +216,6 @@ def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
 def test_the_hash_follows_the_sampling_code():
     model = core_model(16, 0)
     names = {path.name for path in model.sources}
-    for module in ("core_coverage", "core_points", "core_sample", "sampling"):
+    for module in ("core_coverage", "core_points", "core_sample", "cover_model"):
         assert f"{module}.py" in names
         assert importlib.import_module(f"triaxis.coverage.{module}").__file__ is not None
-
-
-def test_sampling_keeps_its_budget(rng):
-    """About 70 ns a pair; time of this process alone, so that other work on the machine does not count."""
-    build, count = Build(16, 16, True, True), 1 << 16
-    (sample,) = samples(rng, build, related_pairs(rng, count, 30), rng.integers(0, 9, count))
-    coverage = CoreCoverage(16, 16)
-    timer = time.process_time
-    seconds = min(timeit.repeat(lambda: coverage.sample(sample), timer=timer, number=1, repeat=20))
-    print(f"{seconds / count * 1e9:.1f} ns a pair")
-    assert seconds / count < 300e-9

@@ -1,10 +1,23 @@
+"""Models say what is covered; samples are counted as one by one."""
+
+from collections import Counter
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from triaxis.coverage.cover_model import CoverItem, CoverModel, Coverpoint, Exclusion, Kind, MaskPoint
+from triaxis.coverage.cover_model import (
+    CoverItem,
+    CoverModel,
+    Coverpoint,
+    Exclusion,
+    Kind,
+    MaskPoint,
+    Sampler,
+)
 
 PARITY = Coverpoint[Any]("parity", ("even", "odd"), lambda s: (s % 2).astype(np.uint8))
 SIZE = Coverpoint[Any]("size", ("small", "large"), lambda s: (s > 9).view(np.uint8), partial=True)
@@ -62,3 +75,77 @@ def test_what_cannot_be_sampled_is_refused():
         CoverItem("wrong", "", (MaskPoint[Any]("m", ("",) * 33, lambda s: s),))
     with pytest.raises(ValueError, match="share a name"):
         CoverModel("wrong", (BOTH, BOTH))
+
+
+def point(name, bins, partial):
+    """A point whose codes are a column of the sample."""
+    return Coverpoint[Any](name, tuple(map(str, range(bins))), lambda s: s[name].astype(np.uint8), partial)
+
+
+POINTS = (point("a", 2, False), point("b", 3, True), point("c", 7, True), point("d", 13, False))
+MASK = MaskPoint[Any]("mask", tuple(map(str, range(19))), lambda s: s["mask"])
+
+
+def random_sample(rng, count):
+    sample = {p.name: rng.integers(0, p.radix, count) for p in POINTS}
+    masks = rng.integers(0, 1 << 19, count) * rng.integers(0, 2, count)
+    return {**sample, "mask": masks.astype(np.uint32)}
+
+
+def counted_one_by_one(item, sample, count):
+    """The counts of an item by the names of its bins, without arrays."""
+    found = Counter()
+    for i in range(count):
+        codes = [int(sample[p.name][i]) for p in item.points if isinstance(p, Coverpoint)]
+        points = [p for p in item.points if isinstance(p, Coverpoint)]
+        if any(code == len(p.bins) for p, code in zip(points, codes, strict=True)):
+            continue
+        rest = [p.bins[code] for p, code in zip(points, codes, strict=True)]
+        if isinstance(item.points[0], MaskPoint):
+            bits = [str(bit) for bit in range(19) if int(sample["mask"][i]) >> bit & 1]
+            found.update(" / ".join([bit, *rest]) for bit in bits)
+        else:
+            found[" / ".join(rest)] += 1
+    return found
+
+
+@pytest.mark.parametrize("chosen", ["a", "c", "ab", "ba", "bcd", "dcba", "m", "ma", "mbc", "mdcb"])
+def test_counts_are_those_of_counting_one_by_one(rng, chosen):
+    by_name = {**{p.name: p for p in POINTS}, "m": MASK}
+    item = CoverItem("item", "", tuple(by_name[name] for name in chosen))
+    for count in (0, 1, 300):
+        sample = random_sample(rng, count)
+        hits = Sampler(sample).hits(item)
+        found = {b.name: n for b, n in zip(item.bins, hits.tolist(), strict=True) if n}
+        assert found == counted_one_by_one(item, sample, count)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.integers(2, 40), min_size=1, max_size=4))
+def test_joint_codes_have_room_whatever_the_sizes(sizes):
+    points = tuple(point(str(k), size, True) for k, size in enumerate(sizes))
+    sample = {str(k): np.array([0, size - 1, size - 1]) for k, size in enumerate(sizes)}
+    hits = Sampler(sample).hits(CoverItem("item", "", points))
+    assert hits[0] == 1 and hits[-1] == 2 and hits.sum() == 3
+
+
+def test_codes_are_computed_once_for_all_items():
+    calls = []
+
+    def codes(sample):
+        calls.append(1)
+        return sample
+
+    one = Coverpoint[Any]("one", ("0", "1"), codes)
+    sampler = Sampler(np.zeros(3, np.uint8))
+    for points in ((one,), (one, one), (one, one, one)):
+        sampler.hits(CoverItem("item", "", points))
+    assert len(calls) == 1
+
+
+def test_a_code_without_a_bin_is_an_error_and_not_another_bin():
+    sample = {"a": np.array([0, 2]), "b": np.array([0, 0]), "mask": np.array([1, 1 << 19], np.uint32)}
+    with pytest.raises(ValueError, match="a: code 2"):
+        Sampler(sample).hits(CoverItem("item", "", (POINTS[0], POINTS[1])))
+    with pytest.raises(ValueError, match="beyond its 19 bins"):
+        Sampler(sample).hits(CoverItem("item", "", (MASK,)))

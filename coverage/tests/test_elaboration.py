@@ -97,12 +97,6 @@ def test_operators_on_vectors_and_checks_of_cases_are_no_conditions(tmp_path: Pa
     assert read_elaboration(design(tmp_path, modulesp=[module]), "top")["TOP.top"].conditions == {4}
 
 
-def test_an_unknown_type_is_an_error(tmp_path: Path) -> None:
-    types = [{"type": "UNIONDTYPE", "addr": kind["addr"]} for kind in TYPES]
-    with pytest.raises(InputError, match="type UNIONDTYPE: unknown"):
-        read_elaboration(design(tmp_path, miscsp=[{"type": "TYPETABLE", "typesp": types}]), "top")
-
-
 def test_what_is_no_design_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="with a module other"):
         read_elaboration(design(tmp_path), "other")

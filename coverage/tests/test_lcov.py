@@ -1,17 +1,10 @@
 """What the tracefile says is what the counters say, and genhtml reads it so."""
 
-import re
-import shutil
-import subprocess
-from collections import Counter
 from dataclasses import dataclass, field
-from html import unescape
 from pathlib import Path
 
 import pytest
 
-from triaxis.coverage.code_counters import Counters, read_counters
-from triaxis.coverage.interchange.code_points import branch_statements, read_code_points
 from triaxis.coverage.interchange.lcov import write_lcov
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
@@ -20,11 +13,6 @@ ROOT = Path(__file__).resolve().parents[2]
 # Those of the last measurement; counters older than the RTL may be of lines that are no more.
 NEWEST = max(path.stat().st_mtime for path in (ROOT / "dut").iterdir())
 COUNTERS = (ROOT / "build" / "coverage" / "counters").glob("*.dat")
-MEASURED = sorted(path for path in COUNTERS if path.stat().st_mtime > NEWEST)
-GENHTML = shutil.which("genhtml")
-
-needs_genhtml = pytest.mark.skipif(GENHTML is None, reason="no genhtml here: apt-get install lcov")
-needs_measured = pytest.mark.skipif(not MEASURED, reason="no counters of this RTL: triaxis coverage code")
 
 
 @dataclass
@@ -140,99 +128,3 @@ def test_counters_of_another_checkout_or_of_nothing_are_refused(models: list[Pat
         write_lcov(tmp_path / "t.info", models, tmp_path)
     with pytest.raises(InputError, match=r"none\.dat: cannot read"):
         write_lcov(tmp_path / "t.info", [tmp_path / "none.dat"], tmp_path)
-
-
-def added(counters: list[Counters]) -> Counter[tuple[str, int, str]]:
-    """Return what our other reader says: counts by file, line and what, over instances and models."""
-    found: Counter[tuple[str, int, str]] = Counter()
-    for one in counters:
-        for point in one.points.values():
-            if point.kind != "expression":
-                found[point.file, point.line, point.what] += point.count
-    return found
-
-
-def without_toggles(path: Path, folder: Path) -> Path:
-    """Copy counters without toggles: the other reader takes its time over them."""
-    copy = folder / path.name
-    lines = path.read_text().splitlines(keepends=True)
-    copy.write_text("".join(line for line in lines if "\x01t\x02toggle\x01" not in line))
-    return copy
-
-
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """The counters of the last measurement."""
-    with MEASURED[0].open() as lines:
-        if f"\x01f\x02{ROOT}/" not in [next(lines), next(lines)][1]:
-            pytest.skip("the counters here are of another checkout: triaxis coverage code")
-    folder = tmp_path_factory.mktemp("measured")
-    return [without_toggles(path, folder) for path in MEASURED]
-
-
-@needs_measured
-def test_the_tracefile_of_the_core_says_what_the_counters_say(measured: list[Path], tmp_path: Path) -> None:
-    records = read_back(write_lcov(tmp_path / "t.info", measured, ROOT))
-    counts = added([read_counters(path) for path in measured])
-    places = {point.place for path in measured for point in read_code_points(path, ROOT)}
-    assert {(Path(p.file).name, p.line, p.what) for p in places} == set(counts)
-    assert {file for file, record in records.items() if record.lines} == {p.file for p in places}
-    statements = branch_statements(list(places))
-    assert sum(map(len, statements)) == sum(r.totals["BRF"] for r in records.values())
-    for file, record in records.items():
-        name = Path(file).name
-        assert (ROOT / file).is_file()
-        ways = {
-            (way.line, index): counts[name, way.line, way.what]
-            for statement in statements
-            for index, way in enumerate(statement)
-            if way.file == file
-        }
-        assert {(line, index): n for (line, _, index), n in record.ways.items()} == ways
-        for (found, line, what), count in counts.items():
-            assert found != name or what != "block" or record.lines[line] >= count
-        assert record.totals == {
-            "LF": len(record.lines),
-            "LH": sum(n > 0 for n in record.lines.values()),
-            "BRF": len(record.ways),
-            "BRH": sum(n > 0 for n in record.ways.values()),
-        }
-
-
-def page_of(folder: Path, info: Path, root: Path) -> str:
-    """Make the pages; return what genhtml said."""
-    command = [GENHTML, "--branch-coverage", "-o", str(folder), str(info)]
-    done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def check_pages(records: dict[str, Record], said: str, folder: Path) -> None:
-    """Check that the totals that genhtml prints, and the counts in its pages, are those of the records."""
-    for word, found, hit in (("lines", "LF", "LH"), ("branches", "BRF", "BRH")):
-        whole = sum(record.totals[found] for record in records.values())
-        covered = sum(record.totals[hit] for record in records.values())
-        assert re.search(rf"{word}\.+: [\d.]+% \({covered} of {whole} {word}\)", said)
-    for file, record in records.items():
-        text = (folder / f"{file}.gcov.html").read_text()
-        taken = [int(count) for count in re.findall(r"was taken (\d+) time", text)]
-        assert taken == [count for _, count in sorted(record.ways.items()) if count]
-        assert text.count("was not taken") == sum(not count for count in record.ways.values())
-        plain = unescape(re.sub(r"<[^>]*>", "", text))
-        lines = dict(re.findall(r"^ *(\d+) [^:]*: +(\d+) : ", plain, re.MULTILINE))
-        assert {int(line): int(count) for line, count in lines.items()} == record.lines
-
-
-@needs_genhtml
-def test_genhtml_says_what_the_tracefile_says(models: list[Path], tmp_path: Path) -> None:
-    info = write_lcov(tmp_path / "t.info", models, tmp_path)
-    said = page_of(tmp_path / "html", info, tmp_path)
-    assert "(11 of 12 lines)" in said and "(7 of 9 branches)" in said
-    check_pages(read_back(info), said, tmp_path / "html")
-
-
-@needs_genhtml
-@needs_measured
-def test_genhtml_says_of_the_core_what_the_counters_say(measured: list[Path], tmp_path: Path) -> None:
-    info = write_lcov(tmp_path / "t.info", measured, ROOT)
-    check_pages(read_back(info), page_of(tmp_path / "html", info, ROOT), tmp_path / "html")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.coverage.mesh_coverage import MeshCoverage, mesh_model
-from triaxis.coverage.mesh_sample import AbortSeen, MeshBuild, MeshRow, MeshView, Reloaded
+from triaxis.coverage.mesh_coverage import MeshCoverage
+from triaxis.coverage.mesh_sample import AbortSeen, MeshBuild, MeshRow, Reloaded
 from triaxis.coverage.report import report
 
 BUILD = MeshBuild("mesh_test", 16, 16, 64, 8, 4, 8)
@@ -80,13 +80,6 @@ def test_a_run_hits_its_bins_and_no_other(changes, item, bins):
     assert hit(replace(ROW, **changes), item) == bins
 
 
-def test_all_columns_are_there():
-    view = MeshView(BUILD, [ROW, replace(ROW, tested=31)])
-    assert view.tested.tolist() == [30, 31]
-    with pytest.raises(AttributeError, match="colour"):
-        _ = view.colour
-
-
 def test_an_outcome_that_cannot_be_is_illegal():
     coverage = MeshCoverage(BUILD)
     coverage.sample([replace(ROW, status=2), replace(ROW, mode=3)])
@@ -108,13 +101,3 @@ def test_builds_have_the_bins_that_they_can_reach():
     ones = totals(MeshBuild("ones", 10, 2, 16, 1, 1, 32, False))
     assert ones["mesh_pair_gaps"] == 6 and "mesh_last_group_a" not in ones
     assert ones["mesh_sizes"] == 6 * 6
-
-
-def test_bare_aborts_keep_their_names():
-    build = replace(BUILD, name="bare", pins=False)
-    assert hit(replace(ROW, aborts=int(AbortSeen.REPORTING)), "mesh_abort", build) == ["reporting"]
-    assert hit(replace(ROW, aborts=int(AbortSeen.STARTING)), "mesh_abort", build) == ["settling"]
-
-
-def test_models_are_told_apart():
-    assert mesh_model(BUILD).hash != mesh_model(replace(BUILD, pins=False)).hash

@@ -4,9 +4,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from triaxis.coverage.counts import Counts
+from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import CoverItem, CoverModel, Coverpoint, Exclusion, Kind
-from triaxis.coverage.database import CoverageDatabase
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import percent, report
 from triaxis.coverage.terminal import coverage_lines, summary_line
@@ -114,5 +113,5 @@ def test_the_page_shows_an_illegal_hit(tmp_path):
 
 def test_a_page_that_cannot_be_written_is_one_clear_line(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="cannot write"):
+    with pytest.raises(InputError, match="cannot make this folder"):
         write_page(tmp_path / "file" / "page.html", CoverageDatabase([MODEL]))

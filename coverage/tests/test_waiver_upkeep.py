@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
@@ -19,9 +18,7 @@ from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.elaboration import Instance, Signal
 from triaxis.coverage.report import ModelReport, report
 from triaxis.coverage.waiver_upkeep import (
-    WaivedPlace,
     exclusion_records,
-    stale_patterns,
     waiver_problems,
     waiver_records,
 )
@@ -32,9 +29,6 @@ TODAY = date(2026, 1, 1)
 TOP, U_A, U_B = "TOP.top", "TOP.top.u_a", "TOP.top.u_b"
 BITS = Waiver(
     1, "bounded", "because", "dut", date(2026, 6, 30), "toggle", ("leaf",), signals=("sum",), bits=("4..7",)
-)
-WAYS = replace(
-    BITS, number=2, kind="branch", signals=(), bits=(), what=("cond_*",), instances=("*.u_a", "*.u_b")
 )
 CORES = ((8, 0), (8, 8), (16, 0, False, True), (13, 4, True, False), (16, 0, True, False), (32, 32))
 
@@ -54,67 +48,6 @@ def assessed(
         for column, what in enumerate(("cond_then", "cond_else")):
             counters.count_point(("leaf.sv", 9, column, "branch", what, path), int((path, what) in hit_ways))
     return conclude(assess_model(ModelCoverage("w8_m0", counters, instances), waivers), [], waivers, TODAY)
-
-
-LOW = {U_A: set(range(4)), U_B: set(range(4))}
-
-
-def test_waivers_that_hold_are_no_problem() -> None:
-    whole = assessed(LOW, set(), [BITS, WAYS])
-    assert whole.problems == [] and whole.uncovered == []
-    assert whole.waived == {1: 16, 2: 4}
-
-
-def test_one_bit_of_many_that_is_hit_is_named() -> None:
-    whole = assessed({**LOW, U_B: {0, 1, 2, 3, 6}}, set(), [BITS, WAYS])
-    assert whole.problems == [
-        f"waiver 1 (toggle, leaf): is hit: leaf.sv:3: toggle sum[6]{edge}, {U_B}, w8_m0"
-        for edge in (RISE, FALL)
-    ]
-    assert not whole.passed
-
-
-def test_one_way_of_one_instance_that_is_hit_is_named() -> None:
-    whole = assessed(LOW, {(U_A, "cond_else")}, [BITS, WAYS])
-    assert whole.problems == [f"waiver 2 (branch, leaf): is hit: leaf.sv:9: branch cond_else, {U_A}, w8_m0"]
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"modules": ("gone",)}, "waiver 1 (toggle, gone): covers no bin"),
-        ({"signals": ("gone",)}, "waiver 1 (toggle, leaf): covers no bin"),
-        ({"instances": ("*.u_c",)}, "waiver 1 (toggle, leaf): covers no bin"),
-        ({"models": ("w9_*",)}, "waiver 1 (toggle, leaf): covers no bin"),
-        ({"where": "W == 9"}, "waiver 1 (toggle, leaf): covers no bin"),
-        ({"expires": TODAY - timedelta(1)}, "waiver 1 (toggle, leaf): expired on 2025-12-31"),
-    ],
-)
-def test_a_waiver_of_nothing_and_an_expired_one_are_named(change: dict[str, Any], said: str) -> None:
-    whole = assessed(LOW, set(), [replace(BITS, **change), WAYS])
-    assert [problem.startswith(said) for problem in whole.problems] == [True]
-
-
-PLACES = [WaivedPlace("w8_m0", "leaf", U_A, "sum"), WaivedPlace("w8_m8", "leaf", U_B, "carry[3]")]
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"signals": ("sum", "carry[{i}]")}, []),
-        ({"signals": ("sum", "carry")}, ["signals: carry"]),
-        ({"modules": ("leaf", "stem")}, ["modules: stem"]),
-        ({"models": ("w8_m8", "w8_m0", "w9_*")}, ["models: w9_*"]),
-        ({"instances": ("*.u_a", "*.u_c", "*.u_d")}, ["instances: *.u_c", "instances: *.u_d"]),
-        ({"signals": (), "what": ("sum", "=> 1")}, ["what: => 1"]),
-    ],
-)
-def test_a_pattern_that_fits_nothing_is_named(change: dict[str, Any], said: list[str]) -> None:
-    found = stale_patterns(replace(BITS, **change), PLACES)
-    assert found == [
-        f"waiver 1 (toggle, {', '.join(change.get('modules', ['leaf']))}): {line}: fits no bin that it covers"
-        for line in said
-    ]
 
 
 def records() -> list[dict[str, Any]]:
@@ -183,12 +116,6 @@ def test_waivers_that_are_not_those_measured_are_a_problem(
     spoil(changed)
     [problem] = waiver_problems(changed, TODAY)
     assert said in problem
-
-
-def test_a_file_that_is_not_well_formed_is_one_problem(tmp_path: Path) -> None:
-    path = tmp_path / "waivers.toml"
-    path.write_text("[[waiver]]\ncategory = 'bounded'\n")
-    assert waiver_problems(None, TODAY, path) == [f"{path}: waiver 1: reason is missing"]
 
 
 def full(parameters: tuple[Any, ...], spoilt: str = "") -> ModelReport:

@@ -1,3 +1,5 @@
+"""Waivers: read, refused where not well formed, and of what bits they say are constant."""
+
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -6,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from triaxis.coverage.arithmetic import BoundError
-from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
+from triaxis.coverage.waivers import BoundError, Waiver, evaluate, fit, read_waivers
 from triaxis.golden.errors import InputError
 
 GOOD = """
@@ -88,11 +89,6 @@ def test_what_is_not_well_formed_is_named(tmp_path: Path, old: str, new: str, sa
     assert "\n" not in str(caught.value) and "waivers.toml: " in str(caught.value)
 
 
-def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot read"):
-        read_waivers(tmp_path / "none.toml")
-
-
 @given(st.integers(-70, 70), st.integers(0, 140), st.integers(0, 4))
 def test_constant_bits_are_those_that_no_value_changes(low: int, span: int, log_step: int) -> None:
     step, high, width = 1 << log_step, low + span, 9
@@ -141,5 +137,26 @@ def test_patterns() -> None:
     assert fit(("a",), "ab") is None
 
 
-def test_the_file_is_beside_its_reader() -> None:
-    assert WAIVERS.is_file()
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("3 * L**3 + 1", 3 * 7**3 + 1),
+        ("-(L // 2) % 4", -(7 // 2) % 4),
+        ("1 << W", 8),
+        ("L >> 1", 3),
+        ("2 + (W > 2)", 3),
+        ("W == 3 and not L == 3", 1),
+        ("W == 4 or 0", 0),
+    ],
+)
+def test_values(text: str, value: int) -> None:
+    assert evaluate(text, {"W": 3, "L": 7}) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["L", "1 +", "open('x')", "W.real", "1.5", "W / 2", "1 // 0", "1 << -1", "'a'", "2**-1", "[1]"],
+)
+def test_what_is_no_whole_number_arithmetic_is_refused(text: str) -> None:
+    with pytest.raises(BoundError):
+        evaluate(text, {"W": 3})

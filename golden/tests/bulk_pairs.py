@@ -83,3 +83,14 @@ def awkward_margins(rng: np.random.Generator, pairs: Pairs, width: int) -> npt.N
         np.full(count, largest),
     ]
     return np.choose(rng.integers(0, len(kinds), count), kinds).clip(0, largest)
+
+
+_WIDTHS = (8, 16, 17, 20, 24, 25, 26, 27, 30, 32)
+
+
+def hard_pairs(rng: np.random.Generator, count: int) -> tuple[Pairs, npt.NDArray[np.int64]]:
+    """Return pairs of all widths in random order, so that neighbours need different arithmetic; margins."""
+    pairs = [awkward_pairs(rng, count, width) for width in _WIDTHS]
+    margins = [awkward_margins(rng, p, width) for p, width in zip(pairs, _WIDTHS, strict=True)]
+    order = rng.permutation(sum(map(len, pairs)))
+    return np.concatenate(pairs)[order], np.concatenate(margins)[order]

@@ -79,27 +79,6 @@ def test_a_margin_that_reaches_everything():
         assert_equal(bulk_facts(close, margin), bulk_facts(close, 7))
 
 
-@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 63, 64, 65, 1000])
-def test_any_number_of_pairs_large_and_small_mixed(rng, count):
-    pairs = np.concatenate([awkward_pairs(rng, 1000, 32), awkward_pairs(rng, 1000, 12)])
-    pairs = rng.permutation(pairs)[:count]
-    margins = awkward_margins(rng, pairs, 32) if count else np.zeros(0, np.int64)
-    facts = bulk_facts(pairs, margins)
-    assert len(facts) == count
-    for index in range(0, count, 1 + count // 50):
-        alone = bulk_facts(pairs[index : index + 1], margins[index : index + 1])
-        assert_equal(facts[index : index + 1], alone)
-
-
-def test_any_integers_that_fit_will_do(rng):
-    pairs = awkward_pairs(rng, 200, 8)
-    facts = bulk_facts(pairs, 3)
-    for kind in (np.int8, np.int16, np.int32, np.int64, ">i4"):
-        assert_equal(bulk_facts(pairs.astype(kind), np.full(len(pairs), 3, np.uint8)), facts)
-    assert_equal(bulk_facts(np.asfortranarray(pairs.astype(np.int32)), 3), facts)
-    assert_equal(bulk_facts(pairs[::2].astype(np.int32), np.full(len(pairs), 3, np.uint32)[::2]), facts[::2])
-
-
 def test_bad_input_is_refused():
     pairs = np.zeros((3, 2, 3, 3), np.int64)
     pairs[2, 1, 0, 2] = 1 << 31

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from triaxis.golden import bulk
-from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs
+from triaxis.golden.bulk import bulk_claims, bulk_facts
+from triaxis.golden.tests.bulk_pairs import hard_pairs
 from triaxis.golden.tests.test_bulk import assert_equal
+
+# A build of native code for each.
+pytestmark = pytest.mark.regress
 
 GOLDEN = Path(bulk.__file__).parent
 
@@ -22,31 +25,39 @@ FAULTS = [
     ("bulk_wide.h", "(coarse - high) + fine", "coarse - high", "level"),
 ]
 
+CLAIM_FAULTS = [
+    ("kExact = 0x1p16", "kExact = 0x1p40"),
+    ("kExactEdge = 0x1p24", "kExactEdge = 0x1p40"),
+    ("return doubtful ? exactly : separates", "return separates"),
+    ("doubtful ? Exactly(e, f, near, far) : separates", "separates"),
+    ("& ~(off_a | off_b)", "& ~(off_a | ~off_a)"),
+    ("on_b[j] - on_b[(j + 1) % 3]", "on_b[(j + 1) % 3] - on_b[j]"),
+    ("  undecided.Finish();\n", ""),
+]
+
 
 @pytest.fixture
 def change(tmp_path, monkeypatch):
-    """Return a function that changes the sources of the checker and makes `bulk_facts` use them."""
-    for file in [GOLDEN / "bulk.cpp", *GOLDEN.glob("bulk_*.h")]:
+    """Return a function that changes sources and makes `bulk_facts`, or `bulk_claims`, use them."""
+    for file in [GOLDEN / "bulk.cpp", GOLDEN / "bulk_claims.cpp", *GOLDEN.glob("bulk_*.h")]:
         shutil.copy(file, tmp_path)
 
-    def apply(file, *edits):
+    def apply(file, *edits, claims=False):
         source = (tmp_path / file).read_text()
         for text, replacement in edits:
             assert text in source
             source = source.replace(text, replacement)
         (tmp_path / file).write_text(source)
-        checker = bulk.load_checker(tmp_path)
-        monkeypatch.setattr(bulk, "_checker", lambda: checker)
+        names = ("bulk_claims", "triaxis_claims") if claims else ("bulk", "triaxis_facts")
+        native = bulk.load_native(*names, tmp_path)
+        monkeypatch.setattr(bulk, "_claims" if claims else "_facts", lambda: native)
 
     return apply
 
 
 @pytest.fixture
 def hard(rng):
-    """Return pairs, small and large, and their margins."""
-    kinds = [(awkward_pairs(rng, 2000, width), width) for width in (8, 16, 24, 32)]
-    margins = [awkward_margins(rng, pairs, width) for pairs, width in kinds]
-    return np.concatenate([pairs for pairs, _ in kinds]), np.concatenate(margins)
+    return hard_pairs(rng, 1500)
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault[1])
@@ -68,3 +79,16 @@ def test_a_processor_with_short_vectors_agrees(change, hard):
     right = bulk_facts(*hard)
     change("bulk_lanes.h", ("__AVX512F__", "NONE"), ("__AVX__", "NONE"))
     assert_equal(bulk_facts(*hard), right)
+
+
+@pytest.mark.parametrize("fault", CLAIM_FAULTS, ids=lambda fault: fault[0].strip())
+def test_broken_claims_are_noticed(change, hard, fault):
+    change("bulk_claims.cpp", fault, claims=True)
+    pairs, margins = hard
+    assert any((bulk_claims(pairs, m) != bulk_facts(pairs, m).claim).any() for m in (margins, 0))
+
+
+def test_claims_on_a_processor_with_short_vectors_agree(change, hard):
+    change("bulk_claims.cpp", ("__AVX512F__", "NONE"), claims=True)
+    change("bulk_lanes.h", ("__AVX512F__", "NONE"), ("__AVX__", "NONE"), claims=True)
+    assert np.array_equal(bulk_claims(*hard), bulk_facts(*hard).claim)

@@ -1,8 +1,14 @@
+"""Ranks are exact; axes, by themselves and on arrays, are those of the definition."""
+
 from fractions import Fraction
 from itertools import permutations
 
+import numpy as np
 import pytest
 
+from triaxis.golden import axes
+from triaxis.golden.axes import NUM_AXES, axis_name, axis_vector, separating
+from triaxis.golden.certificate import axis_proves_clear
 from triaxis.golden.exact import coplanar, rank, triangle_rank
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -28,3 +34,38 @@ def test_coplanar():
     assert coplanar(SEGMENT, POINT)
     # Two skew segments are degenerate triangles in no common plane.
     assert not coplanar([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 1], [0, 0, 1], [0, 2, 1]])
+
+
+@pytest.mark.parametrize("size", [3, 50, 2**18, 2**31 - 1])
+def test_arrays_and_single_axes_agree(rng, size):
+    pairs = rng.integers(-size, size + 1, (40, 2, 3, 3))
+    margins = rng.integers(0, 3, 40)
+    expected = [
+        [axis_proves_clear(a, b, m, axis_vector(n, a, b)) for n in range(NUM_AXES)]
+        for (a, b), m in zip(pairs.tolist(), margins.tolist(), strict=True)
+    ]
+    assert (separating(pairs, margins) == np.array(expected)).all()
+
+
+def test_64_bits_suffice_up_to_their_limit(monkeypatch):
+    low, high = -(1 << (axes._INT64_WIDTH - 1)), (1 << (axes._INT64_WIDTH - 1)) - 1
+    rng = np.random.default_rng(3)
+    pairs = np.where(rng.integers(0, 2, (3000, 2, 3, 3)) == 0, low, high)
+    margins = np.where(rng.integers(0, 2, 3000) == 0, 0, high - low)
+    fast = separating(pairs, margins)
+    monkeypatch.setattr(axes, "_INT64_WIDTH", 1)
+    assert (separating(pairs, margins) == fast).all()
+
+
+def test_numbering():
+    a = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    b = [[0, 0, 9], [0, 2, 9], [3, 0, 9]]
+    assert [axis_vector(n, a, b) for n in range(3)] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert axis_vector(3, a, b) == [0, 0, 1]
+    assert axis_vector(4, a, b) == [0, 0, -6]
+    # Edge 0 of A is (1, 0, 0), edge 1 of B is (3, -2, 0).
+    assert axis_vector(5 + 1, a, b) == [0, 0, -2]
+    # Edge 0 of A x coordinate y; edge 2 of B, (-3, 0, 0), x coordinate z.
+    assert axis_vector(14 + 1, a, b) == [0, 0, 1]
+    assert axis_vector(23 + 3 * 2 + 2, a, b) == [0, 3, 0]
+    assert len({axis_name(n) for n in range(NUM_AXES)}) == NUM_AXES

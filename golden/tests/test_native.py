@@ -40,13 +40,6 @@ def test_compiles_once_and_again_after_a_change(build, sources):
     assert len(list(build.iterdir())) == 2
 
 
-def test_another_processor_or_compiler_compiles_again(build, sources, monkeypatch):
-    answer_of(sources)
-    monkeypatch.setattr(native, "target", lambda compiler: "another")
-    answer_of(sources)
-    assert len(list(build.iterdir())) == 2
-
-
 def test_an_error_is_one_line_and_leaves_no_library(build, sources):
     sources[0].write_text("int f() { return undeclared; }\n")
     with pytest.raises(InputError, match=r"answer: .* fails: .*undeclared.* \(log: ") as raised:

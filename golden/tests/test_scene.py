@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.scene import apart, boxes_of, in_scan_order, scene_answer
+from triaxis.golden.scene import apart, boxes_of, scene_answer
 
 
 def meshes(rng, count_a, count_b, reach=40, size=12):
@@ -58,19 +58,3 @@ def test_the_margin_itself_is_not_apart(axis, side):
     step[axis] = side
     assert not apart(box, box + (4 + 6) * step, 6)[0, 0]
     assert apart(box, box + (4 + 7) * step, 6)[0, 0]
-
-
-def test_order_of_the_scan():
-    pairs = np.array(list(product(range(4), range(4))))
-    found = in_scan_order(pairs[::-1], 2).tolist()
-    assert found[:8] == [[0, 0], [0, 1], [1, 0], [1, 1], [0, 2], [0, 3], [1, 2], [1, 3]]
-    assert sorted(found) == pairs.tolist()
-
-
-def test_blocks_change_nothing(seed, monkeypatch):
-    a, b = meshes(np.random.default_rng(seed), 20, 30)
-    whole = scene_answer(a, b, 4, 8)
-    monkeypatch.setattr("triaxis.golden.scene._BLOCK", 64)
-    parts = scene_answer(a, b, 4, 8)
-    assert (whole.near == parts.near).all() and (whole.boxes_apart == parts.boxes_apart).all()
-    assert whole.near_pairs.tolist() == parts.near_pairs.tolist()

@@ -10,9 +10,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.coverage.database import CoverageDatabase
-from triaxis.coverage.interchange.code_points import CodePoint, read_code_points
-from triaxis.coverage.interchange.lcov import write_lcov
+from triaxis.coverage.counts import CoverageDatabase
+from triaxis.coverage.interchange.lcov import CodePoint, read_code_points, write_lcov
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint
 from triaxis.coverage.testplan_inventory import Inventory

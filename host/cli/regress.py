@@ -14,10 +14,10 @@ from triaxis.host.cli.arguments import natural, positive
 from triaxis.host.cli.terminal import print_list
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import REGRESSIONS
-from triaxis.verif.counterexample.bare_core import BareCore
 from triaxis.verif.counterexample.explaining import PICTURES, explain
-from triaxis.verif.counterexample.failing import read_failing
+from triaxis.verif.counterexample.finding import BareCore
 from triaxis.verif.regress.definition import DEFINITION, in_checkout
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeeds

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.rational import Rational
 from triaxis.host.meshcheck import AUTOMATIC_WIDTHS
 from triaxis.host.motion.program import Move, Program
 from triaxis.host.motion.sampling import PathGrid, Segment, round_half_up, upwards

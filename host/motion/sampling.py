@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from triaxis.golden.rational import Rational
+from triaxis.golden.exact import Rational
 from triaxis.host.quantise import Vector
 from triaxis.host.scene_engines import Translation
 

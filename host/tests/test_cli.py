@@ -19,9 +19,9 @@ from triaxis.host.cli.commands import COMMANDS, GROUPS
 from triaxis.host.motion.gcode import read_blocks
 from triaxis.host.stl import read_stl
 from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import read_case
 from triaxis.verif.core.stimulus.families import mixed_pairs
-from triaxis.verif.counterexample.failing import read_failing
 from triaxis.verif.regress.definition import read_definition
 from triaxis.verif.signoff.gate import refusals
 from triaxis.verif.signoff.scene_checks import mesh_data

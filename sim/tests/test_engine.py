@@ -6,7 +6,9 @@ import pytest
 from triaxis.golden.judge import judge_pairs
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine, configuration_for
-from triaxis.verif.core.stimulus.families import all_orders, mixed_pairs, random_margins
+from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.margins import random_margins
+from triaxis.verif.core.stimulus.symmetry import all_orders
 
 
 @pytest.mark.parametrize(("width", "largest"), [(8, 255), (16, 0), (24, 1 << 23), (32, (1 << 32) - 1)])

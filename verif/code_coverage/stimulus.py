@@ -14,8 +14,8 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import NO_AXIS, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.code_coverage.instrumented_core import OFFER, RESET, TAKE, Stimulus
-from triaxis.verif.core.stimulus.corners import corner_pairs, diagonal_pairs
 from triaxis.verif.core.stimulus.families import mixed
+from triaxis.verif.core.stimulus.general import corner_pairs, diagonal_pairs
 
 # Of each of the four kinds of pairs, as many.
 _KINDS = 4

@@ -5,20 +5,20 @@ judged by the golden model too, which shares nothing with the bulk checker.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from triaxis.coverage.core_sample import CoreSample
 from triaxis.golden.axes import axis_name
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.claim_check import claims_prove_clear
+from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
 from triaxis.verif.core.expectation import expected_words
-from triaxis.verif.testbench.batches import Integers, PairBatch, ResultBatch
+from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
 # Failures described in full; beyond that they are only counted.
@@ -37,8 +37,8 @@ class Failure:
     message: str
     pair: Integers | None = None
     margin: int = 0
-    context: Integers | None = None
-    context_margins: Integers | None = None
+    context: Integers = field(default_factory=lambda: np.zeros((0, 2, 3, 3), np.int64))
+    context_margins: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 class Checker:

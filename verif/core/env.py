@@ -1,12 +1,42 @@
 """The environment: two agents, the scoreboard, the coverage subscriber."""
 
-from pyuvm import uvm_env
+from pathlib import Path
 
-from triaxis.verif.core.coverage_subscriber import CoverageSubscriber
+from pyuvm import uvm_env, uvm_subscriber
+
+from triaxis.coverage.core_coverage import CoreCoverage
+from triaxis.coverage.core_sample import CoreSample
+from triaxis.verif.core.pin_agents import SinkAgent, SourceAgent
 from triaxis.verif.core.scoreboard import Scoreboard
-from triaxis.verif.core.sink_agent import SinkAgent
-from triaxis.verif.core.source_agent import SourceAgent
-from triaxis.verif.testbench.handles import create
+from triaxis.verif.testbench.environment import create, settings_of
+from triaxis.verif.testbench.settings import coverage_file
+
+# In a soak every so many batches one is sampled.
+_SOAK_EVERY = 8
+
+
+class CoverageSubscriber(uvm_subscriber):
+    """Counts bins of the coverage model of the core's configuration, and writes them at the end.
+
+    Samples come from the worker's thread, in order; the phases run when it has ended.
+    """
+
+    def build_phase(self) -> None:
+        """Start with empty counts."""
+        self.settings = settings_of(self)
+        self.coverage = CoreCoverage(*self.settings.configuration.covered)
+        self.every = _SOAK_EVERY if self.settings.soak else 1
+        self.batches = 0
+
+    def write(self, tt: CoreSample) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Sample a batch."""
+        if self.batches % self.every == 0:
+            self.coverage.sample(tt)
+        self.batches += 1
+
+    def report_phase(self) -> None:
+        """Write the counts."""
+        self.coverage.counts.save(coverage_file(Path(self.settings.folder)))
 
 
 class CoreEnv(uvm_env):

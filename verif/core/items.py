@@ -1,6 +1,7 @@
-"""The sequence item: a burst of pairs, with the paces at which they are offered and answers taken."""
+"""What is sent, and what the monitors publish: bursts of pairs with their paces, runs of beats as arrays."""
 
 from dataclasses import dataclass
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,10 @@ class Pace:
     def duty(self) -> float:
         """Return the mean share of the cycles that are on."""
         return 1.0 if not self.off else (self.on + 1) / (self.on + 1 + self.off)
+
+    def draw(self, random: Random) -> tuple[int, int]:
+        """Return cycles on and off, the next ones."""
+        return random.randint(1, self.on), random.randint(0, self.off)
 
     def runs(self, rng: np.random.Generator, count: int) -> npt.NDArray[np.uint16]:
         """Return ``count`` runs on and off, alternating: (2 count,); empty where there is no pause."""
@@ -57,3 +62,49 @@ class BurstItem(uvm_sequence_item):
         self.gaps = gaps
         self.stalls = stalls
         self.tags = tags
+
+
+Integers = npt.NDArray[np.integer[Any]]
+
+
+@dataclass(frozen=True)
+class PairBatch:
+    """Pairs (N, 2, 3, 3) accepted by the core, at margins (N,).
+
+    ``waits``: clocks that each was offered before it was accepted.
+    """
+
+    pairs: Integers
+    margins: Integers
+    tags: Integers
+    waits: Integers
+
+    def __len__(self) -> int:
+        """Return the number of pairs."""
+        return len(self.tags)
+
+    def __getitem__(self, part: slice) -> "PairBatch":
+        """Return a part."""
+        return PairBatch(self.pairs[part], self.margins[part], self.tags[part], self.waits[part])
+
+
+@dataclass(frozen=True)
+class ResultBatch:
+    """Results taken from the core. ``waits``: clocks that each was offered before it was taken."""
+
+    words: npt.NDArray[np.uint16]
+    tags: Integers
+    waits: Integers
+
+    def __len__(self) -> int:
+        """Return the number of results."""
+        return len(self.tags)
+
+    def __getitem__(self, part: slice) -> "ResultBatch":
+        """Return a part."""
+        return ResultBatch(self.words[part], self.tags[part], self.waits[part])
+
+
+@dataclass(frozen=True)
+class ResetSeen:
+    """The core was reset: what it held is gone."""

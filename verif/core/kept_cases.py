@@ -7,7 +7,6 @@ comes from a hash of what is sent, so that nothing is kept twice, and a changed 
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import VERIF
-from triaxis.verif.core.stream import Stream
+from triaxis.verif.core.failing_pairs import Stream
 
 REGRESSIONS = VERIF / "core" / "kept"
 _HASH_DIGITS = 12
@@ -47,13 +46,9 @@ class RegressionCase:
     @property
     def width(self) -> int:
         """Return the smallest width of a core that holds all of it."""
-        low, high = int(self.stream.pairs.min()), int(self.stream.pairs.max())
-        return next(w for w in range(MIN_WIDTH, MAX_WIDTH + 1) if _holds(w, low, high))
-
-
-def _holds(width: int, low: int, high: int) -> bool:
-    smallest, largest = coordinate_range(width)
-    return smallest <= low and high <= largest
+        # Of -1 - x for x below 0: as many bits as x needs beside its sign.
+        largest = int(np.maximum(self.stream.pairs, ~self.stream.pairs).max())
+        return max(MIN_WIDTH, largest.bit_length() + 1)
 
 
 def case_text(case: RegressionCase) -> str:
@@ -76,8 +71,7 @@ def write_case(case: RegressionCase, folder: Path = REGRESSIONS) -> Path:
     same = sorted(folder.glob(f"*-{digest}.json"))
     if same:
         return same[0]
-    path = folder / f"{case.name}.json"
-    return write_whole(path, case_text(case))
+    return write_whole(folder / f"{case.name}.json", case_text(case))
 
 
 def read_case(path: Path) -> RegressionCase:
@@ -135,13 +129,5 @@ def load_regressions(
     sent, to be sent in this order without a reset; a case is there whole, or not at all.
     """
     fitting = [case.stream for case in read_cases(folder) if case.stream.fits(configuration)]
-    return _joined(fitting)
-
-
-def _joined(streams: Sequence[Stream]) -> tuple[Pairs, npt.NDArray[np.int64]]:
-    pairs = [stream.pairs for stream in streams]
-    margins = [stream.margins for stream in streams]
-    return (
-        np.concatenate([np.empty((0, 2, 3, 3), np.int64), *pairs]),
-        np.concatenate([np.empty(0, np.int64), *margins]),
-    )
+    pairs = np.concatenate([np.empty((0, 2, 3, 3), np.int64), *(stream.pairs for stream in fitting)])
+    return pairs, np.concatenate([np.empty(0, np.int64), *(stream.margins for stream in fitting)])

@@ -8,14 +8,16 @@ coordinates, be. With operand gating the flags of pairs that a box axis decides 
 does is as invariant. All this holds of cores without the edge x box axes as well.
 """
 
+from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from pyuvm import uvm_component, uvm_subscriber
 
+from triaxis.coverage.core_sample import CoreSample
 from triaxis.golden.axes import BOX_AXES, NUM_AXES
-from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
 from triaxis.verif.core.stimulus.symmetry import (
     NUM_ORDERS,
@@ -25,20 +27,14 @@ from triaxis.verif.core.stimulus.symmetry import (
     all_orders,
     random_translations,
 )
+from triaxis.verif.testbench.environment import settings_of
 
 PairArray = npt.NDArray[np.int32]
-Margins = npt.NDArray[np.integer]
 Words = npt.NDArray[np.uint16]
-# The result words of pairs (N, 2, 3, 3) at margins (N,).
-Run = Callable[[PairArray, Margins], Words]
 Maker = Callable[[np.random.Generator, PairArray, int], PairArray]
 
 # Translations of each pair, itself among them.
 TRANSLATIONS = 8
-# Variants in one call of `Run`, about.
-_BLOCK = 1 << 16
-# Failures described in full; beyond that they are only counted.
-_DESCRIBED = 10
 
 _FLAGS = COPLANAR | DEGENERATE_A | DEGENERATE_B
 _BOX_X, _NORMALS, _EDGE_EDGE, _EDGE_BOX_A = 0, 3, 5, 14
@@ -111,99 +107,50 @@ MOVES = Group("translations", TRANSLATIONS, _translations, _signatures([]), np.z
 GROUPS = (ORDERS, SYMMETRIES, MOVES)
 
 
-def groups_agree(words: Words, group: Group) -> npt.NDArray[np.bool_]:
+def answered_alike(words: Words, group: Group, gating: bool) -> npt.NDArray[np.bool_]:
     """Return, for the words of all variants of N pairs (N * size,), which are as the first of their pair
-    demands: (N, size).
+    demands, and, with operand gating, have no flag where a box axis is claimed: (N, size).
     """
     signatures = group.signatures[words].reshape(-1, group.size)
     # The axes that a swap exchanges have one signature: only the flags have to follow.
     signatures[:, group.swapped] = _flags_exchanged(signatures[:, group.swapped])
-    return signatures == signatures[:, :1]
+    good = signatures == signatures[:, :1]
+    if gating:
+        boxed = (words & NEAR == 0) & (words >> AXIS_SHIFT & AXIS_MASK < BOX_AXES)
+        good &= (~boxed | (words & _FLAGS == 0)).reshape(good.shape)
+    return good
 
 
-def gated_flags_are_zero(words: Words) -> npt.NDArray[np.bool_]:
-    """Return which words (N,) obey operand gating: no flag where a box axis is claimed."""
-    boxed = (words & NEAR == 0) & (words >> AXIS_SHIFT & AXIS_MASK < BOX_AXES)
-    return ~boxed | (words & _FLAGS == 0)
+class MetamorphicCheck(uvm_subscriber):
+    """Takes the answers in order, from the worker's thread; fails in check_phase."""
 
+    def __init__(self, name: str, parent: uvm_component) -> None:
+        """Start with nothing expected."""
+        super().__init__(name, parent)
+        self.gating = settings_of(self).configuration.gating
+        self.compared = 0
+        self.failed = 0
+        # Groups that were sent and are not compared yet, with their numbers of pairs.
+        self._due: deque[tuple[Group, int]] = deque()
+        self._words = np.zeros(0, np.uint16)
 
-@dataclass(frozen=True)
-class VariantFailure:
-    """A variant that was answered otherwise than its pair: (2, 3, 3) each, and their result words."""
+    def expect(self, group: Group, bases: int) -> None:
+        """Take note that the variants of so many pairs are about to be sent."""
+        self._due.append((group, bases))
 
-    group: str
-    base: int
-    variant: int
-    margin: int
-    base_pair: PairArray
-    variant_pair: PairArray
-    base_word: int
-    variant_word: int
+    def write(self, tt: CoreSample) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Compare what is complete."""
+        self._words = np.concatenate([self._words, tt.words])
+        while self._due and len(self._words) >= self._due[0][0].size * self._due[0][1]:
+            group, bases = self._due.popleft()
+            words, self._words = np.split(self._words, [group.size * bases])
+            good = answered_alike(words, group, self.gating)
+            self.compared += good.size
+            self.failed += int((~good).sum())
 
-    def __str__(self) -> str:
-        """Return one line that says it all."""
-        return (
-            f"{self.group}: variant {self.variant} of pair {self.base} is answered {self.variant_word:#06x}, "
-            f"the pair {self.base_word:#06x}: margin {self.margin}, {self.variant_pair.tolist()}, the pair "
-            f"is {self.base_pair.tolist()}"
-        )
-
-
-@dataclass
-class MetamorphicReport:
-    """How many variants were compared, by group, how many failed, and the first failures."""
-
-    compared: dict[str, int] = field(default_factory=dict)
-    failed: int = 0
-    failures: list[VariantFailure] = field(default_factory=list)
-
-    @property
-    def variants(self) -> int:
-        """Return how many variants were compared."""
-        return sum(self.compared.values())
-
-    @property
-    def room(self) -> int:
-        """Return how many more failures are described."""
-        return _DESCRIBED - len(self.failures)
-
-    def count(self, group: str, good: npt.NDArray[np.bool_]) -> None:
-        """Count variants of a group, those that failed among them."""
-        self.compared[group] = self.compared.get(group, 0) + good.size
-        self.failed += int((~good).sum())
-
-
-def check_variants(
-    run: Run,
-    pairs: PairArray,
-    margins: Margins,
-    configuration: Configuration,
-    rng: np.random.Generator,
-    groups: Sequence[Group] = GROUPS,
-) -> MetamorphicReport:
-    """Run all variants of pairs (N, 2, 3, 3) at their margins (N,), and compare."""
-    report = MetamorphicReport()
-    for group in groups:
-        step = max(1, _BLOCK // group.size)
-        for start in range(0, len(pairs), step):
-            block = slice(start, start + step)
-            variants = group.make(rng, pairs[block], configuration.width)
-            words = run(variants, np.repeat(margins[block], group.size))
-            good = groups_agree(words, group)
-            if configuration.gating:
-                good &= gated_flags_are_zero(words).reshape(good.shape)
-            report.count(group.name, good)
-            for base, variant in np.argwhere(~good)[: report.room].tolist():
-                first = base * group.size
-                failure = VariantFailure(
-                    group.name,
-                    start + base,
-                    variant,
-                    int(margins[start + base]),
-                    variants[first],
-                    variants[first + variant],
-                    int(words[first]),
-                    int(words[first + variant]),
-                )
-                report.failures.append(failure)
-    return report
+    def check_phase(self) -> None:
+        """Fail where variants were answered differently, or were not compared."""
+        if self.failed:
+            raise AssertionError(f"{self.failed} of {self.compared} variants answered unlike their pair")
+        if self._due or len(self._words) or not self.compared:
+            raise AssertionError(f"{self.compared} variants compared, {len(self._words)} answers left over")

@@ -1,4 +1,6 @@
-"""Tests whose monitors lie: they must fail, which shows that the scoreboard's checks can."""
+"""Tests that cannot sign anything off: monitors that lie, so that the scoreboard must fail; a scoreboard that
+checks nothing, for measurements.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,94 +9,93 @@ import numpy as np
 from pyuvm import uvm_factory
 
 from triaxis.sim.result import AXIS_SHIFT, NEAR
-from triaxis.verif.core.burst_agent import BurstSinkMonitor, BurstSourceMonitor
+from triaxis.verif.core.burst_agents import BurstSinkMonitor, BurstSourceMonitor
 from triaxis.verif.core.checking import Checker
-from triaxis.verif.core.uvm_tests import MixedTest
-from triaxis.verif.testbench.batches import PairBatch, ResultBatch
+from triaxis.verif.core.items import PairBatch, ResultBatch
+from triaxis.verif.core.scoreboard import Scoreboard
+from triaxis.verif.core.uvm_tests import MixedTest, VolumeTest
+from triaxis.verif.testbench.sabotage import lie_about
 
 # Which beat of a batch is falsified: any will do.
 _BEAT = 77
 
 
-class LyingSinkMonitor(BurstSinkMonitor):
-    """Publishes results after `falsify` had them."""
+class _SabotagedTest(MixedTest):
+    """Sends the mixture to a scoreboard that is lied to, in every batch that is long enough."""
 
-    falsify: Callable[[ResultBatch], ResultBatch]
+    honest: type
+    falsify: Callable[[Any], Any]
 
     def build_phase(self) -> None:
-        """Put the lie in front of the analysis port."""
+        """Put the liar in the place of the honest monitor."""
         super().build_phase()
-        publish = self.ap.write
+        lie_about(self.honest, self.lie, range(1 << 62))
 
-        def write(datum: Any) -> None:
-            is_batch = isinstance(datum, ResultBatch) and len(datum) > _BEAT
-            publish(type(self).falsify(datum) if is_batch else datum)
-
-        self.ap.write = write
-
-
-def _chosen(batch: ResultBatch, rows: np.ndarray) -> ResultBatch:
-    return ResultBatch(batch.words[rows], batch.tags[rows], batch.waits[rows])
+    def lie(self, datum: Any) -> list[Any]:
+        """Return the falsified batch."""
+        is_batch = isinstance(datum, PairBatch | ResultBatch) and len(datum) > _BEAT
+        return [type(self).falsify(datum) if is_batch else datum]
 
 
-class DroppingSinkMonitor(LyingSinkMonitor):
-    """Loses a result."""
+def _with_rows(choose: Callable[[np.ndarray], np.ndarray]) -> Callable[[ResultBatch], ResultBatch]:
+    """Return the lie of other results, by their numbers, than there are."""
+
+    def falsify(batch: ResultBatch) -> ResultBatch:
+        rows = choose(np.arange(len(batch)))
+        return ResultBatch(batch.words[rows], batch.tags[rows], batch.waits[rows])
+
+    return staticmethod(falsify)
+
+
+class DroppedResultTest(_SabotagedTest):
+    """A result is lost on its way to the scoreboard."""
+
+    honest, falsify = BurstSinkMonitor, _with_rows(lambda rows: np.delete(rows, _BEAT))
+
+
+class DuplicatedResultTest(_SabotagedTest):
+    """A result reaches the scoreboard twice."""
+
+    honest, falsify = BurstSinkMonitor, _with_rows(lambda rows: np.insert(rows, _BEAT, _BEAT))
+
+
+class ReorderedResultTest(_SabotagedTest):
+    """Two results reach the scoreboard in each other's place."""
+
+    honest = BurstSinkMonitor
+    falsify = _with_rows(lambda rows: np.r_[rows[: _BEAT - 1], _BEAT, _BEAT - 1, rows[_BEAT + 1 :]])
+
+
+class CorruptClaimTest(_SabotagedTest):
+    """The first clear pair's claim is falsified on its way to the scoreboard."""
+
+    honest = BurstSinkMonitor
 
     @staticmethod
     def falsify(batch: ResultBatch) -> ResultBatch:
-        """Leave it out."""
-        return _chosen(batch, np.delete(np.arange(len(batch)), _BEAT))
-
-
-class DuplicatingSinkMonitor(LyingSinkMonitor):
-    """Sees a result twice."""
-
-    @staticmethod
-    def falsify(batch: ResultBatch) -> ResultBatch:
-        """Repeat it."""
-        return _chosen(batch, np.insert(np.arange(len(batch)), _BEAT, _BEAT))
-
-
-class ReorderingSinkMonitor(LyingSinkMonitor):
-    """Sees two results in each other's place."""
-
-    @staticmethod
-    def falsify(batch: ResultBatch) -> ResultBatch:
-        """Exchange them."""
-        rows = np.arange(len(batch))
-        rows[[_BEAT - 1, _BEAT]] = _BEAT, _BEAT - 1
-        return _chosen(batch, rows)
-
-
-class CorruptClaimSinkMonitor(LyingSinkMonitor):
-    """Sees another axis than the one that a clear pair was claimed with."""
-
-    @staticmethod
-    def falsify(batch: ResultBatch) -> ResultBatch:
-        """Change the claim of the first clear pair."""
+        """Claim another axis."""
         words = batch.words.copy()
         clear = int(np.flatnonzero(words & NEAR == 0)[0])
         words[clear] ^= np.uint16(1 << AXIS_SHIFT)
         return ResultBatch(words, batch.tags, batch.waits)
 
 
-class CorruptPairSourceMonitor(BurstSourceMonitor):
-    """Sees other pairs than the core was sent."""
+class MissingPairTest(_SabotagedTest):
+    """The last pair of each batch is not seen by the input monitor."""
 
-    def fetch(self) -> tuple[PairBatch, bool]:
+    honest, falsify = BurstSourceMonitor, staticmethod(lambda batch: batch[:-1])
+
+
+class CorruptPairTest(_SabotagedTest):
+    """The scoreboard is told of other pairs than the core got."""
+
+    honest = BurstSourceMonitor
+
+    @staticmethod
+    def falsify(batch: PairBatch) -> PairBatch:
         """Put a point into the place of each B."""
-        batch, reset = super().fetch()
-        batch.pairs[:, 1] = batch.pairs.min(initial=0)
-        return batch, reset
-
-
-class MissingPairSourceMonitor(BurstSourceMonitor):
-    """Misses the last pair of each fetch."""
-
-    def fetch(self) -> tuple[PairBatch, bool]:
-        """Leave it out."""
-        batch, reset = super().fetch()
-        return batch[:-1], reset
+        batch.pairs[:, 1] = batch.pairs.min()
+        return batch
 
 
 class RaisingChecker(Checker):
@@ -105,42 +106,6 @@ class RaisingChecker(Checker):
         raise ZeroDivisionError("the checker is broken")
 
 
-class _SabotagedTest(MixedTest):
-    """Sends the mixture to a scoreboard that is lied to."""
-
-    honest: type
-    liar: type
-
-    def build_phase(self) -> None:
-        """Put the liar in the place of the honest monitor."""
-        super().build_phase()
-        uvm_factory().set_type_override_by_type(self.honest, self.liar)
-
-
-class DroppedResultTest(_SabotagedTest):
-    """A result is lost on its way to the scoreboard."""
-
-    honest, liar = BurstSinkMonitor, DroppingSinkMonitor
-
-
-class DuplicatedResultTest(_SabotagedTest):
-    """A result reaches the scoreboard twice."""
-
-    honest, liar = BurstSinkMonitor, DuplicatingSinkMonitor
-
-
-class ReorderedResultTest(_SabotagedTest):
-    """Two results reach the scoreboard in each other's place."""
-
-    honest, liar = BurstSinkMonitor, ReorderingSinkMonitor
-
-
-class MissingPairTest(_SabotagedTest):
-    """A pair is not seen by the input monitor."""
-
-    honest, liar = BurstSourceMonitor, MissingPairSourceMonitor
-
-
 class RaisingCheckerTest(MixedTest):
     """The checker raises an exception in the worker's thread."""
 
@@ -149,13 +114,21 @@ class RaisingCheckerTest(MixedTest):
         self.env.scoreboard.checker = RaisingChecker(self.settings.configuration)
 
 
-class CorruptClaimTest(_SabotagedTest):
-    """A claim is falsified on its way to the scoreboard."""
+class UncheckedScoreboard(Scoreboard):
+    """Counts matched pairs and checks none: what the environment costs without its checks."""
 
-    honest, liar = BurstSinkMonitor, CorruptClaimSinkMonitor
+    def _enqueue(self, pairs: PairBatch, results: ResultBatch) -> None:
+        pass
+
+    def check_phase(self) -> None:
+        """Write that nothing was checked, which no sign-off accepts."""
+        self.write_counts({"matched": self.matcher.matched, "checked": 0, "failed": 0})
 
 
-class CorruptPairTest(_SabotagedTest):
-    """The scoreboard is told of other pairs than the core got."""
+class UncheckedVolumeTest(VolumeTest):
+    """The mixture of all families, unchecked."""
 
-    honest, liar = BurstSourceMonitor, CorruptPairSourceMonitor
+    def build_phase(self) -> None:
+        """Put the scoreboard that counts in the place of the one that checks."""
+        uvm_factory().set_type_override_by_type(Scoreboard, UncheckedScoreboard)
+        super().build_phase()

@@ -1,47 +1,136 @@
-"""The scoreboard: every accepted pair must be answered once, in order, and exactly."""
+"""The scoreboard: every accepted pair must be answered once, in order, and exactly.
 
-import json
-import resource
-import time
+A reset discards what the core holds: results before it must answer a prefix of the pairs before it.
+"""
+
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
+from pyuvm import uvm_analysis_port
 
-from triaxis.golden.outputs import write_whole
-from triaxis.verif.core.checking import Checker
+from triaxis.verif.core.checking import DESCRIBED, Checker, Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
-from triaxis.verif.core.matching import Matcher
-from triaxis.verif.testbench.batches import PairBatch, ResetSeen, ResultBatch
-from triaxis.verif.testbench.handles import settings_of
-from triaxis.verif.testbench.settings import failure_file, result_file
-from triaxis.verif.testbench.worker import WORKER
+from triaxis.verif.core.items import PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.testbench.environment import WORKER, CountingScoreboard, Export, settings_of
+from triaxis.verif.testbench.settings import failure_file
+
+
+@dataclass
+class _Epoch:
+    """The time between two resets."""
+
+    pairs: deque[PairBatch] = field(default_factory=deque)
+    results: deque[ResultBatch] = field(default_factory=deque)
+    pairs_closed: bool = False
+    results_closed: bool = False
+
+
+class Matcher:
+    """Takes batches from both sides in any interleaving; hands on what belongs together."""
+
+    def __init__(self, most_in_flight: int, on_matched: Callable[[PairBatch, ResultBatch], None]) -> None:
+        """Start with nothing accepted and nothing returned.
+
+        ``most_in_flight``: pairs that the core can hold. ``on_matched`` takes pairs and results, one to one.
+        """
+        self.accepted = 0
+        self.returned = 0
+        self.matched = 0
+        self.discarded = 0
+        self.resets = 0
+        self.failed = 0
+        self.failures: list[Failure] = []
+        self._most_in_flight = most_in_flight
+        self._on_matched = on_matched
+        self._epochs: deque[_Epoch] = deque([_Epoch()])
+
+    @property
+    def outstanding(self) -> int:
+        """Return how many pairs of the present epoch have not come back yet."""
+        last = self._epochs[-1]
+        return sum(map(len, last.pairs)) - sum(map(len, last.results))
+
+    def feed_pairs(self, batch: PairBatch) -> None:
+        """Take pairs that the core accepted."""
+        self.accepted += len(batch)
+        next(e for e in self._epochs if not e.pairs_closed).pairs.append(batch)
+        self._advance()
+
+    def feed_results(self, batch: ResultBatch) -> None:
+        """Take results that the core returned."""
+        self.returned += len(batch)
+        next(e for e in self._epochs if not e.results_closed).results.append(batch)
+        self._advance()
+
+    def reset_pairs(self) -> None:
+        """Take note that the input side saw a reset."""
+        next(e for e in self._epochs if not e.pairs_closed).pairs_closed = True
+        self._open_epoch()
+
+    def reset_results(self) -> None:
+        """Take note that the output side saw a reset."""
+        next(e for e in self._epochs if not e.results_closed).results_closed = True
+        self._open_epoch()
+
+    def finish(self) -> None:
+        """Close the run: what is missing or superfluous now stays so."""
+        self._advance()
+        for epoch in self._epochs:
+            missing, extra = sum(map(len, epoch.pairs)), sum(map(len, epoch.results))
+            if extra:
+                self._fail(Failure(f"{extra} results that answer no pair"), extra)
+            if missing:
+                self._fail(Failure(f"{missing} pairs accepted and never answered"), missing)
+        if not self.matched:
+            self._fail(Failure("nothing was checked"))
+
+    def _open_epoch(self) -> None:
+        if self._epochs[-1].pairs_closed or self._epochs[-1].results_closed:
+            self._epochs.append(_Epoch())
+        self._advance()
+
+    def _advance(self) -> None:
+        while True:
+            epoch = self._epochs[0]
+            while epoch.pairs and epoch.results:
+                self._match_front(epoch)
+            if not (epoch.pairs_closed and epoch.results_closed):
+                return
+            extra = sum(map(len, epoch.results))
+            if extra:
+                self._fail(Failure(f"{extra} results before a reset that answer no pair"), extra)
+            lost = sum(map(len, epoch.pairs))
+            if lost > self._most_in_flight:
+                most = f"{self._most_in_flight} can be in flight"
+                self._fail(Failure(f"{lost} pairs unanswered at a reset; {most}"))
+            self.discarded += lost
+            self.resets += 1
+            self._epochs.popleft()
+
+    def _match_front(self, epoch: _Epoch) -> None:
+        pairs, results = epoch.pairs.popleft(), epoch.results.popleft()
+        count = min(len(pairs), len(results))
+        if len(pairs) > count:
+            epoch.pairs.appendleft(pairs[count:])
+        if len(results) > count:
+            epoch.results.appendleft(results[count:])
+        self.matched += count
+        self._on_matched(pairs[:count], results[:count])
+
+    def _fail(self, failure: Failure, count: int = 1) -> None:
+        self.failed += count
+        if len(self.failures) < DESCRIBED:
+            self.failures.append(failure)
+
 
 # Batches that may wait for the checker; then the simulation waits for it. So memory stays bounded.
 _WAITING = 4
 
 
-def write_counts(path: Path, counts: dict[str, Any]) -> None:
-    """Write a run's counts, whole or not at all."""
-    write_whole(path, json.dumps(counts, indent=2) + "\n")
-
-
-class _Export(uvm_analysis_export):
-    """An analysis export that hands transactions to a function: a scoreboard needs two of them."""
-
-    def __init__(self, name: str, parent: uvm_component, write: Callable[[Any], None]) -> None:
-        super().__init__(name, parent)
-        self._write = write
-
-    def write(self, datum: Any) -> None:
-        """Hand the transaction on."""
-        self._write(datum)
-
-
-class Scoreboard(uvm_scoreboard):
+class Scoreboard(CountingScoreboard):
     """Matches in the simulator's thread and checks in the worker's, beside the simulation.
 
     Fails the test in check_phase, writing what failed and how to replay it. What was checked is published
@@ -51,21 +140,16 @@ class Scoreboard(uvm_scoreboard):
     def build_phase(self) -> None:
         """Make the exports, the port for what was checked, the matcher and the checker."""
         self.settings = settings_of(self)
-        self.pairs_export = _Export("pairs_export", self, self._write_pairs)
-        self.results_export = _Export("results_export", self, self._write_results)
+        self.pairs_export = Export("pairs_export", self, self._write_pairs)
+        self.results_export = Export("results_export", self, self._write_results)
         self.checked_port = uvm_analysis_port("checked_port", self)
         self.checker = Checker(
             self.settings.configuration, self.settings.share, self.settings.seed, self.checked_port.write
         )
         self.matcher = Matcher(self.settings.configuration.queue_depth, self._enqueue)
         self._waiting: deque[Future[None]] = deque()
-        self.seconds = 0.0
         # Pairs that the driver was given, which the test says at its end.
         self.sent = 0
-
-    def start_of_simulation_phase(self) -> None:
-        """Start the clock on the wall."""
-        self._start = time.perf_counter()
 
     @property
     def failed(self) -> int:
@@ -95,7 +179,6 @@ class Scoreboard(uvm_scoreboard):
         self.matcher.finish()
         while self._waiting:
             self._waiting.popleft().result()
-        self.seconds = time.perf_counter() - self._start
 
     def check_phase(self) -> None:
         """Write the counts, and fail where anything did."""
@@ -114,11 +197,8 @@ class Scoreboard(uvm_scoreboard):
             "discarded_by_reset": matcher.discarded,
             "resets": matcher.resets,
             "failed": self.failed,
-            # From the reset to the end of the last check; without the start of the simulator.
-            "seconds": self.seconds,
-            "peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         }
-        write_counts(result_file(folder), counts)
+        self.write_counts(counts)
         failures = matcher.failures + checker.failures
         for failure in failures:
             at = "" if failure.pair is None else f": margin {failure.margin}, {failure.pair.tolist()}"

@@ -11,9 +11,8 @@ from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
 from triaxis.verif.core.kept_cases import load_regressions
-from triaxis.verif.core.metamorphic import GROUPS
-from triaxis.verif.core.metamorphic_check import MetamorphicCheck
-from triaxis.verif.core.pair_sequence import (
+from triaxis.verif.core.metamorphic import GROUPS, MetamorphicCheck
+from triaxis.verif.core.sequences import (
     ArraySequence,
     StimulusSequence,
     item_pairs,

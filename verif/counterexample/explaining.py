@@ -7,10 +7,9 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT
+from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.core.kept_cases import REGRESSIONS, RegressionCase, write_case
-from triaxis.verif.counterexample.bare_core import BareCore
-from triaxis.verif.counterexample.failing import FailingPair, read_failing
-from triaxis.verif.counterexample.finding import Counterexample, find
+from triaxis.verif.counterexample.finding import BareCore, Counterexample, find
 from triaxis.verif.testbench.settings import RunSettings, failure_file
 from triaxis.verif.testbench.simulation import RunResult, run
 

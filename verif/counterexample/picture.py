@@ -7,7 +7,6 @@ near, two nearest points.
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
@@ -15,14 +14,19 @@ from mpl_toolkits.mplot3d import Axes3D
 from triaxis.golden.axes import claims
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.golden.solver import NearestPoints
 from triaxis.host.figure_style import LARGE, NORMAL
 from triaxis.host.saved_figure import write_figure
 from triaxis.sim.result import NEAR
-from triaxis.verif.counterexample.axis_view import draw_axis
 from triaxis.verif.counterexample.finding import Counterexample
-from triaxis.verif.counterexample.scene_view import draw_scene, label_scene, shapes
-from triaxis.verif.counterexample.witness_view import draw_witness, label_witness, points_of
+from triaxis.verif.counterexample.views import (
+    draw_axis,
+    draw_scene,
+    draw_witness,
+    label_scene,
+    label_witness,
+    points_of,
+    shapes,
+)
 
 _INCHES = (13.0, 7.2)
 _DPI = 110
@@ -57,15 +61,11 @@ def _figure(counterexample: Counterexample) -> Figure:
     if nearest is not None:
         draw_witness(panels[-1], pair, margin, nearest)
     canvas.draw()
-    _label(scene, panels[-1], counterexample, nearest)
-    return figure
-
-
-def _label(scene: Axes3D, last: Axes, counterexample: Counterexample, nearest: NearestPoints | None) -> None:
-    """Add the labels that need the final layout."""
-    label_scene(scene, counterexample.stream.pair)
+    # These need the final layout.
+    label_scene(scene, pair)
     if nearest is not None:
-        label_witness(last, counterexample.stream.pair, nearest)
+        label_witness(panels[-1], pair, nearest)
+    return figure
 
 
 def _axes_to_show(counterexample: Counterexample) -> list[tuple[int, str]]:

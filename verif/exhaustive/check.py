@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.claim_check import claims_prove_clear
+from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.sim.configuration import Configuration

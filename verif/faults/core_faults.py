@@ -7,9 +7,8 @@ from pathlib import Path
 from triaxis.sim.build import library
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.paths import ROOT
-from triaxis.verif.counterexample.bare_core import BareCore
-from triaxis.verif.counterexample.failing import FailingPair, read_failing
-from triaxis.verif.counterexample.finding import Counterexample, failing_stream, find
+from triaxis.verif.core.failing_pairs import FailingPair, read_failing
+from triaxis.verif.counterexample.finding import BareCore, Counterexample, failing_stream, find
 from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import Fault

@@ -15,9 +15,8 @@ from triaxis.golden.pairs import Pairs, coordinate_range, read_pairs
 from triaxis.host.quantise import Grid, quantise
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.detector import detect
-from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.failing_pairs import read_failing, read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
-from triaxis.verif.counterexample.failing import read_failing
 
 WIDTH = 16
 _CORE = Configuration(WIDTH)

@@ -10,12 +10,11 @@ from pyuvm import uvm_factory
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.env import CoreEnv
-from triaxis.verif.core.pair_sequence import ArraySequence
-from triaxis.verif.core.source_agent import SourceDriver
-from triaxis.verif.core.source_bus import SourceBus
+from triaxis.verif.core.pin_agents import SourceBus, SourceDriver
+from triaxis.verif.core.sequences import ArraySequence
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
 from triaxis.verif.core.uvm_tests import MixedTest, StallsTest
-from triaxis.verif.testbench.handles import dut_of
+from triaxis.verif.testbench.environment import dut_of
 
 
 class WrappingVectorsTest(CoreTest):

@@ -5,18 +5,88 @@ coverage are the same. The engine is a library there, beside a simulator that ha
 hundreds of thousands of clocks a second: pin by pin Python has a step for each clock.
 """
 
+from collections.abc import Callable
 from random import Random
+from typing import Any
 
-from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
+import numpy as np
+from pyuvm import uvm_factory
 
-from triaxis.verif.core.items import FULL_SPEED
-from triaxis.verif.mesh import bare_bfm
-from triaxis.verif.mesh.handles import bare_bfm_of
-from triaxis.verif.mesh.items import LoadItem, RunItem
-from triaxis.verif.mesh.load_agent import LoadDriver, LoadMonitor
-from triaxis.verif.mesh.result_agent import CoreMonitor, NearMonitor, ResultReadyDriver, SummaryMonitor
-from triaxis.verif.mesh.run_agent import RunDriver, RunMonitor
-from triaxis.verif.testbench.handles import settings_of
+from triaxis.sim.mesh_engine import MeshEngine, Traffic
+from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.verif.mesh.items import (
+    AbortAsked,
+    CorePairs,
+    Loaded,
+    LoadItem,
+    NearTaken,
+    RunAccepted,
+    RunItem,
+    Summary,
+)
+from triaxis.verif.mesh.pin_agents import (
+    CoreMonitor,
+    LoadDriver,
+    LoadMonitor,
+    NearMonitor,
+    ResultReadyDriver,
+    RunDriver,
+    RunMonitor,
+    SummaryMonitor,
+)
+from triaxis.verif.testbench.environment import bfm_of, settings_of
+
+
+class BareBfm:
+    """The one that knows the library; drivers hand it items, monitors say who is told of what."""
+
+    def __init__(self, engine: MeshEngine) -> None:
+        """Take the engine; nobody is told of anything yet."""
+        self.engine = engine
+        self.publish: dict[type, Callable[[Any], None]] = {}
+        self._held = [0, 0]
+
+    def load(self, item: LoadItem, random: Random) -> None:
+        """Load a mesh."""
+        if not item.clear:
+            raise ValueError("the bare engine empties a mesh before it loads it")
+        held = self.engine.load_unchecked(item.mesh, item.triangles, _traffic(random, (item.gaps,)))
+        self._held[item.mesh] = held
+        self.publish[LoadMonitor](Loaded(item.mesh, True, item.triangles.astype(np.int64)))
+
+    def run(self, item: RunItem, random: Random) -> None:
+        """Run; aborted once at most."""
+        request, traffic = item.request, item.traffic
+        abort = traffic.aborts[0] if traffic.aborts else -1
+        self.publish[RunMonitor](RunAccepted(request))
+        stalls = _traffic(random, (traffic.near, traffic.done), abort)
+        run = self.engine.run(request.translation, request.margin, request.mode, stalls, reached=True)
+        item.clocks = run.cycles
+        # Later ones never came: the summary was taken before.
+        came = abort < run.cycles or run.cycles == self.engine.configuration.max_cycles
+        if traffic.aborts and came:
+            self.publish[RunMonitor](AbortAsked(abort))
+        assert run.reached is not None
+        self.publish[CoreMonitor](CorePairs(run.reached))
+        self.publish[NearMonitor](NearTaken(run.near))
+        self.publish[SummaryMonitor](
+            Summary(
+                run.status,
+                run.cycles,
+                run.group_pairs_skipped,
+                run.group_pairs_opened,
+                run.pairs_skipped,
+                run.tested,
+                run.near_count,
+                held=(self._held[0], self._held[1]),
+            )
+        )
+
+
+def _traffic(random: Random, paces: tuple[Pace, ...], abort_at: int = -1) -> Traffic:
+    """Return stalls that come as often as at the slowest of some paces."""
+    off = 1 - min(pace.duty for pace in paces)
+    return Traffic(random.randrange(1, 1 << 60), min(250, int(256 * off)), abort_at)
 
 
 class BareLoadDriver(LoadDriver):
@@ -24,7 +94,7 @@ class BareLoadDriver(LoadDriver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the engine."""
-        self.bfm = bare_bfm_of(self)
+        self.bfm = bfm_of(self)
 
     async def drive(self, item: LoadItem) -> None:
         """Load the mesh."""
@@ -36,7 +106,7 @@ class BareRunDriver(RunDriver):
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the engine."""
-        self.bfm = bare_bfm_of(self)
+        self.bfm = bfm_of(self)
         self.random = Random(f"runs {settings_of(self).seed}")
 
     async def drive(self, item: RunItem) -> None:
@@ -44,48 +114,26 @@ class BareRunDriver(RunDriver):
         self.bfm.run(item, self.random)
 
 
-class _Told(uvm_monitor):
-    """A monitor that watches no pins: the model tells it."""
+def _told(pins: Any) -> type:
+    """Return the monitor in the place of one on the pins: it watches nothing, the model tells it."""
 
-    of: str
-    ap: uvm_analysis_port
+    class Told(pins):
+        """Publishes what it is told."""
 
-    def start_of_simulation_phase(self) -> None:
-        """Ask to be told."""
-        bare_bfm_of(self).publish[self.of] = lambda datum: self.ap.write(datum)
+        def start_of_simulation_phase(self) -> None:
+            """Ask to be told."""
+            bfm_of(self).publish[pins] = lambda datum: self.ap.write(datum)
 
-    async def run_phase(self) -> None:
-        """Wait to be told."""
+        async def run_phase(self) -> None:
+            """Wait to be told."""
 
-
-class BareLoadMonitor(_Told, LoadMonitor):
-    """Publishes what was loaded."""
-
-    of = bare_bfm.LOAD
+    Told.__name__ = f"Bare{pins.__name__}"
+    return Told
 
 
-class BareRunMonitor(_Told, RunMonitor):
-    """Publishes runs and aborts."""
-
-    of = bare_bfm.RUN
-
-
-class BareNearMonitor(_Told, NearMonitor):
-    """Publishes near pairs."""
-
-    of = bare_bfm.NEAR
-
-
-class BareCoreMonitor(_Told, CoreMonitor):
-    """Publishes the pairs that reached the core."""
-
-    of = bare_bfm.CORE
-
-
-class BareSummaryMonitor(_Told, SummaryMonitor):
-    """Publishes summaries."""
-
-    of = bare_bfm.SUMMARY
+BareLoadMonitor, BareRunMonitor = _told(LoadMonitor), _told(RunMonitor)
+BareNearMonitor, BareCoreMonitor = _told(NearMonitor), _told(CoreMonitor)
+BareSummaryMonitor = _told(SummaryMonitor)
 
 
 class BareReadyDriver(ResultReadyDriver):

@@ -15,9 +15,8 @@ from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Status
-from triaxis.verif.mesh.expectation import expected_status, moved
-from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
-from triaxis.verif.mesh.pair_lists import begins, difference, first_of
+from triaxis.verif.mesh.expectation import begins, difference, expected_status, first_of, moved
+from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
 
 # Failures described in full; beyond that they are only counted.

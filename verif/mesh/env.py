@@ -1,13 +1,44 @@
 """The environment of the engine: three agents, the scoreboard, the coverage subscriber."""
 
-from pyuvm import uvm_env
+from pathlib import Path
 
-from triaxis.verif.mesh.coverage_subscriber import MeshCoverageSubscriber
-from triaxis.verif.mesh.load_agent import LoadAgent
-from triaxis.verif.mesh.result_agent import ResultAgent
-from triaxis.verif.mesh.run_agent import RunAgent
+from pyuvm import uvm_env, uvm_subscriber
+
+from triaxis.coverage.mesh_coverage import MeshCoverage
+from triaxis.coverage.mesh_sample import MeshRow
+from triaxis.verif.mesh.pin_agents import LoadAgent, ResultAgent, RunAgent
+from triaxis.verif.mesh.sampling import mesh_build
 from triaxis.verif.mesh.scoreboard import MeshScoreboard
-from triaxis.verif.testbench.handles import create
+from triaxis.verif.testbench.environment import create, settings_of
+from triaxis.verif.testbench.settings import coverage_file
+
+# Runs counted at a time: a call has a cost of its own.
+_BATCH = 256
+
+
+class MeshCoverageSubscriber(uvm_subscriber):
+    """Counts bins of the coverage model of the engine's configuration, and writes them at the end."""
+
+    def build_phase(self) -> None:
+        """Start with empty counts."""
+        self.settings = settings_of(self)
+        self.coverage = MeshCoverage(mesh_build(self.settings.mesh_configuration))
+        self.rows: list[MeshRow] = []
+
+    def write(self, tt: MeshRow) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Take a run."""
+        self.rows.append(tt)
+        if len(self.rows) == _BATCH:
+            self._count()
+
+    def _count(self) -> None:
+        self.coverage.sample(self.rows)
+        self.rows = []
+
+    def report_phase(self) -> None:
+        """Write the counts."""
+        self._count()
+        self.coverage.counts.save(coverage_file(Path(self.settings.folder)))
 
 
 class MeshEnv(uvm_env):

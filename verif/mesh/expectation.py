@@ -1,11 +1,12 @@
-"""How a run must end, if nothing aborts it, from its definition."""
+"""How a run must end, if nothing aborts it; whether lists of pairs are what is due."""
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move, Status
-from triaxis.verif.mesh.observed import Integers, ObservedRun
+from triaxis.verif.mesh.items import Integers, ObservedRun
 
 
 def moved(triangles: Integers, translation: Move) -> Integers:
@@ -29,3 +30,23 @@ def expected_status(run: ObservedRun, configuration: MeshConfiguration) -> Statu
     if overflows(run.a, run.request.translation, configuration.width):
         return Status.OVERFLOW
     return Status.COMPLETE
+
+
+def begins(whole: Integers, part: Integers) -> bool:
+    """Return whether pairs (N, 2) begin with pairs (K, 2)."""
+    return len(part) <= len(whole) and bool((whole[: len(part)] == part).all())
+
+
+def first_of(mask: npt.NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the first pair of a mask (N, M) that is set."""
+    i, j = np.argwhere(mask)[0]
+    return int(i), int(j)
+
+
+def difference(found: Integers, due: Integers) -> str:
+    """Return where two lists of pairs part, in words."""
+    common = min(len(found), len(due))
+    unlike = np.flatnonzero((found[:common] != due[:common]).any(1))
+    at = int(unlike[0]) if len(unlike) else common
+    here = [str(tuple(pairs[at].tolist())) if at < len(pairs) else "none" for pairs in (found, due)]
+    return f"number {at} is {here[0]}, {here[1]} is due; {len(found)} and {len(due)} in all"

@@ -1,5 +1,6 @@
-"""Sequence items of the engine: a mesh to be loaded, a run to be asked for."""
+"""Sequence items of the engine, beats on its pins, and what its monitors publish."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -7,8 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from pyuvm import uvm_sequence_item
 
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
 from triaxis.verif.core.items import FULL_SPEED, Pace
+
+Integers = npt.NDArray[np.int64]
 
 
 class LoadItem(uvm_sequence_item):
@@ -77,14 +81,186 @@ class Scene:
     takes what is there when the engine accepts it.
     """
 
-    a: npt.NDArray[np.int64] | None
-    b: npt.NDArray[np.int64] | None
+    a: Integers | None
+    b: Integers | None
     runs: tuple[tuple[RunRequest, RunTraffic], ...]
     gaps: Pace = FULL_SPEED
     early: bool = False
     kind: str = field(default="", compare=False)
 
+
+def _packed(values: Iterable[int], bits: int) -> int:
+    mask = (1 << bits) - 1
+    return sum((value & mask) << bits * n for n, value in enumerate(values))
+
+
+def _unpacked(word: int, bits: int, count: int) -> list[int]:
+    """Return signed numbers, the lowest first."""
+    sign, mask = 1 << (bits - 1), (1 << bits) - 1
+    return [((word >> bits * n & mask) ^ sign) - sign for n in range(count)]
+
+
+def pack_triangle(triangle: Sequence[int], width: int) -> int:
+    """Return tdata for nine coordinates."""
+    return _packed(triangle, width)
+
+
+def unpack_triangle(data: int, width: int) -> Integers:
+    """Return a triangle (3, 3)."""
+    return np.array(_unpacked(data, width, 9), np.int64).reshape(3, 3)
+
+
+def pack_run(request: RunRequest, configuration: MeshConfiguration) -> tuple[int, int]:
+    """Return tdata and tuser of a run."""
+    data = _packed(request.translation, configuration.width + 1)
+    return data, request.mode << configuration.margin_bits | request.margin
+
+
+def unpack_run(data: int, user: int, configuration: MeshConfiguration) -> RunRequest:
+    """Return what a beat asks for."""
+    x, y, z = _unpacked(data, configuration.width + 1, 3)
+    return RunRequest((x, y, z), user & configuration.max_margin, user >> configuration.margin_bits)
+
+
+def unpack_pair(data: int, configuration: MeshConfiguration) -> tuple[int, int]:
+    """Return (index in A, index in B) of a near pair's tdata."""
+    return data & (configuration.depth - 1), data >> configuration.index_bits
+
+
+NO_PAIRS = np.empty((0, 2), np.int64)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Triangles (N, 3, 3) that mesh 0 or 1 accepted, after it was emptied where ``clear`` says so."""
+
+    mesh: int
+    clear: bool
+    triangles: Integers
+    with_run: bool = False
+
+
+@dataclass(frozen=True)
+class RunAccepted:
+    """A run was accepted. ``idle_abort``: abort was high since the run before had ended."""
+
+    request: RunRequest
+    idle_abort: bool = False
+
+
+@dataclass(frozen=True)
+class AbortAsked:
+    """Abort was high at the clocks ``at`` after the run's acceptance, the first being 0."""
+
+    at: int
+
+
+@dataclass(frozen=True)
+class NearTaken:
+    """Near pairs (K, 2) as (index in A, index in B); ``wait``: clocks that they waited, at most."""
+
+    pairs: Integers
+    wait: int | None = None
+
+
+@dataclass(frozen=True)
+class CorePairs:
+    """Pairs (K, 2) that the core accepted, as (index in A, index in B)."""
+
+    pairs: Integers
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A summary that was taken. ``status`` as on the pins.
+
+    ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
+    ``held``: triangles held in A and B, and ``overfull`` on the pins. None: not measured.
+    """
+
+    status: int
+    cycles: int
+    group_pairs_skipped: int
+    group_pairs_opened: int
+    pairs_skipped: int
+    tested: int
+    near: int
+    offered_after: int | None = None
+    wait: int | None = None
+    held: tuple[int, int] | None = None
+    overfull: int | None = None
+
     @property
-    def pairs(self) -> int:
-        """Return how many pairs both meshes have, 0 where one of them stays."""
-        return 0 if self.a is None or self.b is None else len(self.a) * len(self.b)
+    def last_abort(self) -> int:
+        """Return the last clock after the run's acceptance at which an abort still had something to end."""
+        return (self.cycles if self.offered_after is None else self.offered_after) - 2
+
+
+@dataclass
+class MeshState:
+    """What a mesh must hold: the first ``depth`` triangles given since it was emptied."""
+
+    depth: int
+    parts: list[Integers] = field(default_factory=list)
+    given: int = 0
+    reloaded: bool = False
+
+    def take(self, loaded: Loaded) -> None:
+        """Follow a load."""
+        self.reloaded = True
+        if loaded.clear:
+            self.empty()
+        self.parts.append(loaded.triangles)
+        self.given += len(loaded.triangles)
+
+    def empty(self) -> None:
+        """Forget everything."""
+        self.parts, self.given = [], 0
+
+    @property
+    def overfull(self) -> bool:
+        """Return whether more were given than fit."""
+        return self.given > self.depth
+
+    @property
+    def triangles(self) -> Integers:
+        """Return what it holds: (N, 3, 3)."""
+        if len(self.parts) != 1:
+            self.parts = [np.concatenate([np.empty((0, 3, 3), np.int64), *self.parts])]
+        return self.parts[0][: self.depth]
+
+
+@dataclass
+class ObservedRun:
+    """A run with everything that was seen of it, until its summary. ``a``, ``b``: (N, 3, 3), (M, 3, 3)."""
+
+    accepted: RunAccepted
+    a: Integers
+    b: Integers
+    overfull: tuple[bool, bool]
+    reloaded: tuple[bool, bool]
+    loaded_with_run: bool = False
+    near: list[NearTaken] = field(default_factory=list)
+    reached: list[CorePairs] = field(default_factory=list)
+    aborts: list[int] = field(default_factory=list)
+
+    @property
+    def request(self) -> RunRequest:
+        """Return what was asked for."""
+        return self.accepted.request
+
+    @property
+    def near_pairs(self) -> Integers:
+        """Return the near pairs taken: (K, 2)."""
+        return np.concatenate([NO_PAIRS, *(part.pairs for part in self.near)])
+
+    @property
+    def core_pairs(self) -> Integers:
+        """Return the pairs that the core accepted: (K, 2)."""
+        return np.concatenate([NO_PAIRS, *(part.pairs for part in self.reached)])
+
+    @property
+    def near_wait(self) -> int | None:
+        """Return the longest that a near pair waited; None: none was measured."""
+        waits = [part.wait for part in self.near if part.wait is not None]
+        return max(waits) if waits else None

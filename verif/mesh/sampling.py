@@ -8,7 +8,7 @@ from triaxis.golden.scene import SceneAnswer, boxes_of, boxes_of_groups
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Status
 from triaxis.verif.mesh.expectation import moved
-from triaxis.verif.mesh.observed import Integers, ObservedRun, Summary
+from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 
 # Larger scenes are not searched for gaps: small ones have them all.
 _LARGEST = 1 << 14

@@ -1,36 +1,121 @@
 """The scoreboard of the engine: every run ends once, and its account of every pair is exact."""
 
-import resource
-import time
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
-from pyuvm import uvm_analysis_export, uvm_analysis_port, uvm_component, uvm_scoreboard
+import numpy as np
+from pyuvm import uvm_analysis_port
 
-from triaxis.verif.core.scoreboard import write_counts
+from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker, SceneFailure
-from triaxis.verif.mesh.matching import RunMatcher
-from triaxis.verif.testbench.handles import settings_of
-from triaxis.verif.testbench.settings import result_file
+from triaxis.verif.mesh.items import (
+    AbortAsked,
+    CorePairs,
+    Loaded,
+    MeshState,
+    NearTaken,
+    ObservedRun,
+    RunAccepted,
+    Summary,
+)
+from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
+
+_EMPTY = np.empty((0, 3, 3), np.int64)
+
+
+class RunMatcher:
+    """Follows the meshes and the run that is going on; hands each run on once its summary was taken.
+
+    What belongs to no run is kept in ``stray``, a line each.
+    """
+
+    def __init__(self, depth: int, on_run: Callable[[ObservedRun, Summary], None]) -> None:
+        """Start with empty meshes and no run. ``depth``: triangles that a mesh holds."""
+        self._on_run = on_run
+        self._meshes = (MeshState(depth), MeshState(depth))
+        self._run: ObservedRun | None = None
+        # Whether the last triangle came at the same edge as the run that is about to be seen.
+        self._loaded_now = False
+        self.accepted = self.triangles = self.resets = self.ended_by_reset = 0
+        self.stray: list[str] = []
+
+    @property
+    def unfinished(self) -> bool:
+        """Return whether a run has no summary yet."""
+        return self._run is not None
+
+    def load(self, datum: Loaded) -> None:
+        """Follow a load."""
+        self.triangles += len(datum.triangles)
+        self._meshes[datum.mesh].take(datum)
+        if self._run is None:
+            self._loaded_now = datum.with_run
+            return
+        # Accepted at the very edge at which the run was: it belongs to it.
+        if not datum.with_run:
+            self.stray.append(f"mesh {datum.mesh} was loaded during a run")
+        self._show_meshes(self._run)
+        self._run.loaded_with_run = True
+
+    def run(self, datum: RunAccepted | AbortAsked) -> None:
+        """Begin a run, or note that it is aborted."""
+        if isinstance(datum, AbortAsked):
+            if self._run is not None:
+                self._run.aborts.append(datum.at)
+            return
+        if self._run is not None:
+            self.stray.append("a run was accepted during a run")
+        self.accepted += 1
+        self._run = ObservedRun(datum, _EMPTY, _EMPTY, (False, False), (False, False))
+        self._show_meshes(self._run)
+        self._run.loaded_with_run, self._loaded_now = self._loaded_now, False
+
+    def _show_meshes(self, run: ObservedRun) -> None:
+        """Let a run have the meshes as they are."""
+        a, b = self._meshes
+        run.a, run.b = a.triangles, b.triangles
+        run.overfull = a.overfull, b.overfull
+        run.reloaded = a.reloaded, b.reloaded
+
+    def near(self, datum: NearTaken) -> None:
+        """Note near pairs."""
+        if self._run is not None:
+            self._run.near.append(datum)
+        elif len(datum.pairs):
+            self.stray.append(f"{len(datum.pairs)} near pairs without a run")
+
+    def core(self, datum: CorePairs) -> None:
+        """Note pairs that reached the core."""
+        if self._run is not None:
+            self._run.reached.append(datum)
+        elif len(datum.pairs):
+            self.stray.append(f"{len(datum.pairs)} pairs in the core without a run")
+
+    def summary(self, datum: Summary | ResetSeen) -> None:
+        """End a run; or forget it and the meshes: a reset empties them."""
+        if isinstance(datum, ResetSeen):
+            self._reset()
+            return
+        if self._run is None:
+            self.stray.append(f"a summary without a run: status {datum.status}")
+            return
+        run, self._run = self._run, None
+        for mesh in self._meshes:
+            mesh.reloaded = False
+        self._on_run(run, datum)
+
+    def _reset(self) -> None:
+        self.resets += 1
+        self.ended_by_reset += self._run is not None
+        self._run = None
+        for mesh in self._meshes:
+            mesh.empty()
+
 
 # How many transactions that belong to no run are named.
 _SHOWN = 10
 
 
-class _Export(uvm_analysis_export):
-    """An analysis export that hands transactions to a function: the scoreboard needs five of them."""
-
-    def __init__(self, name: str, parent: uvm_component, write: Callable[[Any], None]) -> None:
-        super().__init__(name, parent)
-        self._write = write
-
-    def write(self, datum: Any) -> None:
-        """Hand the transaction on."""
-        self._write(datum)
-
-
-class MeshScoreboard(uvm_scoreboard):
+class MeshScoreboard(CountingScoreboard):
     """Puts runs together from what all monitors say, and has each checked; fails the test in check_phase.
 
     What was checked is published on ``checked_port`` as MeshRow.
@@ -45,17 +130,13 @@ class MeshScoreboard(uvm_scoreboard):
             configuration, self.settings.judged_one_in, self.settings.seed, self.checked_port.write
         )
         self.matcher = RunMatcher(configuration.depth, self.checker.check)
-        self.loads_export = _Export("loads_export", self, self.matcher.load)
-        self.runs_export = _Export("runs_export", self, self.matcher.run)
-        self.near_export = _Export("near_export", self, self.matcher.near)
-        self.core_export = _Export("core_export", self, self.matcher.core)
-        self.summaries_export = _Export("summaries_export", self, self.matcher.summary)
+        self.loads_export = Export("loads_export", self, self.matcher.load)
+        self.runs_export = Export("runs_export", self, self.matcher.run)
+        self.near_export = Export("near_export", self, self.matcher.near)
+        self.core_export = Export("core_export", self, self.matcher.core)
+        self.summaries_export = Export("summaries_export", self, self.matcher.summary)
         # Runs and triangles that the drivers were given, which the test says at its end.
         self.runs_sent = self.triangles_sent = 0
-
-    def start_of_simulation_phase(self) -> None:
-        """Start the clock on the wall."""
-        self._start = time.perf_counter()
 
     def check_phase(self) -> None:
         """Write the counts, and fail where anything did."""
@@ -76,10 +157,8 @@ class MeshScoreboard(uvm_scoreboard):
             "near": checker.near,
             "judged_by_golden_model": checker.judged,
             "failed": failed,
-            "seconds": time.perf_counter() - self._start,
-            "peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         }
-        write_counts(result_file(Path(self.settings.folder)), counts)
+        self.write_counts(counts)
         messages = [*map(_described, checker.failures), *matcher.stray[:_SHOWN]]
         for message in messages:
             self.logger.error(message)

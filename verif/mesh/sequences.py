@@ -1,24 +1,10 @@
 """Sequences of the engine: scenes are loaded by one agent and run by another."""
 
 import cocotb
-from pyuvm import uvm_sequence, uvm_sequence_item, uvm_sequencer
+from pyuvm import uvm_sequence, uvm_sequencer
 
 from triaxis.verif.mesh.items import LoadItem, RunItem, Scene
-
-
-class ItemsSequence(uvm_sequence):
-    """Sends items one after another."""
-
-    def __init__(self, *items: uvm_sequence_item) -> None:
-        """Hold the items."""
-        super().__init__("items")
-        self.items = items
-
-    async def body(self) -> None:
-        """Send them."""
-        for item in self.items:
-            await self.start_item(item)
-            await self.finish_item(item)
+from triaxis.verif.testbench.environment import ItemsSequence
 
 
 class SceneSequence(uvm_sequence):
@@ -42,7 +28,7 @@ class SceneSequence(uvm_sequence):
         loads = [LoadItem(mesh, triangles, scene.gaps) for mesh, triangles in meshes]
         self.asked = [RunItem(request, traffic) for request, traffic in scene.runs]
         early = loads[-1:] if scene.early and self.together else []
-        await ItemsSequence(*loads[: len(loads) - len(early)]).start(self.loads)
-        loading = cocotb.start_soon(ItemsSequence(*early).start(self.loads))
-        await ItemsSequence(*self.asked).start(self.runs)
+        await ItemsSequence(loads[: len(loads) - len(early)]).start(self.loads)
+        loading = cocotb.start_soon(ItemsSequence(early).start(self.loads))
+        await ItemsSequence(self.asked).start(self.runs)
         await loading

@@ -1,5 +1,10 @@
-"""Meshes to make scenes of: clouds, clusters and lattices of triangles, wherever a range has room."""
+"""Meshes to make scenes of, and kinds of scenes by what decides them.
 
+Clouds, clusters and lattices of triangles, wherever a range has room; rows, groups, boxes of triangles and
+the core decide, in every mixture.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,3 +61,113 @@ class Shapes:
         few = [0, 1, max(1, group - 1), group, group + 1, depth]
         several = int(self.rng.integers(1, max(2, min(depth, 4 * group))))
         return min(depth, int(self.rng.choice([*few, several, several])))
+
+
+# From shapes, sizes of A and B, and a margin: both meshes, A where it is to come.
+SceneKind = Callable[[Shapes, int, int, int], tuple[Integers, Integers]]
+
+_X = np.array([1, 0, 0])
+
+
+def cloud(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """Two clouds in one place, loose or dense."""
+    spread = max(1, int(shapes.reach * shapes.rng.choice([0.02, 0.1, 0.4])))
+    size = max(1, int(spread * shapes.rng.choice([0.1, 0.5, 2.0])))
+    centre = shapes.somewhere()
+    return shapes.cloud(count_a, centre, spread, size), shapes.cloud(count_b, centre, spread, size)
+
+
+def rows_apart(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """A far away from the whole of B."""
+    axis = np.roll(_X, int(shapes.rng.integers(3))) * shapes.rng.choice([-1, 1])
+    away = axis * (shapes.reach * 3 // 4)
+    size = max(1, shapes.reach // 16)
+    return shapes.cloud(count_a, away, 0, size), shapes.cloud(count_b, -away, 0, size)
+
+
+def groups_apart(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """A between the groups of B."""
+    side = np.roll(_X, int(shapes.rng.integers(3))) * (shapes.reach * 3 // 4)
+    size = max(1, shapes.reach // 16)
+    b = shapes.by_groups(count_b, np.stack([side, -side]), size)
+    return shapes.cloud(count_a, 0 * _X, 0, size), b
+
+
+def rows_and_groups_apart(
+    shapes: Shapes, count_a: int, count_b: int, margin: int
+) -> tuple[Integers, Integers]:
+    """Of A's groups every other one between those of B, the others far away on another axis."""
+    axis = int(shapes.rng.integers(3))
+    side, away = np.roll(_X, axis), np.roll(_X, axis + 1) * (shapes.reach * 3 // 4)
+    side = side * (shapes.reach * 3 // 4)
+    size = max(1, shapes.reach // 16)
+    a = shapes.by_groups(count_a, np.stack([0 * _X, away]), size)
+    return a, shapes.by_groups(count_b, np.stack([side, -side]), size)
+
+
+def lattice(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """Triangles of both in each other's gaps: groups overlap, boxes do not."""
+    pitch = margin + 3
+    return shapes.lattice(count_a, 0, pitch), shapes.lattice(count_b, 1, pitch)
+
+
+def lattice_and_groups(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """The same, and of A's groups every other one far away."""
+    a, b = lattice(shapes, count_a, count_b, margin)
+    group = np.arange(count_a) // shapes.configuration.group
+    away = np.roll(_X, int(shapes.rng.integers(3))) * (shapes.reach * 3 // 4)
+    return shapes.clipped(a + ((group % 2)[:, None] * away)[:, None]), b
+
+
+def in_one_place(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """All triangles through one another: nothing can be skipped, and mostly everything is near."""
+    centre, size = shapes.somewhere(), max(2, shapes.reach // 8)
+    # All reach from one end of the box to the other.
+    ends = np.array([[-size] * 3, [size] * 3, [-size, size, 0]])
+    jitter = [shapes.rng.integers(-1, 2, (count, 3, 3)) for count in (count_a, count_b)]
+    a, b = (shapes.clipped(centre + ends + j) for j in jitter)
+    return a, b
+
+
+def clusters(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """Groups in one of two places: those in the same place are all tested."""
+    side = np.roll(_X, int(shapes.rng.integers(3))) * (shapes.reach * 3 // 4)
+    centres = np.stack([side, -side])
+    return shapes.by_groups(count_a, centres, 1), shapes.by_groups(count_b, centres, 1)
+
+
+def one_contact(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """A lattice in which one triangle of A is one of B."""
+    a, b = lattice(shapes, count_a, count_b, margin)
+    if count_a and count_b:
+        a[shapes.rng.integers(count_a)] = b[shapes.rng.integers(count_b)]
+    return a, b
+
+
+def planes(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """Triangles of two parallel tilted planes: boxes overlap, and the core finds nothing near."""
+    size = max(8, shapes.reach // 8)
+    corner = np.array([[0, 0, 0], [size, -size, 0], [0, size, -size]])
+    apart = min(margin + 1 + int(shapes.rng.integers(0, 3)), shapes.reach // 2)
+    shift = np.array([apart, apart, apart])
+    jitter = shapes.rng.integers(-2, 3, (count_a + count_b, 1, 3))
+    jitter[..., 2] = -jitter[..., :2].sum(-1)
+    both = corner + jitter
+    return shapes.clipped(both[:count_a] - shift), shapes.clipped(both[count_a:] + shift)
+
+
+KINDS: dict[str, SceneKind] = {
+    kind.__name__: kind
+    for kind in (
+        cloud,
+        rows_apart,
+        groups_apart,
+        rows_and_groups_apart,
+        lattice,
+        lattice_and_groups,
+        in_one_place,
+        clusters,
+        one_contact,
+        planes,
+    )
+}

@@ -13,12 +13,16 @@ from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import Mode
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
-from triaxis.verif.mesh.gap_scenes import gap_scenes
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
-from triaxis.verif.mesh.placing import random_margin
-from triaxis.verif.mesh.random_scenes import PACES, random_scene, too_many
-from triaxis.verif.mesh.range_scenes import range_scenes
-from triaxis.verif.mesh.real_scenes import real_scenes
+from triaxis.verif.mesh.scenes import (
+    PACES,
+    gap_scenes,
+    random_margin,
+    random_scene,
+    range_scenes,
+    real_scenes,
+    too_many,
+)
 
 # Scenes that are sent at least, whatever number of pairs was asked for.
 _LEAST_SCENES = 40

@@ -34,7 +34,7 @@ from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.code_coverage.stimulus import flowing
-from triaxis.verif.core.stimulus.corners import all_corners, orientations, spans
+from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
 from triaxis.verif.formal.engine_proofs import engine_proofs
 from triaxis.verif.mutation.builds import FAST, ElaborationError, elaboration_hash, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies

@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from triaxis.coverage.counts import load
-from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.counts import CoverageDatabase, load
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
 from triaxis.verif.regress.coverage_models import model_of

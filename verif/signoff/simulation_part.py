@@ -8,8 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from triaxis.coverage.counts import load
-from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.counts import CoverageDatabase, load
 from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
 from triaxis.sim.build import library

@@ -3,7 +3,7 @@
 //
 // The transaction side of the bus-functional model: holds the burst that the driver offers, the paces,
 // and the buffers of both monitors. Python reaches the extern "C" functions through the simulator
-// executable itself; see verif/core/burst_bfm.py. The driver packs coordinates into TDATA and the
+// executable itself; see verif/core/burst_agents.py. The driver packs coordinates into TDATA and the
 // monitor unpacks them, each by code of its own, so that a fault in one shows against the other.
 
 #include "burst_bfm.h"

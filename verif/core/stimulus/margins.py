@@ -6,8 +6,7 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.verif.core.stimulus.draws import around, chance
-from triaxis.verif.core.stimulus.stimulus import Ints, Rng
+from triaxis.verif.core.stimulus.stimulus import Ints, Rng, around, chance
 
 AnyPairs = npt.NDArray[np.int32] | npt.NDArray[np.int64]
 Reals = npt.NDArray[np.float64]

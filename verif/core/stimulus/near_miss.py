@@ -1,17 +1,52 @@
-"""Near-misses of a face or an edge: pairs whose decision hangs on the smallest step of the lattice.
+"""Near-misses: pairs whose decision hangs on one axis alone, by the smallest step of the lattice.
 
-With g = gcd(c) the gap on the axis c, a normal or the product of two edges, is exactly -g, 0 or +g, the
-nearest points lie inside the features that meet, and the other vertices lie to the proper sides. These are
-the inputs on which floating point fails. Sizes go up to all of the range; at 32 bits, edges of the axis
-are at most 2^31 - 1 (see `lattice`).
+With g = gcd(c) the gap on the axis c is exactly -g, 0 or +g, the nearest points lie inside the features that
+meet, and the other vertices lie to the proper sides. These are the inputs on which floating point fails.
+Sizes go up to all of the range; at 32 bits, edges of the axis are at most 2^31 - 1 (see `lattice`).
+
+With A a triangle, the faces of the Minkowski difference of A, B and the cube are of few kinds: face of A and
+vertex of B; edge and edge; edge of A, vertex of B and edge of the cube; vertex, vertex and face of the cube.
+The last two, edge x box and box, are decisive alone only with a margin, or where the pair is flat: in a
+coordinate plane for edge x box, along a coordinate axis for box. A contact inside such a face, moved by the
+smallest step, is decided by its normal alone, unless another axis is parallel to it. Placing them in all
+orders and symmetries reaches all 32 axes on either side.
 """
+
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
-from triaxis.verif.core.stimulus.contact import Contact
-from triaxis.verif.core.stimulus.draws import around, sizes, up_to
-from triaxis.verif.core.stimulus.lattice import INSIDE, LARGEST_EDGE, Step, cross, exact, plane_step, side
-from triaxis.verif.core.stimulus.stimulus import Ints, Mask, Rng, bounds, largest_extents, largest_span
+from triaxis.golden.pairs import MIN_WIDTH
+from triaxis.verif.core.stimulus.contact import Contact, placed
+from triaxis.verif.core.stimulus.lattice import (
+    INSIDE,
+    LARGEST_EDGE,
+    Reals,
+    Step,
+    cross,
+    exact,
+    line_step,
+    plane_step,
+    side,
+)
+from triaxis.verif.core.stimulus.stimulus import (
+    Family,
+    Ints,
+    Mask,
+    Rng,
+    Stimulus,
+    around,
+    bounds,
+    chance,
+    collected,
+    divided,
+    joined,
+    largest_extents,
+    largest_span,
+    sizes,
+    up_to,
+)
 
 
 def reach(rng: Rng, count: int, width: int) -> Ints:
@@ -128,3 +163,142 @@ def edge_edge_level(rng: Rng, count: int, width: int) -> Contact:
     e, f = (weights[:, 0] + weights[:, 1]) * u, (weights[:, 2] + weights[:, 3]) * v
     c, x = cross(e, f), weights[:, 0] * u - weights[:, 2] * v
     return _edges_over(rng, e, f, c, x, _level(c, x))
+
+
+def _over_edge(
+    rng: Rng, u: Ints, x: Ints, alpha: Reals, usable: Mask, flat: bool, along: Ints | None = None
+) -> Contact:
+    """Return A with an edge u (N, 2), seen along z, that B's vertex x passes at alpha; others apart.
+
+    Where ``along`` (N, 2) is not 0, B's second vertex is there from its first: along the edge.
+    """
+    count = len(u)
+    extent = np.maximum(np.abs(u[:, 0]), np.abs(u[:, 1]))
+    rise = np.zeros_like(extent) if flat else around(rng, np.minimum(extent, (1 << 31) - 1), (count,))
+    edge = np.concatenate([u, rise[:, None]], 1)
+    # With a margin, the height of the vertex matters only within the cube.
+    corner = np.concatenate([x, np.rint(alpha * rise).astype(np.int64)[:, None]], 1)
+    c = np.stack([u[:, 1], -u[:, 0], np.zeros_like(extent)], 1)
+    points = np.stack([corner, np.zeros_like(edge), edge], 1)
+    low, high = (bound[:, None] for bound in bounds(points))
+    # Room for the other vertices beside edges along x or y.
+    margin = 1 + extent[:, None, None] // 8
+    roomy = np.concatenate([points, low - margin, high + margin], 1)
+    if flat:
+        roomy[..., 2] = 0
+    candidates = vertices_at(rng, roomy, (3, 3, 3, 1, 1))
+    above = side(c, candidates[:, 0] - corner)
+    third_b, found_b = first_on(c, candidates[:, 1:3], corner, above)
+    third_a, found_a = first_on(c, candidates[:, 3:], np.zeros_like(edge), -above)
+    second_b = candidates[:, 0]
+    if along is not None:
+        on_edge = corner + np.concatenate([along, rise[:, None] * 0], 1)
+        second_b = np.where((along[:, :1] | along[:, 1:]) != 0, on_edge, second_b)
+    a = np.stack([np.zeros_like(edge), edge, third_a], 1)
+    b = any_rank(rng, corner, second_b, third_b)
+    contact = Contact(np.stack([a, b], 1), np.sign(c) * above[:, None])
+    return contact[usable & found_a & found_b & (above != 0)]
+
+
+def edge_box(rng: Rng, count: int, width: int, flat: bool) -> Contact:
+    """Return A whose edge, seen along z, a vertex of B misses by -g or +g: some share of ``count``.
+
+    ``flat``: in the plane z = 0. Otherwise use a margin of at least 1.
+    """
+    u = around(rng, sizes(rng, count, 6, largest_span(width) >> 1)[:, None], (count, 2))
+    g, x, alpha = line_step(u)
+    usable = (g > 0) & (alpha > INSIDE) & (alpha < 1 - INSIDE)
+    return _over_edge(rng, u, x, alpha, usable, flat)
+
+
+def edge_box_level(rng: Rng, count: int, width: int, flat: bool) -> Contact:
+    """Return the same with the vertex of B exactly on the edge, as seen along z."""
+    part = around(rng, sizes(rng, count, 2, largest_span(width) // 10)[:, None], (count, 2))
+    before, after = 1 + up_to(rng, 2, (2, count, 1))
+    u, x = (before + after) * part, before * part
+    # In one of 4, an edge of B along that of A: forwards or backwards, within it or beyond.
+    along = around(rng, 2, (count, 1)) * chance(rng, count, 4)[:, None] * part
+    alpha, usable = (before / (before + after))[:, 0], (part[:, 0] | part[:, 1]) != 0
+    return _over_edge(rng, u, x, alpha, usable, flat, along)
+
+
+def box(rng: Rng, count: int, width: int, flat: bool) -> Contact:
+    """Return pairs of any ranks whose boxes miss in x by -1, 0 or 1, at vertices that face each other.
+
+    ``flat``: on the line y = z = 0. Otherwise use a margin of at least 1.
+    """
+    size = sizes(rng, count, 2, largest_span(width) // 2 - 1).reshape(-1, 1, 1)
+    drawn = up_to(rng, size, (count, 6, 3))
+    if flat:
+        drawn[..., 1:] = 0
+    a = any_rank(rng, *np.moveaxis(drawn[:, :3], 1, 0))
+    b = any_rank(rng, *np.moveaxis(drawn[:, 3:], 1, 0))
+    rows = np.arange(count)
+    last, first = a[rows, a[..., 0].argmax(1)], b[rows, b[..., 0].argmin(1)]
+    shift = last - first
+    shift[:, 0] += around(rng, 1, (count,))
+    away = np.broadcast_to(np.array([1, 0, 0]), (count, 3))
+    return Contact(np.stack([a, b + shift[:, None]], 1), away)
+
+
+Construction = Callable[[Rng, int, int], Contact]
+FlatOrNot = Callable[[Rng, int, int, bool], Contact]
+
+
+def family_of(parts: Sequence[tuple[Construction, int]], least_margin: int = 0) -> Family:
+    """Return the family of pairs from constructions, each with its share."""
+
+    def family(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:
+        def make(construction: Construction, asked: int) -> Stimulus:
+            contact = construction(rng, asked, width)
+            return placed(rng, contact, width, largest_margin, least_margin)
+
+        counts = divided(count, [share for _, share in parts])
+        return joined([collected(n, partial(make, made)) for (made, _), n in zip(parts, counts, strict=True)])
+
+    return family
+
+
+def _with(construction: FlatOrNot, flat: bool) -> Construction:
+    return lambda rng, count, width: construction(rng, count, width, flat)
+
+
+def with_flat(parts: Sequence[tuple[FlatOrNot, int]]) -> Family:
+    """Return the family of box contacts: flat without a margin; with one in space, or flat (one in 8)."""
+    flat = family_of([(_with(made, True), share) for made, share in parts])
+    space = family_of([(_with(made, False), share) for made, share in parts], least_margin=1)
+
+    def family(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:
+        if largest_margin == 0:
+            return flat(rng, count, width, 0)
+        without, within, apart = divided(count, (2, 1, 5))
+        return joined(
+            [
+                flat(rng, without, width, 0),
+                flat(rng, within, width, largest_margin),
+                space(rng, apart, width, largest_margin),
+            ]
+        )
+
+    return family
+
+
+near_face = family_of([(face_vertex, 2), (face_vertex_level, 1)])
+near_edge = family_of([(edge_edge, 2), (edge_edge_level, 1)])
+near_edge_box = with_flat([(edge_box, 2), (edge_box_level, 1)])
+near_box = with_flat([(box, 1)])
+
+
+def sole_axis(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:
+    """Return all of these in random order: one part each of faces and boxes, two each of the edges, of which
+    there are more.
+    """
+    kinds = (near_face, near_edge, near_edge_box, near_box)
+    counts = divided(count, (1, 2, 2, 1))
+    parts = joined([kind(rng, n, width, largest_margin) for kind, n in zip(kinds, counts, strict=True)])
+    return parts[rng.permutation(count)]
+
+
+def sole_axis_small(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:
+    """Return the same as the narrowest width has it: small numbers, where any width has few."""
+    return sole_axis(rng, count, MIN_WIDTH, min(largest_margin, (1 << MIN_WIDTH) - 1))

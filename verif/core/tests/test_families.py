@@ -1,19 +1,29 @@
+"""Stimulus is what it says: in range, repeatable; contacts touch, margins decide, corners reach bounds."""
+
 from itertools import product
 
 import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.exact import coplanar, triangle_rank
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.host.scenes import mesh_pairs
-from triaxis.verif.core.stimulus import mixture as mixtures
-from triaxis.verif.core.stimulus.coplanar import coplanar_near_miss, coplanar_pairs
-from triaxis.verif.core.stimulus.families import FAMILIES, mixed, mixed_pairs, mixture
-from triaxis.verif.core.stimulus.penetrating import penetrating_pairs
-from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
-from triaxis.verif.core.stimulus.slivers import sliver_pairs
+from triaxis.verif.core.stimulus import families as mixtures
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
+from triaxis.verif.core.stimulus.general import (
+    ORIENTATION,
+    SPAN,
+    all_corners,
+    largest_pairs,
+    orientations,
+    spans,
+)
+from triaxis.verif.core.stimulus.margins import (
+    box_gaps,
+    distances,
+    margin_at_decision,
+)
+from triaxis.verif.core.stimulus.near_miss import family_of
 from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
 
 WIDTHS = range(8, 33)
@@ -61,98 +71,6 @@ def test_same_seed_same_stimulus():
         assert (first.pairs != third.pairs).any(), name
 
 
-def test_degenerate_pairs_are_of_every_combination(rng):
-    pairs = FAMILIES["degenerate"](rng, 1800, 16, 0).pairs
-    ranks = [(triangle_rank(a), triangle_rank(b)) for a, b in pairs.tolist()]
-    for i, j in product(range(3), repeat=2):
-        assert ranks.count((i, j)) > 80
-    facts = bulk_facts(pairs, 0)
-    assert (facts.near & (facts.level != 0)).mean() > 0.2
-
-
-def test_coplanar_pairs_are(rng):
-    pairs = coplanar_pairs(rng, 600, 16).tolist()
-    flat = [coplanar(a, b) for a, b in pairs]
-    assert 360 < sum(flat) < 560
-    tilted = [all(len({v[k] for v in a + b}) > 1 for k in range(3)) for a, b in pairs]
-    assert sum(t and c for t, c in zip(tilted, flat, strict=True)) > 120
-    aligned = [any(len({v[k] for v in a + b}) == 1 for k in range(3)) for a, b in pairs]
-    assert sum(aligned) > 200
-    # Off the plane by one step: not coplanar, but nearly.
-    assert 600 - sum(flat) > 40
-
-
-def test_coplanar_near_misses_are_close(rng):
-    contact = coplanar_near_miss(rng, 3000, 16)
-    assert len(contact.pairs) > 700
-    facts = bulk_facts(contact.pairs, 0)
-    assert facts.coplanar.all()
-    # A third touches, and the others are apart or overlap by little.
-    assert (facts.near & (facts.level != 0)).mean() > 0.2
-    assert 0.2 < 1 - facts.near.mean() < 0.5
-    distance = (bulk_facts(contact.pairs, 255).near).mean()
-    assert distance > 0.95
-
-
-def test_contained_pairs_are(rng):
-    pairs = FAMILIES["contained"](rng, 4000, 16, 0).pairs
-    facts = bulk_facts(pairs, 0)
-    inside = (facts.a_in_b | facts.b_in_a) != 0
-    assert 0.7 < inside.mean() < 0.9
-    assert (facts.a_in_b & facts.b_in_a).mean() > 0.15
-    assert (facts.a_in_b[inside] != 0).mean() > 0.4
-    # A part of lower rank, in a triangle.
-    ranks = np.stack([facts.rank_a, facts.rank_b])[:, inside]
-    assert ((ranks.max(0) == 2) & (ranks.min(0) == 1)).mean() > 0.05
-    assert ((ranks.max(0) == 2) & (ranks.min(0) == 0)).mean() > 0.02
-
-
-def _crossings(edges_of: np.ndarray, face_of: np.ndarray) -> np.ndarray:
-    """Return how many edges of one triangle pass inside the face of the other: 64-bit numbers suffice."""
-    normal = np.cross(face_of[:, 1] - face_of[:, 0], face_of[:, 2] - face_of[:, 0])
-    height = ((edges_of - face_of[:, :1]) * normal[:, None]).sum(-1)
-    count = np.zeros(len(face_of), int)
-    for i in range(3):
-        p, q = edges_of[:, i], edges_of[:, (i + 1) % 3]
-        apart = height[:, i] * height[:, (i + 1) % 3] < 0
-        turns = [
-            np.sign((np.cross(face_of[:, j] - p, face_of[:, (j + 1) % 3] - p) * (q - p)).sum(-1))
-            for j in range(3)
-        ]
-        count += apart & (np.abs(sum(turns)) == 3)
-    return count
-
-
-def test_penetrating_pairs_are(rng):
-    pairs = penetrating_pairs(rng, 4000, 12).astype(np.int64)
-    crossings = np.stack([_crossings(pairs[:, 0], pairs[:, 1]), _crossings(pairs[:, 1], pairs[:, 0])], 1)
-    # Two edges of one triangle, or one of each.
-    assert (crossings.max(1) == 2).mean() > 0.4
-    assert ((crossings == 1).all(1)).mean() > 0.1
-    assert (crossings.sum(1) > 0).mean() > 0.95
-    assert bulk_facts(pairs, 0).near.all()
-
-
-def test_slivers_are_as_thin_as_can_be(rng):
-    triangles = sliver_pairs(rng, 4000, 24).astype(np.int64).reshape(-1, 3, 3)
-    p, q = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    area = np.abs(np.cross(p, q)).max(1)
-    longest = np.abs(np.stack([p, q, q - p])).max((0, 2))
-    # The height is area / length. One in 8 is a triangle of any shape.
-    assert ((area > 0) & (area <= 4 * longest)).mean() > 0.6
-    # The smallest area that there is, on a long edge: an aspect of about the length squared.
-    assert ((area == 1) & (longest > 1 << 16)).mean() > 0.08
-
-
-def test_extremes_reach_the_limits(rng):
-    low, high = coordinate_range(32)
-    facts = bulk_facts(FAMILIES["extremes"](rng, 8000, 32, 0).pairs, 0)
-    assert ((facts.low == low) & (facts.high == high)).mean() > 0.7
-    # On a line along a coordinate axis, where a box axis can be the only one.
-    alone = np.isin(facts.separating, np.array([1, 2, 4], np.uint32))
-    assert alone.sum() > 10
-
-
 def test_mixed_is_of_all_families(rng, monkeypatch):
     def marked(number):
         def family(rng, count, width, largest_margin):
@@ -174,22 +92,6 @@ def test_mixed_is_of_all_families(rng, monkeypatch):
     assert (np.abs(shares - 1) < 0.1).all()
 
 
-def test_mixture_renews_its_pool_at_the_rate_of_its_use(rng):
-    made: list[int] = []
-
-    def family(rng, count, width, largest_margin):
-        made.append(count)
-        number = len(made)
-        return Stimulus(np.full((count, 2, 3, 3), number, np.int32), np.full(count, number, np.uint32))
-
-    supply = mixtures.Mixture(rng, [family] * 4, 16, 0)
-    assert len(made) == 4
-    seen = [supply.burst(65_536).margins for _ in range(30)]
-    assert sum(made) == pytest.approx(4 * made[0] + 30 * 65_536 / mixtures.TIMES, abs=made[0])
-    uses = np.bincount(np.concatenate(seen))[5:-4] / made[0]
-    assert uses.mean() == pytest.approx(mixtures.TIMES, rel=0.15)
-
-
 def test_mixture_is_deterministic_and_never_repeats_itself():
     one, two = (mixture(np.random.default_rng(4), 16, 255) for _ in range(2))
     bursts = [(one.burst(5000), two.burst(5000)) for _ in range(3)]
@@ -198,38 +100,6 @@ def test_mixture_is_deterministic_and_never_repeats_itself():
         assert (a.margins == b.margins).all()
     every = np.concatenate([a.pairs for a, _ in bursts]).reshape(-1, 18)
     assert len(np.unique(every, axis=0)) > 0.97 * len(every)
-
-
-def test_variants_are_answered_alike(rng):
-    for width in (8, 16, 32):
-        base = mixed(rng, 4000, width, (1 << width) - 1)
-        again = mixtures.varied(rng, base, width)
-        check_pairs(again.pairs, width)
-        assert (again.pairs != base.pairs).any((1, 2, 3)).mean() > 0.95
-        first, second = facts_of(base), facts_of(again)
-        assert (first.near == second.near).all()
-        assert (first.coplanar == second.coplanar).all()
-        assert (np.bitwise_count(first.level) == np.bitwise_count(second.level)).all()
-
-
-def test_centred_pairs_are_around_zero(rng):
-    low, high = coordinate_range(32)
-    pairs = np.concatenate(
-        [mixed(rng, 3000, 32, 0).pairs, rng.choice(np.array([low, high], np.int32), (200, 2, 3, 3))]
-    )
-    moved = mixtures.centred(pairs).astype(np.int64).reshape(-1, 6, 3)
-    assert (np.isin(moved.max(1) + moved.min(1), [-1, 0])).all()
-    assert (
-        moved - moved[:, :1]
-        == (pairs.astype(np.int64).reshape(-1, 6, 3) - pairs.reshape(-1, 6, 3)[:, :1].astype(np.int64))
-    ).all()
-
-
-def test_pairs_without_margins(rng):
-    pairs = mixed_pairs(rng, 300, 16)
-    check_pairs(pairs, 16)
-    assert pairs.dtype == np.int64
-    assert 0.2 < bulk_facts(pairs, 0).near.mean() < 0.95
 
 
 def test_counts_are_divided_and_collected():
@@ -245,8 +115,104 @@ def test_counts_are_divided_and_collected():
         collected(5, nothing)
 
 
-def test_seed_vectors_and_meshes(rng):
-    assert seed_vectors(16).shape == (15, 2, 3, 3)
-    for width in (8, 16, 32):
-        check_pairs(mesh_pairs(rng, 101, width), width)
-        assert len(mesh_pairs(rng, 101, width)) == 101
+def test_box_gaps(rng):
+    pairs = rng.integers(-(1 << 31), 1 << 31, (500, 2, 3, 3)).astype(np.int32)
+    pairs[::2, 1] //= 1 << 20
+    for pair, gap in zip(pairs.astype(np.int64), box_gaps(pairs), strict=True):
+        a, b = pair
+        assert gap == np.maximum(b.min(0) - a.max(0), a.min(0) - b.max(0)).max()
+
+
+@pytest.mark.parametrize("width", [8, 16, 24])
+def test_distances_tell_the_margin_at_which_pairs_become_near(rng, width):
+    stimulus = mixed(rng, 6000, width, (1 << width) - 1)
+    about = distances(stimulus.pairs)
+    # Distances are fractions; where float64 cannot tell which side of a whole number, leave it out.
+    sure = np.abs(about - np.rint(about)) > 1e-5
+    smallest = np.ceil(about).astype(np.int64)
+    assert (about > 1).mean() > 0.2
+    facts = bulk_facts(stimulus.pairs, smallest)
+    assert facts.near[sure].all()
+    less = bulk_facts(stimulus.pairs, np.maximum(smallest - 1, 0))
+    assert not less.near[sure & (smallest > 0)].any()
+    # Whole ones: near at the distance itself.
+    whole = ~sure & (np.rint(about) > 0)
+    assert whole.sum() > 100
+    at = np.rint(about).astype(np.int64)
+    assert (bulk_facts(stimulus.pairs, at).level != 0)[whole].mean() > 0.8
+
+
+def test_margins_at_the_decision(rng):
+    pairs = mixed(rng, 20_000, 16, (1 << 16) - 1).pairs
+    apart = pairs[distances(pairs) > 2]
+    facts = bulk_facts(apart, margin_at_decision(rng, apart, (1 << 16) - 1))
+    assert 0.3 < facts.near.mean() < 0.7
+    assert (facts.near & (facts.level != 0)).mean() > 0.05
+    assert (margin_at_decision(rng, apart, 0) == 0).all()
+    assert margin_at_decision(rng, apart, 100).max() == 100
+    # Kinds of axis that decide: box, normal, edge x edge, edge x box.
+    for first, last in ((0, 3), (3, 5), (5, 14), (14, 32)):
+        mask = np.uint32((1 << last) - (1 << first))
+        assert (facts.separating & mask == facts.separating)[~facts.near].sum() > 50
+
+
+# How many vertices of the two span what touches, and whether any axis is at the margin at all: triangles that
+# overlap in one plane touch in all of both.
+SUPPORTS = {
+    "vertex-vertex": (1, 1),
+    "vertex-edge": (1, 2),
+    "vertex-face": (1, 3),
+    "edge-edge": (2, 2),
+    "edge-face": (2, 3),
+    "face-face": (3, 3),
+    "shared edge": (2, 2),
+}
+
+
+@pytest.mark.parametrize("width", [8, 13, 16, 24, 32])
+@pytest.mark.parametrize("name", TOUCHING)
+def test_features_touch_and_no_more(rng, name, width):
+    stimulus = family_of([(TOUCHING[name], 1)])(rng, 2000, width, 0)
+    facts = facts_of(stimulus)
+    assert facts.near.all()
+    proper = (facts.rank_a == 2) & (facts.rank_b == 2)
+    assert proper.mean() > 0.4
+    supports = np.sort(np.bitwise_count(np.stack([facts.support_a, facts.support_b], 1)), 1)
+    assert (supports[proper] == SUPPORTS[name]).all()
+    touching = proper & (facts.level != 0)
+    assert (touching == proper).all() if name != "face-face" else facts.coplanar.all()
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+def test_pairs_touch_at_any_margin(rng, name):
+    stimulus = family_of([(TOUCHING[name], 1)])(rng, 3000, 16, (1 << 16) - 1)
+    with_margin = stimulus[stimulus.margins > 0]
+    assert len(with_margin) > 1500
+    assert np.median(with_margin.margins) > 50
+    facts = facts_of(with_margin)
+    assert facts.near.all()
+    # One less, and all are clear that have a direction to go; in one plane, they may still overlap.
+    less = bulk_facts(with_margin.pairs, with_margin.margins - 1)
+    assert (less.near & (facts.level != 0)).sum() == 0
+    assert (facts.level != 0).mean() > 0.9 or name == "face-face"
+
+
+def test_no_corner_lies_beyond_the_bounds():
+    corners = all_corners()
+    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
+    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN
+
+
+@pytest.mark.parametrize("width", [8, 16])
+def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
+    low, high = coordinate_range(width)
+    pairs = largest_pairs(rng, 4000, width).astype(np.int64)
+    assert pairs.min() == low
+    assert pairs.max() == high
+    cube = (high - low) ** 3
+    found = [orientations(pairs, vertex) for vertex in range(3)]
+    assert np.max(found) == ORIENTATION * cube
+    assert np.min(found) == -ORIENTATION * cube
+    found = [spans(pairs, i, j, (j + 2) % 3) for i in range(3) for j in range(3)]
+    assert np.max(found) == SPAN * cube
+    assert np.min(found) == -SPAN * cube

@@ -5,23 +5,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib import image
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.errors import InputError
-from triaxis.golden.judge import judge
-from triaxis.host.figure_style import A, B
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
 from triaxis.verif.core.expectation import expected_words
-from triaxis.verif.core.stream import Stream
-from triaxis.verif.counterexample.axis_view import project
-from triaxis.verif.counterexample.finding import Counterexample
+from triaxis.verif.core.failing_pairs import Stream
+from triaxis.verif.counterexample.finding import Counterexample, Symptom, symptoms
 from triaxis.verif.counterexample.picture import draw
-from triaxis.verif.counterexample.scene_view import draw_scene
-from triaxis.verif.counterexample.symptom import Symptom, symptoms
-from triaxis.verif.counterexample.witness_view import points_of
 
 FLOOR = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
 POINT = [[0, 0, 0]] * 3
@@ -83,25 +74,6 @@ def test_every_kind_of_pair(tmp_path, name):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.png", "case.svg"]
 
 
-def coloured(pair, style):
-    """Return how many pixels of a scene without labels have the colour of A or of B."""
-    figure = Figure(figsize=(5, 5), dpi=100)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_subplot(projection="3d")
-    draw_scene(axes, np.array(pair), None)
-    canvas.draw()
-    pixels = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
-    wanted = np.array([int(style.colour[i : i + 2], 16) for i in (1, 3, 5)])
-    return int((np.abs(pixels - wanted).max(-1) < 30).sum())
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_both_triangles_are_seen_however_degenerate(name):
-    pair = CASES[name][0]
-    for style, least in ((A, 40), (B, 25)):
-        assert coloured(pair, style) >= least
-
-
 def test_the_context_is_told(tmp_path):
     found = counterexample([(FLOOR, POINT), (POINT, [[0, 0, 1], [0, 1, 0], [0, 1, 0]])], [1, 0], NEAR)
     draw(found, tmp_path / "case.svg")
@@ -123,29 +95,3 @@ def test_the_same_counterexample_gives_the_same_picture(tmp_path):
         draw(counterexample([pair], [margin], said), one)
         draw(counterexample([pair], [margin], said), other)
         assert one.read_bytes() == other.read_bytes()
-
-
-def test_projections_are_exact():
-    a, b = [[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]]
-    found = project(3, a, b, 7)
-    assert found.gap == -max(abs(value) for value in found.values[1]) + 0 or not found.separates
-    assert found.demanded == 7 * sum(map(abs, found.axis))
-    flat = project(2, FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]], 1)
-    assert (flat.gap, flat.inner, flat.demanded, flat.separates) == (1, (0, 1), 1, False)
-    below = project(2, [[3, 3, 5], [5, 5, 9], [6, 3, 7]], FLOOR, 1)
-    assert (below.gap, below.inner, below.separates) == (5, (0, 5), True)
-
-
-def test_nearest_points_lie_where_the_weights_say():
-    a, b = FLOOR, [[1, 1, 2], [1, 1, 6], [3, 3, 4]]
-    nearest = judge(a, b, 2).witness
-    assert nearest is not None
-    one, other = points_of(nearest, a, b)
-    assert max(abs(x - y) for x, y in zip(one, other, strict=True)) == nearest.distance == 2
-
-
-def test_what_cannot_be_written_is_an_error(tmp_path):
-    (tmp_path / "file").write_text("")
-    pair, margin, said, _ = CASES["missed"]
-    with pytest.raises(InputError, match="cannot make this folder"):
-        draw(counterexample([pair], [margin], said), tmp_path / "file" / "case.png")

@@ -1,10 +1,8 @@
 """Counterexamples are made small, keep failing in the same way, and come out the same each time."""
 
-import io
 import shutil
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,17 +13,12 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.paths import DUT
 from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
+from triaxis.verif.core.failing_pairs import FailingPair, Stream, read_failing
 from triaxis.verif.core.kept_cases import read_cases
-from triaxis.verif.core.stream import Stream
-from triaxis.verif.counterexample.bare_core import BareCore
-from triaxis.verif.counterexample.candidates import candidates
+from triaxis.verif.counterexample.candidates import candidates, sizes, smaller, smallest_first
 from triaxis.verif.counterexample.explaining import explain_failures
-from triaxis.verif.counterexample.failing import FailingPair, read_failing
-from triaxis.verif.counterexample.finding import find
-from triaxis.verif.counterexample.minimising import minimise
-from triaxis.verif.counterexample.shrinking import Budget, shrink
-from triaxis.verif.counterexample.size import sizes, smaller, smallest_first
-from triaxis.verif.counterexample.symptom import Symptom, symptoms
+from triaxis.verif.counterexample.finding import BareCore, Symptom, find, symptoms
+from triaxis.verif.counterexample.shrinking import Budget, minimise, shrink
 
 CONFIGURATION = Configuration(8, 8)
 NO_MARGIN = np.zeros(1, np.int64)
@@ -41,13 +34,6 @@ def touching_taken_for_clear(pairs, margins):
     """A wrong test of boxes: an axis separates where its gap is just as wide as the margin."""
     wide = gaps(pairs) - margins[:, None]
     return (wide >= 0).any(1) & ~(wide > 0).any(1)
-
-
-def normal_in_too_few_bits(pairs, margins):
-    """A wrong decision in NumPy: the normal of A overflows 17 bits signed, and the boxes meet."""
-    first, second = pairs[:, 0, 1] - pairs[:, 0, 0], pairs[:, 0, 2] - pairs[:, 0, 0]
-    overflow = (np.abs(np.cross(first, second)) >= 1 << 16).any(1)
-    return overflow & (gaps(pairs) <= margins[:, None]).all(1)
 
 
 def failing_ones(rng, fails, size, margin_of):
@@ -72,25 +58,6 @@ def test_a_sign_fault_becomes_tiny(rng):
         assert (np.count_nonzero(small), less) == (0, 0)
 
 
-def test_a_width_fault_becomes_few_numbers(rng):
-    for pair, margin in failing_ones(rng, normal_in_too_few_bits, 1 << 9, lambda p: np.zeros(len(p), int)):
-        small, less = shrink(pair, margin, normal_in_too_few_bits)
-        assert normal_in_too_few_bits(small[None], np.array([less]))[0]
-        assert np.count_nonzero(small) <= 4
-        # It fits where it came from.
-        assert np.abs(small).max() < 1 << 10
-
-
-def test_shrinking_is_deterministic(rng):
-    (pair, margin), *_ = failing_ones(rng, touching_taken_for_clear, 300, box_distance)
-    kept = pair.copy()
-    first = shrink(pair, margin, touching_taken_for_clear)
-    second = shrink(pair, margin, touching_taken_for_clear)
-    assert (first[0] == second[0]).all()
-    assert first[1] == second[1]
-    assert (pair == kept).all()
-
-
 @pytest.mark.parametrize("calls", [0, 1, 2, 5])
 def test_whatever_the_budget_the_result_fails(rng, calls):
     (pair, margin), *_ = failing_ones(rng, touching_taken_for_clear, 300, box_distance)
@@ -104,11 +71,6 @@ def test_whatever_the_budget_the_result_fails(rng, calls):
     small, less = shrink(pair, margin, fails, Budget(calls))
     assert touching_taken_for_clear(small[None], np.array([less]))[0]
     assert spent <= calls + 1
-
-
-def test_a_pair_that_does_not_fail_is_refused():
-    with pytest.raises(ValueError, match="does not fail"):
-        shrink(np.zeros((2, 3, 3), int), 0, lambda pairs, margins: np.zeros(len(pairs), bool))
 
 
 def test_only_answers_to_single_pairs_count(rng):
@@ -133,10 +95,6 @@ def test_candidates_are_smaller_in_range_and_different(rng, bits, margin):
     assert pairs.min() >= -(1 << bits)
     assert pairs.max() < 1 << bits
     assert margins.max() <= margin
-
-
-def test_nothing_is_smaller_than_two_equal_points_at_0():
-    assert len(candidates(np.zeros((2, 3, 3), int), 0)[0]) == 0
 
 
 def stale(streams, margins):
@@ -194,7 +152,7 @@ class HangingEngine:
 
 
 def test_a_core_that_hangs(monkeypatch, rng):
-    monkeypatch.setattr("triaxis.verif.counterexample.bare_core.RtlEngine", HangingEngine)
+    monkeypatch.setattr("triaxis.verif.counterexample.finding.RtlEngine", HangingEngine)
     core = BareCore(CONFIGURATION)
     pairs = rng.integers(-40, 40, (500, 1, 2, 3, 3))
     pairs[123, 0, 0, 0, 0] = 50
@@ -273,6 +231,7 @@ def recorded(path, missed, rng):
     return archive(path, pairs, np.zeros(2, np.int64), context, margins, np.array([0, 20]))
 
 
+@pytest.mark.simulator
 def test_a_broken_core_gives_a_tiny_counterexample(core, missed):
     found = find(core, FailingPair(Stream(missed[None], NO_MARGIN), None))
     assert found is not None
@@ -283,6 +242,7 @@ def test_a_broken_core_gives_a_tiny_counterexample(core, missed):
     assert found.right_answer.startswith("near")
 
 
+@pytest.mark.simulator
 def test_what_needs_the_pair_before_keeps_it(core, missed, tmp_path, rng):
     path = recorded(tmp_path / "failing.npz", missed, rng)
     alone, with_context = read_failing(path, CONFIGURATION)
@@ -299,10 +259,6 @@ def test_what_needs_the_pair_before_keeps_it(core, missed, tmp_path, rng):
     assert core.symptom(Stream(found.stream.pairs[1:], NO_MARGIN)) == Symptom.RIGHT
 
 
-def test_what_does_not_fail_is_not_found(core):
-    assert find(core, FailingPair(Stream(FAR[None], NO_MARGIN), None)) is None
-
-
 def triaxis(*arguments, status):
     command = [Path(sys.executable).with_name("triaxis"), *map(str, arguments)]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -310,6 +266,7 @@ def triaxis(*arguments, status):
     return answer.stdout, answer.stderr
 
 
+@pytest.mark.simulator
 def test_command(broken, missed, tmp_path, rng):
     failing = recorded(tmp_path / "failing.npz", missed, rng)
     store, pictures = tmp_path / "store", tmp_path / "pictures"
@@ -338,6 +295,7 @@ def test_command(broken, missed, tmp_path, rng):
     assert "no triaxis_pkg.sv" in error
 
 
+@pytest.mark.simulator
 def test_a_failed_run_is_explained(broken, missed, tmp_path, rng):
     assert explain_failures(tmp_path, CONFIGURATION, broken) == ()
     recorded(tmp_path / "failing_pairs.npz", missed, rng)
@@ -349,28 +307,6 @@ def test_a_failed_run_is_explained(broken, missed, tmp_path, rng):
     recorded(tmp_path / "failing_pairs.npz", missed, rng)
     (line,) = explain_failures(tmp_path, CONFIGURATION, tmp_path / "no_rtl")
     assert line.startswith("not shrunk: ")
-
-
-def test_archives_hold_what_they_say_and_no_more(tmp_path):
-    pairs = np.zeros((2, 2, 3, 3), np.int64)
-    path = archive(tmp_path / "failing.npz", pairs, np.zeros(2, np.int64))
-    whole = path.read_bytes()
-    assert len(read_failing(path, CONFIGURATION)) == 2
-    member = io.BytesIO()
-    np.save(member, pairs)
-    longer = io.BytesIO()
-    with zipfile.ZipFile(longer, "w") as file:
-        file.writestr("pairs.npy", member.getvalue() + b"\0")
-    for data, message in (
-        (whole + whole, "more than one archive"),
-        (whole + b"\0", "more than one archive"),
-        (whole[:-9], "not a NumPy .npz archive"),
-        (longer.getvalue(), "pairs: 288 bytes of numbers .* holds 289"),
-        (member.getvalue(), "not a NumPy .npz archive"),
-    ):
-        path.write_bytes(data)
-        with pytest.raises(InputError, match=message):
-            read_failing(path, CONFIGURATION)
 
 
 def test_damaged_contexts_are_refused(tmp_path):

@@ -9,8 +9,7 @@ import pytest
 
 from triaxis.golden.axes import NUM_AXES, axis_vector, separating
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.certificate import axis_proves_clear
-from triaxis.golden.claim_check import claims_prove_clear
+from triaxis.golden.certificate import axis_proves_clear, claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import coordinate_range

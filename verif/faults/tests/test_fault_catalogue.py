@@ -19,13 +19,12 @@ from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.detector import WIDTH, detect
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT, ROOT
+from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.core.kept_cases import REGRESSIONS
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors, seed_vectors_as_written
-from triaxis.verif.core.stream import Stream
-from triaxis.verif.counterexample.bare_core import BareCore
-from triaxis.verif.counterexample.size import bit_lengths
-from triaxis.verif.counterexample.symptom import Symptom
+from triaxis.verif.counterexample.candidates import bit_lengths
+from triaxis.verif.counterexample.finding import BareCore, Symptom
 from triaxis.verif.faults import broken_rtl, core_faults, entrances, environment_faults, result, runs
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of

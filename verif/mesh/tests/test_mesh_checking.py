@@ -8,11 +8,18 @@ import pytest
 from triaxis.golden.scene import scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Status
+from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.checking import SceneChecker
-from triaxis.verif.mesh.items import RunRequest
-from triaxis.verif.mesh.matching import RunMatcher
-from triaxis.verif.mesh.observed import AbortAsked, CorePairs, Loaded, NearTaken, RunAccepted, Summary
-from triaxis.verif.testbench.batches import ResetSeen
+from triaxis.verif.mesh.items import (
+    AbortAsked,
+    CorePairs,
+    Loaded,
+    NearTaken,
+    RunAccepted,
+    RunRequest,
+    Summary,
+)
+from triaxis.verif.mesh.scoreboard import RunMatcher
 
 CONFIGURATION = MeshConfiguration(16, 16, 64, 4, 2, 8)
 MOVE, MARGIN = (3, -2, 1), 5

@@ -6,17 +6,20 @@ from itertools import islice, product
 import numpy as np
 import pytest
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import boxes_of, boxes_of_groups, scene_answer
-from triaxis.sim.mesh_configuration import MeshConfiguration, parse_mesh_configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.mesh.expectation import moved, overflows
-from triaxis.verif.mesh.gap_scenes import GROUP, LEVELS, PAIR, ROW, gap_scene
-from triaxis.verif.mesh.packing import pack_run, pack_triangle, unpack_pair, unpack_run, unpack_triangle
-from triaxis.verif.mesh.random_scenes import random_scene
-from triaxis.verif.mesh.range_scenes import range_scenes
-from triaxis.verif.mesh.real_scenes import real_scenes
-from triaxis.verif.mesh.scene_kinds import KINDS
+from triaxis.verif.mesh.items import pack_run, pack_triangle, unpack_pair, unpack_run, unpack_triangle
+from triaxis.verif.mesh.scenes import (
+    GROUP,
+    LEVELS,
+    PAIR,
+    ROW,
+    gap_scene,
+    random_scene,
+    range_scenes,
+)
 from triaxis.verif.mesh.shapes import Shapes
 
 CONFIGURATIONS = (
@@ -51,14 +54,6 @@ def test_random_scenes_fit_the_ports(shapes):
         for request, _ in scene.runs:
             assert all(-reach <= part < reach for part in request.translation)
             assert 0 <= request.margin <= shapes.configuration.max_margin
-
-
-def test_random_scenes_are_of_all_kinds(shapes):
-    found = Counter(scene.kind for scene in scenes(shapes, 300))
-    assert set(found) == set(KINDS)
-    sizes = {len(scene.a) for scene in scenes(shapes, 300) if scene.a is not None}
-    assert sizes >= {0, 1, shapes.configuration.depth}
-    assert max(sizes) > shapes.configuration.depth
 
 
 def test_a_seed_gives_the_same_scenes(seed):
@@ -108,16 +103,6 @@ def test_ends_of_the_range_are_met_exactly(shapes):
     assert {fits for fits, past in found if past <= 0} == {False}
 
 
-def test_real_scenes_fill_the_range(shapes):
-    if shapes.configuration.width < 16:
-        pytest.skip("once is enough")
-    made = list(real_scenes(shapes.configuration))
-    assert len(made) >= 5
-    for a, b, margin in made:
-        assert max(abs(a).max(), abs(b).max()) > shapes.reach * 3 // 4
-        assert margin == 256
-
-
 def test_beats_come_back_as_they_were(shapes):
     configuration = shapes.configuration
     for scene in scenes(shapes, 20):
@@ -128,15 +113,3 @@ def test_beats_come_back_as_they_were(shapes):
             assert data < 1 << 9 * configuration.width
             assert (unpack_triangle(data, configuration.width) == triangle).all()
     assert unpack_pair(3 << configuration.index_bits | 2, configuration) == (2, 3)
-
-
-def test_names_of_configurations():
-    for configuration in CONFIGURATIONS:
-        assert parse_mesh_configuration(f"mesh_{configuration.name}") == configuration
-    ungated = MeshConfiguration(16, 0, 64, 8, 8, gating=False)
-    assert parse_mesh_configuration(f"mesh_{ungated.name}") == ungated
-    for wrong in ("mesh_w16", "w16_m16_d64_g8_l8", "mesh_w16_m16_d64_g8_l8_x"):
-        with pytest.raises(InputError, match="must read"):
-            parse_mesh_configuration(wrong)
-    with pytest.raises(InputError, match="power of two"):
-        parse_mesh_configuration("mesh_w16_m16_d60_g8_l8")

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import core_model
-from triaxis.coverage.counts import Counts
-from triaxis.coverage.database import CoverageDatabase
+from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import coverage

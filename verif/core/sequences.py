@@ -5,13 +5,11 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
 import numpy as np
-from pyuvm import uvm_sequence
 
-from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Integers, Pace
 from triaxis.verif.core.stimulus.stimulus import Family, Stimulus, divided, joined
-from triaxis.verif.testbench.batches import Integers
+from triaxis.verif.testbench.environment import WORKER, ItemsSequence
 from triaxis.verif.testbench.settings import BURST, RunSettings
-from triaxis.verif.testbench.worker import WORKER
 
 # Pairs in one item, for each agent. The pin agent has a Python step for each pair anyway; the burst agent
 # has a fixed cost an item, and the caches of the machine set the upper end.
@@ -26,28 +24,14 @@ def item_pairs(settings: RunSettings) -> int:
     return ITEM_PAIRS.get(settings.agent, _PIN_PAIRS)
 
 
-class ItemSequence(uvm_sequence):
-    """Sends one item."""
-
-    def __init__(self, item: BurstItem) -> None:
-        """Hold the item."""
-        super().__init__("item")
-        self.item = item
-
-    async def body(self) -> None:
-        """Send it."""
-        await self.start_item(self.item)
-        await self.finish_item(self.item)
-
-
-class ArraySequence(uvm_sequence):
+class ArraySequence(ItemsSequence):
     """Sends given pairs (N, 2, 3, 3) at given margins (N,)."""
 
     def __init__(
         self, settings: RunSettings, pairs: Integers, margins: Integers, gaps: Pace = FULL_SPEED
     ) -> None:
         """Hold the arrays."""
-        super().__init__("array")
+        super().__init__(self.bursts())
         self.settings, self.pairs, self.margins, self.gaps = settings, pairs, margins, gaps
 
     def bursts(self) -> Iterator[BurstItem]:
@@ -56,12 +40,6 @@ class ArraySequence(uvm_sequence):
         for start in range(0, len(self.pairs), step):
             chunk = slice(start, start + step)
             yield BurstItem(self.pairs[chunk], self.margins[chunk], self.gaps)
-
-    async def body(self) -> None:
-        """Send the items."""
-        for item in self.bursts():
-            await self.start_item(item)
-            await self.finish_item(item)
 
 
 class StimulusSequence(ArraySequence):

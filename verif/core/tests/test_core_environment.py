@@ -1,35 +1,46 @@
-"""The burst agent: the same sequences as on the pins, faults and hangs caught, memory bounded."""
+"""The core's environment: its tests pass in bursts, some on the pins; lies, faults and hangs are caught."""
 
 import re
 import shutil
 
 import pytest
 
-from triaxis.sim.configuration import parse_configuration
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import load
 from triaxis.sim.paths import DUT
 from triaxis.verif.testbench import simulation
-from triaxis.verif.testbench.settings import BURST
+from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
 from triaxis.verif.testbench.testnames import REPLAY, TESTS
 
-# One build serves all of them.
+pytestmark = pytest.mark.simulator
+
+# One build for each agent serves all of them.
 CONFIG = "w8_m8"
+ON_PINS = ("RandomTest", "StallsTest", "ResetsTest")
 
 
-def burst(test, seed, pairs, folder, config=CONFIG, **options):
-    configuration = parse_configuration(config)
-    return run_settings(test, configuration, seed, pairs, folder=folder, agent=BURST, **options)
+def burst(test, seed, pairs, folder, **options):
+    return run_settings(test, CONFIG, seed, pairs, folder=folder, agent=BURST, **options)
 
 
-@pytest.mark.parametrize("test", [name for name in TESTS if name not in (REPLAY, "SeedVectorsTest")])
-def test_passes_in_bursts(tmp_path, seed, test):
-    result = run(burst(test, seed, 3000, tmp_path, judged_one_in=100))
-    assert result.passed, result.explain()
-    assert result.counts is not None
+@pytest.mark.parametrize(
+    ("test", "agent"),
+    [
+        *((name, BURST) for name in TESTS if name not in (REPLAY, "SeedVectorsTest")),
+        *((name, PIN) for name in ON_PINS),
+    ],
+)
+def test_passes(tmp_path, seed, test, agent):
+    pairs = 3000 if agent == BURST else 400
+    result = run(run_settings(test, CONFIG, seed, pairs, folder=tmp_path, agent=agent, judged_one_in=50))
+    assert result.passed and result.counts, result.explain()
     assert result.counts["checked"] > 0
     assert result.counts["judged_by_golden_model"] > 0
+    hits = load(result.coverage, core_model(*result.settings.configuration.covered)).hits
+    assert hits["claim"].sum() == result.counts["checked"]
     if test == "ResetsTest":
-        assert result.counts["resets"] > 10
+        assert result.counts["resets"] > 2
         assert result.counts["discarded_by_reset"] > 0
 
 
@@ -51,11 +62,11 @@ def test_a_scoreboard_that_is_lied_to_fails(tmp_path, seed, test, message):
     assert message in result.log.read_text()
 
 
+@pytest.mark.regress
 def test_a_soak_checks_everything(tmp_path, seed):
     result = run(burst("VolumeTest", seed, 300_000, tmp_path, judged_one_in=1 << 16, soak=True))
     assert result.passed, result.explain()
-    assert result.counts is not None
-    assert result.counts["checked"] == result.counts["sent"] >= 300_000
+    assert result.counts and result.counts["checked"] == result.counts["sent"] >= 300_000
 
 
 def test_a_simulator_that_ends_badly_has_not_passed(tmp_path, seed, monkeypatch):
@@ -111,6 +122,7 @@ def test_lost_and_wrong_results_are_caught_and_replayed(tmp_path, seed):
     assert command in result.explain()
 
 
+@pytest.mark.regress
 def test_memory_does_not_grow_with_the_run(tmp_path, seed):
     peaks = []
     for number, pairs in enumerate((1_000_000, 4_000_000)):

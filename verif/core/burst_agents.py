@@ -1,6 +1,8 @@
-"""The bus-functional model of the burst simulation, as Python calls it.
+"""Drivers and monitors that work on whole bursts, through a bus-functional model in the simulator.
 
-The C++ part, verif/core/burst/burst_bfm.cpp, lives in the simulator executable, which is this process.
+They take the places of the pin-level ones by factory override (`use_bursts`); agents, sequences and
+scoreboard are the same. The model's C++ part, verif/core/burst/burst_bfm.cpp, lives in the simulator
+executable, which is this process.
 """
 
 import ctypes
@@ -9,10 +11,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from cocotb.triggers import ValueChange
+from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.errors import InputError
-from triaxis.verif.core.items import FULL_SPEED, Pace
-from triaxis.verif.testbench.batches import PairBatch, ResultBatch
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
+from triaxis.verif.core.pin_agents import ReadyDriver, SinkMonitor, SourceDriver, SourceMonitor, check_margins
+from triaxis.verif.testbench.environment import bfm_of, settings_of
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048
@@ -110,3 +115,97 @@ class BurstBfm:
             ctypes.c_int64(count), *map(_address, (words, tags, waits))
         )
         return ResultBatch(words, tags, waits), bool(reset)
+
+
+class BurstSourceDriver(SourceDriver):
+    """Hands bursts to the bus-functional model."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm: BurstBfm = bfm_of(self)
+        self.rng = np.random.default_rng([self.settings.seed, *b"source"])
+
+    def check(self, item: BurstItem) -> None:
+        """Raise InputError for what does not fit; the fast way for whole bursts."""
+        low, high = coordinate_range(self.settings.configuration.width)
+        if item.pairs.min(initial=0) < low or item.pairs.max(initial=0) > high:
+            # Says which coordinate it is.
+            super().check(item)
+        check_margins(item, self.settings.configuration.max_margin)
+
+    async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
+        """Offer the pairs until the last is accepted; HungBurstError where that never comes."""
+        await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
+
+
+class BurstMonitor(uvm_monitor):
+    """Publishes what the model's monitor of one stream saw, whenever the model asks for it."""
+
+    ap: uvm_analysis_port
+    moved: int
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm: BurstBfm = bfm_of(self)
+
+    async def run_phase(self) -> None:
+        """Fetch when woken."""
+        while True:
+            await self.bfm.wake
+            self.flush()
+
+    def fetch(self) -> tuple[PairBatch | ResultBatch, bool]:
+        """Return the beats up to the next reset, and whether a reset began right after them."""
+        raise NotImplementedError
+
+    def flush(self) -> None:
+        """Publish what was seen so far."""
+        reset = True
+        while reset:
+            batch, reset = self.fetch()
+            self.moved += len(batch)
+            if len(batch):
+                self.ap.write(batch)
+            if reset:
+                self.ap.write(ResetSeen())
+
+
+class BurstSourceMonitor(BurstMonitor, SourceMonitor):
+    """Publishes accepted pairs and resets."""
+
+    def fetch(self) -> tuple[PairBatch, bool]:
+        """Fetch pairs."""
+        return self.bfm.input_beats()
+
+
+class BurstSinkMonitor(BurstMonitor, SinkMonitor):
+    """Publishes results and resets."""
+
+    def fetch(self) -> tuple[ResultBatch, bool]:
+        """Fetch results."""
+        return self.bfm.output_beats()
+
+
+class BurstReadyDriver(ReadyDriver):
+    """Sets the pace at which the model takes results."""
+
+    def start_of_simulation_phase(self) -> None:
+        """Take hold of the model."""
+        self.bfm: BurstBfm = bfm_of(self)
+        self.rng = np.random.default_rng([settings_of(self).seed, *b"sink"])
+
+    def write(self, tt: Pace) -> None:
+        """Take results at this pace from now on."""
+        super().write(tt)
+        self.bfm.set_sink_pace(tt, self.rng)
+
+
+def use_bursts() -> None:
+    """Make the factory give the burst drivers and monitors in place of the pin-level ones."""
+    for pins, bursts in (
+        (SourceDriver, BurstSourceDriver),
+        (SourceMonitor, BurstSourceMonitor),
+        (SinkMonitor, BurstSinkMonitor),
+        (ReadyDriver, BurstReadyDriver),
+    ):
+        uvm_factory().set_type_override_by_type(pins, bursts)

@@ -1,0 +1,245 @@
+"""Scenes: random ones of all kinds, exact gaps, the ends of the range, and real meshes.
+
+A scene's translation takes A back from where it is to come, as far as the range and the port allow.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+
+from triaxis.golden.pairs import coordinate_range
+from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.mesh_data import mesh_data
+from triaxis.host.quantise import centred_grid, quantise
+from triaxis.host.scenes import scenes
+from triaxis.host.spatial_order import spatial_order
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
+from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes
+
+
+def as_move(values: Integers) -> Move:
+    """Return a translation."""
+    x, y, z = (int(value) for value in values)
+    return x, y, z
+
+
+def allowed_moves(there: Integers, configuration: MeshConfiguration) -> tuple[Integers, Integers]:
+    """Return the least and the largest translation (3,) that A (N, 3, 3), now there, can have come by."""
+    low, high = coordinate_range(configuration.width)
+    reach = 1 << configuration.width
+    if not len(there):
+        return np.full(3, -reach), np.full(3, reach - 1)
+    points = there.reshape(-1, 3)
+    return points.max(0) - high, points.min(0) - low
+
+
+def placed(
+    rng: np.random.Generator, there: Integers, configuration: MeshConfiguration
+) -> tuple[Integers, Move]:
+    """Return A before it is moved, and its translation: none, an end of what can be, or any between."""
+    low, high = allowed_moves(there, configuration)
+    kind = rng.integers(0, 4, 3)
+    # Between zero and the ends; zero is always allowed where A is within the range.
+    between = rng.integers(low, high + 1)
+    move = np.choose(kind, [0 * low, low, high, between])
+    return there - move, as_move(move)
+
+
+def random_margin(rng: np.random.Generator, configuration: MeshConfiguration) -> int:
+    """Return a margin: 0, 1, the largest, or of any order of size."""
+    largest = configuration.max_margin
+    any_size = int(2 ** rng.uniform(0, configuration.margin_bits)) if largest else 0
+    return min(largest, int(rng.choice([0, 1, largest, any_size, any_size, any_size // 8])))
+
+
+PACES = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(3, 30))
+_MODES = (*Mode, Mode.ALL, 3)
+# Of so many scenes one is given more triangles than fit, and one keeps a mesh of the scene before.
+_OVERFULL_ONE_IN, _KEEPS_ONE_IN = 25, 4
+# Scenes of more pairs are of kinds of which little is left to be tested, and in spatial order: a run in which
+# nothing is skipped takes a clock for each pair.
+_LARGE = 1 << 20
+_KINDS_OF_LARGE = ["rows_apart", "lattice", "one_contact"]
+
+
+def random_scene(
+    shapes: Shapes,
+    calm: bool = False,
+    counts: tuple[int, int] | None = None,
+    kinds: Sequence[str] = tuple(KINDS),
+) -> Scene:
+    """Return a scene of any of some kinds. ``calm``: without stalls, aborts, and runs that are refused."""
+    rng, configuration = shapes.rng, shapes.configuration
+    count_a, count_b = counts or (shapes.size(), shapes.size())
+    margin = random_margin(rng, configuration)
+    large = count_a * count_b > _LARGE
+    kind = str(rng.choice(_KINDS_OF_LARGE if large else kinds))
+    # Kinds that are about distances need room for the margin.
+    fitting = min(margin, shapes.reach // 16)
+    margin = margin if kind in ("cloud", "in_one_place") else fitting
+    there, b = KINDS[kind](shapes, count_a, count_b, margin)
+    if large or (kind == "cloud" and rng.integers(2)):
+        there, b = (mesh[spatial_order(mesh, configuration.group)] for mesh in (there, b))
+    a, move = placed(rng, there, configuration)
+    if calm:
+        return Scene(a, b, ((RunRequest(move, margin), RunTraffic()),), kind=kind)
+    others = 0 if large else int(rng.integers(0, 3))
+    runs = tuple(_run(shapes, move, margin, first=n == 0) for n in range(1 + others))
+    scene = Scene(a, b, runs, _pace(rng), kind=kind)
+    if rng.integers(_OVERFULL_ONE_IN) == 0:
+        scene = replace(scene, **{str(rng.choice(["a", "b"])): too_many(shapes)})
+    elif rng.integers(_KEEPS_ONE_IN) == 0 and configuration.depth**2 <= _LARGE:
+        scene = replace(scene, **dict.fromkeys(_kept(rng)))
+    return scene
+
+
+def too_many(shapes: Shapes) -> Integers:
+    """Return a mesh of more triangles than fit."""
+    count = shapes.configuration.depth + int(shapes.rng.integers(1, 4))
+    return shapes.cloud(count, shapes.somewhere(), 3, 3)
+
+
+def _kept(rng: np.random.Generator) -> list[str]:
+    return [["a"], ["b"], ["a", "b"]][int(rng.integers(3))]
+
+
+def _pace(rng: np.random.Generator) -> Pace:
+    return PACES[int(rng.choice([0, 0, 0, 1, 2, 3, 4]))]
+
+
+def _run(shapes: Shapes, move: Move, margin: int, first: bool) -> tuple[RunRequest, RunTraffic]:
+    """Return the run that the scene is made for, or one that differs in something."""
+    rng, configuration = shapes.rng, shapes.configuration
+    mode = int(rng.choice(_MODES))
+    if not first:
+        margin = random_margin(rng, configuration)
+        step = rng.integers(-2, 3, 3) if rng.integers(2) else rng.integers(-1, 2, 3) * shapes.reach // 2
+        reach = 1 << configuration.width
+        move = as_move(np.clip(np.array(move) + step, -reach, reach - 1))
+    aborts = (int(2 ** rng.uniform(0, 9)) - 1,) if rng.integers(6) == 0 else ()
+    return RunRequest(move, margin, mode), RunTraffic(_pace(rng), _pace(rng), aborts)
+
+
+ROW, GROUP, PAIR = "row", "group", "pair"
+LEVELS = (ROW, GROUP, PAIR)
+
+
+def gap_scenes(shapes: Shapes) -> Iterator[Scene]:
+    """Yield a scene for every level, axis, side and step, at a random margin."""
+    levels = [level for level in LEVELS if _possible(level, shapes)]
+    for level, axis, side, step in product(levels, range(3), (-1, 1), (0, 1)):
+        yield gap_scene(shapes, level, axis, side, step)
+
+
+def _possible(level: str, shapes: Shapes) -> bool:
+    group, depth = shapes.configuration.group, shapes.configuration.depth
+    return level == ROW or (level == GROUP and depth > group) or (level == PAIR and group > 1)
+
+
+def gap_scene(shapes: Shapes, level: str, axis: int, side: int, step: int) -> Scene:
+    """Return a scene in which B stands clear of A on one axis and side by the margin and a step."""
+    rng, configuration = shapes.rng, shapes.configuration
+    size = max(1, shapes.reach // 16)
+    margin = int(rng.integers(0, min(configuration.max_margin, shapes.reach // 4) + 1))
+    t = shapes.cloud(1, np.zeros(3, np.int64), size, size)[0]
+    b = [_beside(rng, t, axis, side, margin + step, size)]
+    a = [t]
+    # The same on the other side of A: what holds both overlaps A.
+    other = _beside(rng, t, axis, -side, margin + 1 + int(rng.integers(0, size)), size)
+    if level == GROUP:
+        b += [b[0]] * (configuration.group - 1) + [other]
+    elif level == PAIR:
+        b.append(other)
+    there = shapes.clipped(np.stack(a))
+    home, move = placed(rng, there, configuration)
+    run = RunRequest(move, margin)
+    return Scene(home, np.stack(b), ((run, RunTraffic()),), kind=f"gap {level}")
+
+
+def _beside(rng: np.random.Generator, t: Integers, axis: int, side: int, gap: int, size: int) -> Integers:
+    """Return a triangle (3, 3) whose box overlaps that of t but for one axis, where it is a gap away."""
+    low, high = t.min(0), t.max(0)
+    found = rng.integers(low, high + 1, (3, 3))
+    places = rng.integers(0, size + 1, 3)
+    places -= places.min()
+    found[:, axis] = high[axis] + gap + places if side > 0 else low[axis] - gap - places
+    return found
+
+
+def range_scenes(shapes: Shapes) -> Iterator[Scene]:
+    """Yield a scene for every axis and end, at the end and a step beyond it; and the ends of the port."""
+    for axis, end, step in product(range(3), range(2), range(2)):
+        yield _at_end(shapes, axis, end, step)
+    for axis in range(3):
+        yield _across(shapes, axis)
+        yield _too_far(shapes, axis)
+        yield _nothing_moved(shapes, axis)
+
+
+def _at_end(shapes: Shapes, axis: int, end: int, step: int) -> Scene:
+    rng, configuration = shapes.rng, shapes.configuration
+    size = max(1, shapes.reach // 8)
+    a = shapes.cloud(1 + int(rng.integers(2 * configuration.group)), shapes.somewhere(0.2), size, size)
+    a = a[: configuration.depth]
+    limit = coordinate_range(configuration.width)[end]
+    move = rng.integers(-shapes.reach // 4, shapes.reach // 4 + 1, 3)
+    extreme = a[..., axis].max() if end else a[..., axis].min()
+    move[axis] = limit - extreme + (step if end else -step)
+    b = shapes.clipped(a[: 1 + len(a) // 2] + move)
+    return _scene(shapes, a, b, as_move(move))
+
+
+def _across(shapes: Shapes, axis: int) -> Scene:
+    """A flat mesh from one end of the range to the other: the largest translation that fits."""
+    low, high = coordinate_range(shapes.configuration.width)
+    a = shapes.cloud(1 + int(shapes.rng.integers(3)), shapes.somewhere(), 4, 4)[: shapes.configuration.depth]
+    a[..., axis] = low
+    move = np.zeros(3, np.int64)
+    move[axis] = high - low
+    b = a + move - np.eye(3, dtype=np.int64)[axis] * shapes.rng.integers(0, 3)
+    return _scene(shapes, a, b, as_move(move))
+
+
+def _too_far(shapes: Shapes, axis: int) -> Scene:
+    """The lowest translation that the port takes: no mesh stays within the range."""
+    move = np.zeros(3, np.int64)
+    move[axis] = -2 * shapes.reach
+    a = shapes.cloud(1, shapes.somewhere(), 4, 4)
+    a[..., axis] = coordinate_range(shapes.configuration.width)[1]
+    return _scene(shapes, a, a, as_move(move))
+
+
+def _nothing_moved(shapes: Shapes, axis: int) -> Scene:
+    """No triangle leaves the range where there is none."""
+    move = np.zeros(3, np.int64)
+    move[axis] = shapes.rng.choice([-2 * shapes.reach, 2 * shapes.reach - 1])
+    b = shapes.cloud(1, shapes.somewhere(), 4, 4)
+    return _scene(shapes, b[:0], b, as_move(move))
+
+
+def _scene(shapes: Shapes, a: np.ndarray, b: np.ndarray, move: tuple[int, int, int]) -> Scene:
+    margin, mode = random_margin(shapes.rng, shapes.configuration), int(shapes.rng.choice(list(Mode)))
+    run = RunRequest(move, margin, mode)
+    return Scene(a, b, ((run, RunTraffic()),), kind="range")
+
+
+# Margins are this part of the range.
+_MARGIN_PART = 256
+
+
+def real_scenes(configuration: MeshConfiguration) -> Iterator[tuple[Integers, Integers, int]]:
+    """Yield meshes (N, 3, 3), (M, 3, 3) in LSB, and a margin. Each scene fills most of the range."""
+    data = mesh_data()
+    width = configuration.width
+    for scene in scenes() + (machine_scenes(data) if data else []):
+        points = np.concatenate([scene.a, scene.b]).reshape(-1, 3)
+        extent = float(np.ptp(points.astype(np.float64), 0).max())
+        grid = centred_grid([scene.a, scene.b], Fraction(extent * 1.1) / (1 << width), width)
+        a, b = quantise(scene.a, grid, f"{scene.name}: A"), quantise(scene.b, grid, f"{scene.name}: B")
+        yield a, b, min(configuration.max_margin, (1 << width) // _MARGIN_PART)

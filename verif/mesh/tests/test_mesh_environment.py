@@ -1,0 +1,92 @@
+"""The engine's environment: its tests pass on the pins and bare, and count alike; lies are seen."""
+
+import argparse
+
+import pytest
+
+from triaxis.coverage.counts import load
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import sim
+from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.signoff.mesh_plan import SQUARE
+from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.simulation import run, run_settings
+
+pytestmark = pytest.mark.simulator
+
+# The tests whose monitors lie, or that check nothing, and what is said of each.
+SAID = {
+    "MeshNearLostTest": "near pairs sent",
+    "MeshNearTwiceTest": "near pairs: number",
+    "MeshNearOrderTest": "near pairs: number",
+    "MeshUntestedTest": "skipped without a proof",
+    "MeshOtherMeshTest": "is due",
+    "MeshLoadLostTest": "were given",
+    "MeshSummaryLostTest": "a run was accepted during a run",
+    "MeshSummaryTwiceTest": "a summary without a run",
+    "MeshStatusTest": "status",
+    "MeshAccountTest": "is due",
+    "MeshNothingTest": "0 runs checked",
+    "MeshOnlyEmptyTest": "no pair was checked",
+}
+COUNTERS = ("group_pairs_skipped", "group_pairs_opened", "pairs_skipped", "tested", "near")
+
+
+def simulated(folder, test, seed, pairs, agent):
+    return run(run_settings(test, SQUARE, seed, pairs, folder=folder, agent=agent))
+
+
+def passed(folder, test, seed, pairs, agent):
+    result = simulated(folder, test, seed, pairs, agent)
+    assert result.passed and result.counts, result.explain()
+    assert result.counts["checked"] == result.counts["skipped_with_proof"] + result.counts["tested"]
+    return result
+
+
+@pytest.mark.parametrize("test", ["MeshRandomTest", "MeshAbortTest", "MeshResetsTest"])
+def test_pins(tmp_path, seed, test):
+    result = passed(tmp_path / "run", test, seed, 300, PIN)
+    assert result.counts and result.counts["runs"] > 10
+    assert (result.counts["resets"] > 2) == (test == "MeshResetsTest")
+
+
+def test_both_agents_send_and_find_the_same(tmp_path, seed):
+    pins, bare = (passed(tmp_path / a, "MeshGapsTest", seed, 100, a) for a in (PIN, BURST))
+    same = ("runs", "complete_runs", "triangles", "checked", "skipped_with_proof", "tested", "near")
+    assert pins.counts and bare.counts
+    assert {name: pins.counts[name] for name in same} == {name: bare.counts[name] for name in same}
+    assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
+
+
+def test_volume_and_aborts_on_the_bare_engine(tmp_path, seed):
+    result = passed(tmp_path / "volume", "MeshVolumeTest", seed, 20_000, BURST)
+    assert result.counts and result.counts["judged_by_golden_model"] > 100
+    hits = load(passed(tmp_path / "abort", "MeshAbortTest", seed, 300, BURST).coverage, model_of(SQUARE)).hits
+    # The bare engine is not aborted twice, nor where there is no run.
+    assert (hits["mesh_abort"] > 0).sum() == 3
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_a_lie_fails_the_test(tmp_path, seed, name):
+    result = simulated(tmp_path / "run", name, seed, 20_000, BURST)
+    assert not result.passed
+    log = result.log.read_text()
+    assert SAID[name] in log, log[-3000:]
+    if name == "MeshAccountTest":
+        assert all(f"{counter} " in log for counter in COUNTERS)
+
+
+def test_command(capsys):
+    parser = argparse.ArgumentParser()
+    sim.add_arguments(parser)
+    asked = ["MeshGapsTest", "--config", SQUARE, "--agent", "burst", "--pairs", "10"]
+    assert sim.run(parser.parse_args(asked)) == 0
+    assert "skipped with a proof" in capsys.readouterr().out
+    for more, message in (
+        (["--soak"], "go with tests of the core"),
+        (["--fault", "F1-box"], "go with tests of the core"),
+        (["--config", "mesh_w16"], "must read"),
+        (["--config", "w16_m0"], "needs another --config"),
+    ):
+        with pytest.raises(InputError, match=message):
+            sim.run(parser.parse_args([*asked, *more]))
