@@ -114,5 +114,5 @@ def test_the_page_shows_an_illegal_hit(tmp_path):
 
 def test_a_page_that_cannot_be_written_is_one_clear_line(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="cannot write"):
+    with pytest.raises(InputError, match="cannot make this folder"):
         write_page(tmp_path / "file" / "page.html", CoverageDatabase([MODEL]))

@@ -7,11 +7,12 @@ import pytest
 from triaxis.coverage.counts import load
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import sim
+from triaxis.verif.mesh.uvm_tests import BOARD, ONE_LANE, SQUARE, WIDEST, WORDS
 from triaxis.verif.regress.coverage_models import model_named, model_of
-from triaxis.verif.signoff.mesh_plan import BOARD, ONE_LANE, SQUARE, WIDEST, WORDS, mesh_plan
+from triaxis.verif.signoff.plan import plan
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
-from triaxis.verif.testbench.testnames import MESH_TESTS, check_test_fits, check_test_name
+from triaxis.verif.testbench.test_table import check_test_fits, check_test_name, mesh_tests
 
 
 def passed(folder, test, seed, pairs, agent, config=SQUARE):
@@ -44,8 +45,8 @@ def test_both_agents_send_and_find_the_same(tmp_path, seed):
 
 
 def test_the_sign_off_has_every_test_and_both_agents():
-    runs = mesh_plan(1)
-    assert {run.test for run in runs} == set(MESH_TESTS)
+    runs = [run for run in plan(1) if run.of_mesh_engine]
+    assert {run.test for run in runs} == set(mesh_tests())
     assert {run.agent for run in runs} == {PIN, BURST}
     assert {run.config for run in runs} == {SQUARE, WORDS, WIDEST, ONE_LANE, BOARD}
     assert len({run.folder for run in runs}) == len(runs)
