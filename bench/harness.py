@@ -18,9 +18,17 @@ from typing import Any, TypeVar
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
-from triaxis.sim.provenance import Provenance
+from triaxis.sim.validity import Provenance, Sources
 
 FOLDER = BUILD / "bench"
+# All of the benchmarks together: what one of them found is of the others' code too.
+SOURCES = Sources(
+    tuple(
+        ".".join(("triaxis.bench", *path.relative_to(Path(__file__).parent).with_suffix("").parts))
+        for path in sorted(Path(__file__).parent.rglob("*.py"))
+        if "tests" not in path.parts and path.stem != "__init__"
+    )
+)
 
 ROUNDS = 40
 # What takes less is repeated within a round, so that what the others left in the caches does not count.
@@ -134,4 +142,5 @@ def write_result(
             "seconds": round(seconds, 1),
             **content,
         },
+        SOURCES,
     )

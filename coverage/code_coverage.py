@@ -20,15 +20,15 @@ counters (Verilator gives up beyond 32 ways) is a bin that is not hit.
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from datetime import date
 from pathlib import Path
 
 from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
 from triaxis.coverage.elaboration import Instance
 from triaxis.coverage.stages import share
-from triaxis.coverage.waiver_upkeep import WaivedPlace, stale_patterns
+from triaxis.coverage.waiver_upkeep import WaivedPlace, other_rtl, stale_patterns
 from triaxis.coverage.waivers import KINDS, BoundError, Waiver
 from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
 
 _LABEL = re.compile(r"\bbegin\s*:\s*(\w+)")
 
@@ -108,8 +108,9 @@ class Bin:
 class Assessment:
     """Totals by file and kind, what is not covered, and what is wrong.
 
-    ``waived`` counts the bins of each waiver by its number, ``places`` says where they are;
-    ``elaborated`` holds the generate blocks that exist in some model, by module and label.
+    ``waived`` counts the bins of each waiver by its number, ``places`` says where they are; ``elaborated``
+    holds the generate blocks that exist in some model, by module and label; ``void`` the numbers of the
+    waivers that hold no more.
     """
 
     files: dict[tuple[str, str], Total] = field(default_factory=dict)
@@ -118,6 +119,7 @@ class Assessment:
     waived: dict[int, int] = field(default_factory=dict)
     places: dict[int, set[WaivedPlace]] = field(default_factory=dict)
     elaborated: set[tuple[str, str]] = field(default_factory=set)
+    void: set[int] = field(default_factory=set)
 
     @property
     def totals(self) -> dict[str, Total]:
@@ -143,6 +145,12 @@ class Assessment:
         for number, places in other.places.items():
             self.places.setdefault(number, set()).update(places)
         self.elaborated |= other.elaborated
+        self.void |= other.void
+
+    def refute(self, waiver: Waiver, reason: str) -> None:
+        """Take note that a waiver holds no more."""
+        self.void.add(waiver.number)
+        self.problems.append(f"{waiver.name}: {reason}")
 
     def cover(self, waiver: Waiver, place: WaivedPlace) -> None:
         """Take note of where a waiver covers bins."""
@@ -159,7 +167,7 @@ class Assessment:
         if waiver is not None:
             self.waived[waiver.number] = self.waived.get(waiver.number, 0) + 1
             if hit:
-                self.problems.append(f"{waiver.name}: is hit: {bin_}")
+                self.refute(waiver, f"is hit: {bin_}")
         elif not hit:
             self.uncovered.append(bin_)
 
@@ -271,11 +279,11 @@ def assess_model(model: ModelCoverage, waivers: list[Waiver]) -> Assessment:
 
 
 def conclude(
-    assessment: Assessment, blocks: list[GenerateBlock], waivers: list[Waiver], today: date
+    assessment: Assessment, blocks: list[GenerateBlock], waivers: list[Waiver], dut: Path = DUT
 ) -> Assessment:
     """Return the assessment of all models with what only all together show.
 
-    Generate blocks that no model elaborates; waivers that have expired, that cover no bin, or with a
+    Generate blocks that no model elaborates; waivers of RTL that has changed, that cover no bin, or with a
     pattern that fits none.
     """
     whole = Assessment()
@@ -288,10 +296,10 @@ def conclude(
         if first is not None:
             whole.cover(first, WaivedPlace(place.model, block.module, block.module, block.label))
     for waiver in waivers:
-        if waiver.expires < today:
-            whole.problems.append(f"{waiver.name}: expired on {waiver.expires}")
+        if said := other_rtl(waiver, dut):
+            whole.refute(waiver, said)
         if not whole.waived.get(waiver.number):
-            whole.problems.append(f"{waiver.name}: covers no bin that an earlier one does not cover")
-        else:
-            whole.problems += stale_patterns(waiver, whole.places.get(waiver.number, ()))
+            whole.refute(waiver, "covers no bin that an earlier one does not cover")
+        for reason in stale_patterns(waiver, whole.places.get(waiver.number, ())):
+            whole.refute(waiver, reason)
     return whole

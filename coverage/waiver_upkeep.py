@@ -1,9 +1,9 @@
 """Upkeep of waivers and of exclusions: what no longer holds, and what a sign-off records of each.
 
 Code coverage itself finds what only counters show: a waived bin that is hit, and a waiver that covers no
-bin. Here is what shows without running again, so that the gate sees it too on a later day: a waiver that
-has expired, that is not well formed, or that is not the one that code coverage was measured with; and
-patterns of a waiver that fit nothing any more.
+bin. Here is what shows without running again, so that the gate sees it too on a later day: a waiver whose
+modules have changed, that is not well formed, or that is not the one that code coverage was measured with;
+and patterns of a waiver that fit nothing any more.
 
 Exclusions of functional coverage are proofs, see `triaxis.coverage.core_proofs`: they do not expire,
 because each run tries them again. A hit of an excluded bin is a problem of its `ModelReport`.
@@ -11,13 +11,13 @@ because each run tries them again. A hit of an excluded bin is a problem of its 
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from datetime import date
 from pathlib import Path
 from typing import Any
 
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waivers import WAIVERS, Waiver, fit, read_waivers
 from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
 
 Record = dict[str, Any]
 
@@ -35,7 +35,7 @@ class WaivedPlace:
 
 
 def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
-    """Return a line for each pattern of a waiver that fits none of the places where it covers bins."""
+    """Return, where a waiver covers bins, a reason for each of its patterns that fits no place."""
     seen = set(places)
     texts: dict[str, set[str]] = {
         "modules": {place.module for place in seen},
@@ -45,8 +45,9 @@ def stale_patterns(waiver: Waiver, places: Iterable[WaivedPlace]) -> list[str]:
         "signals": {place.what for place in seen},
     }
     return [
-        f"{waiver.name}: {name}: {pattern}: fits no bin that it covers"
+        f"{name}: {pattern}: fits no bin that it covers"
         for name, found in texts.items()
+        if seen
         for pattern in getattr(waiver, name)
         if all(fit((pattern,), text) is None for text in found)
     ]
@@ -65,7 +66,7 @@ def _fields(waiver: Waiver) -> Record:
     fields = asdict(waiver)
     fields["range"] = fields.pop("values")
     fields |= {name: list(value) for name, value in fields.items() if isinstance(value, tuple)}
-    return {**fields, "reason": waiver.reason.strip(), "expires": str(waiver.expires)}
+    return {**fields, "reason": waiver.reason.strip()}
 
 
 def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
@@ -78,7 +79,6 @@ def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
             "kind": group.exclusion.kind.value,
             "reason": group.exclusion.reason,
             "owner": group.exclusion.owner,
-            "expires": None,
             "proof": group.exclusion.test,
             "bins": group.bins,
             "hits": group.hits,
@@ -89,7 +89,17 @@ def exclusion_records(reports: Iterable[ModelReport]) -> list[Record]:
     ]
 
 
-def waiver_problems(recorded: Sequence[Record] | None, today: date, path: Path = WAIVERS) -> list[str]:
+def other_rtl(waiver: Waiver, dut: Path = DUT) -> str | None:
+    """Return that a waiver's modules are not those that its reason was read against; None: they are.
+
+    What drives them may have changed too: where that matters a waived bin is hit, which fails the run.
+    """
+    if waiver.reviewed == waiver.rtl_hash(dut):
+        return None
+    return "its modules changed: read its reason again, then `triaxis coverage code --confirm-waivers`"
+
+
+def waiver_problems(recorded: Sequence[Record] | None, path: Path = WAIVERS) -> list[str]:
     """Return what is wrong with the waivers as they stand, a line each.
 
     ``recorded``: those of the last measurement, as `waiver_records` gives them; None where there is none,
@@ -99,7 +109,7 @@ def waiver_problems(recorded: Sequence[Record] | None, today: date, path: Path =
         waivers = read_waivers(path)
     except InputError as error:
         return [str(error)]
-    found = [f"{w.name}: expired on {w.expires}" for w in waivers if w.expires < today]
+    found = [f"{waiver.name}: {said}" for waiver in waivers if (said := other_rtl(waiver))]
     return found if recorded is None else [*found, *_unlike(waivers, recorded)]
 
 

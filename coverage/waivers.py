@@ -10,7 +10,8 @@ Fields of a waiver (coverage/waivers.toml):
     category    why such bins exist at all: one of CATEGORIES
     reason      the proof
     owner       who answers for it
-    expires     the last day on which it counts
+    reviewed    the hash of the modules' RTL that the proof was read against, see `module_hash`
+    rests_on    names of modules that the proof speaks of, where they are others (modules)
     kind        line, branch, expression, toggle, generate
     modules     names of modules
     instances   patterns of paths, one must fit (all)
@@ -32,18 +33,20 @@ parentheses. Nothing else: no calls, no attributes, no real numbers.
 """
 
 import ast
+import hashlib
 import operator
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from datetime import date
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
+from triaxis.golden.outputs import write_whole
+from triaxis.sim.paths import DUT
 
 
 class BoundError(ValueError):
@@ -129,7 +132,8 @@ CATEGORIES = {
     "elaboration guard": "a block that refuses parameters, so that no build has it",
 }
 KINDS = ("line", "branch", "expression", "toggle", "generate")
-_REQUIRED = ("category", "reason", "owner", "expires", "kind", "modules")
+_REQUIRED = ("category", "reason", "owner", "reviewed", "kind", "modules")
+_COMMENTS = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _SHORTEST_REASON = 20
 
 
@@ -167,7 +171,7 @@ class Waiver:
     category: str
     reason: str
     owner: str
-    expires: date
+    reviewed: str
     kind: str
     modules: tuple[str, ...]
     instances: tuple[str, ...] = ("*",)
@@ -179,6 +183,11 @@ class Waiver:
     values: tuple[str, str] | None = None
     bits: tuple[str, ...] = ()
     step: str = "1"
+    rests_on: tuple[str, ...] = ()
+
+    def rtl_hash(self, dut: Path = DUT) -> str:
+        """Return the hash of the RTL as it is that the proof speaks of."""
+        return module_hash(self.rests_on or self.modules, dut)
 
     @property
     def name(self) -> str:
@@ -255,16 +264,9 @@ def _named(value: Any) -> dict[str, str]:
     return {name: _text(text) for name, text in value.items()}
 
 
-def _day(value: Any) -> date:
-    if not isinstance(value, date):
-        raise ValueError("must be a date")
-    return value
-
-
 _READERS = {
-    **dict.fromkeys(("category", "reason", "owner", "kind", "where", "step"), _text),
-    **dict.fromkeys(("modules", "instances", "models", "what", "signals", "bits"), _texts),
-    "expires": _day,
+    **dict.fromkeys(("category", "reason", "owner", "reviewed", "kind", "where", "step"), _text),
+    **dict.fromkeys(("modules", "instances", "models", "what", "signals", "bits", "rests_on"), _texts),
     "range": _bounds,
     "let": _named,
 }
@@ -304,6 +306,24 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
             raise InputError(f"{place}: no toggle waiver: has `what`, no `signals`, `range` or `bits`")
     elif given not in ({"signals", "range"}, {"signals", "bits"}):
         raise InputError(f"{place}: a toggle waiver has `signals`, and either `range` or `bits`")
+
+
+def module_hash(modules: Iterable[str], dut: Path = DUT) -> str:
+    """Return a short hash of the RTL of these modules, comments and spacing left out; ``*``: of all."""
+    wanted = set(modules)
+    found = [path for path in sorted(dut.rglob("*.sv")) if "*" in wanted or path.stem in wanted]
+    code = [_COMMENTS.sub(" ", path.read_text(encoding="utf-8")).split() for path in found]
+    return hashlib.sha256(" ".join(word for words in code for word in words).encode()).hexdigest()[:12]
+
+
+def confirm_waivers(path: Path = WAIVERS, dut: Path = DUT) -> int:
+    """Write into the file that the reasons were read against the RTL as it is; return how many changed."""
+    waivers = read_waivers(path)
+    hashes = [waiver.rtl_hash(dut) for waiver in waivers]
+    rest = iter(hashes)
+    line = re.compile(r'^reviewed = ".*"$', re.MULTILINE)
+    write_whole(path, line.sub(lambda _: f'reviewed = "{next(rest)}"', path.read_text(encoding="utf-8")))
+    return sum(waiver.reviewed != now for waiver, now in zip(waivers, hashes, strict=True))
 
 
 def read_waivers(path: Path = WAIVERS) -> list[Waiver]:

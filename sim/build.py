@@ -1,14 +1,14 @@
 """Builds of the core, kept in build/ under a name that changes with everything that goes in."""
 
-import fcntl
 import hashlib
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+
+from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
@@ -74,21 +74,14 @@ def rtl_hash(dut: Path = DUT) -> str:
     return content_hash(rtl_files(dut))
 
 
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    make_folder(path.parent)
-    with path.open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
-
-
 def built(folder: Path, make: Callable[[Path], None]) -> Path:
     """Return ``folder``, after ``make`` has filled it once, whoever else wants it meanwhile.
 
     ``make`` works in a folder beside it that is renamed when whole, so an interrupted build leaves
     nothing that looks finished.
     """
-    with _locked(folder.with_name(folder.name + ".lock")):
+    make_folder(folder.parent)
+    with FileLock(folder.with_name(folder.name + ".lock")):
         if not folder.is_dir():
             partial = folder.with_name(folder.name + ".partial")
             shutil.rmtree(partial, ignore_errors=True)

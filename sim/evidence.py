@@ -13,24 +13,18 @@ from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.provenance import provenance
-from triaxis.sim.toolchain import verilator
+from triaxis.sim.validity import Sources, provenance
 
 _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
 
 
-def write_evidence(path: Path, content: Mapping[str, Any]) -> Path:
-    """Write a result with its stamp (RTL, environment, commit, tools), whole or not at all.
+def write_evidence(path: Path, content: Mapping[str, Any], sources: Sources) -> Path:
+    """Write a result of ``sources`` with its stamp (RTL, environment, commit, tools), whole or not at all.
 
     What ``content`` says of the RTL and the commit stands: a run that takes minutes must take them before it
     starts, or it would be evidence of what was edited meanwhile.
     """
-    stamped = {
-        **asdict(provenance()),
-        "verilator": str(verilator()),
-        "python": platform.python_version(),
-        **content,
-    }
+    stamped = {**asdict(provenance(sources)), "python": platform.python_version(), **content}
     missing = [key for key in _REQUIRED if key not in stamped]
     if missing:
         raise ValueError(f"{path.name}: evidence without {', '.join(missing)}")

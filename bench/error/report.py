@@ -10,7 +10,7 @@ from typing import Any
 from triaxis.bench import harness
 from triaxis.bench.error.points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint, Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.sim.provenance import Provenance
+from triaxis.sim.validity import Provenance
 
 RESULT = harness.FOLDER / "error.json"
 # How many times the bulk checker's time a pair CGAL's exact kernel must take at least, over all workloads.

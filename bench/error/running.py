@@ -17,7 +17,7 @@ from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
 from triaxis.host.mesh_data import mesh_data
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.sim.provenance import Provenance
+from triaxis.sim.validity import Provenance
 
 FOLDER = harness.FOLDER / "error-steps"
 COUNT = 20_000

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.bench.harness import FOLDER, Progress, write_result
+from triaxis.bench.harness import FOLDER, SOURCES, Progress, write_result
 from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION
 from triaxis.bench.peers import MESH_PEERS
 from triaxis.bench.peers.peer import MeshPeer, Presence, present
@@ -18,7 +18,7 @@ from triaxis.bench.skipping.software import Meeting, PeerRun, Saved, ask_peer, c
 from triaxis.bench.skipping.stages import Clocks, Stages, Summed, stage_answer
 from triaxis.host.engine_scene import MeshEngineScene
 from triaxis.host.scene_engines import Integers
-from triaxis.sim.provenance import Provenance, provenance
+from triaxis.sim.validity import Provenance, provenance
 
 RESULT = FOLDER / "skipping.json"
 
@@ -122,7 +122,7 @@ def run_skipping(
     sizes: Sequence[int] = SIZES,
 ) -> SkippingResult:
     """Measure everything; ``progress`` is told of each of `steps`. ``data``: the folder of real meshes."""
-    start, made_of = time.monotonic(), provenance()
+    start, made_of = time.monotonic(), provenance(SOURCES)
     there, packages = present(peers)
     asked = [peer for peer, _ in there]
     rows: list[SceneRow] = []

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.bench.harness import FOLDER, Progress, write_result
+from triaxis.bench.harness import FOLDER, SOURCES, Progress, write_result
 from triaxis.bench.stress.families import FAMILIES, Family
 from triaxis.bench.stress.measuring import ROUNDING_WIDTH, WIDTHS, SettingResult, build_cores, measure
 from triaxis.bench.stress.orders import OrderErrors, total
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
 from triaxis.golden.processes import in_processes
-from triaxis.sim.provenance import Provenance, provenance
+from triaxis.sim.validity import Provenance, provenance
 from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS
 
 RESULT = FOLDER / "stress.json"
@@ -103,7 +103,7 @@ def measure_setting(place: tuple[int, int], seed: int, pairs: int) -> SettingRes
 def run_stress(seed: int, pairs: int, progress: Progress) -> StressResult:
     """Measure everything; ``progress`` is told of each of STEPS."""
     check_options(seed, pairs)
-    start, stamp = time.monotonic(), provenance()
+    start, stamp = time.monotonic(), provenance(SOURCES)
     build_cores(progress)
     places = [(f, s) for f, family in enumerate(FAMILIES) for s in range(len(family.settings))]
     work = partial(measure_setting, seed=seed, pairs=pairs)

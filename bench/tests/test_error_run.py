@@ -19,9 +19,9 @@ from triaxis.bench.peers.wheels import one_by_one
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
-from triaxis.sim.provenance import Provenance
+from triaxis.sim.validity import Provenance
 
-BEFORE = Provenance("rtl", "environment", None, None)
+BEFORE = Provenance("rtl", "environment", "Verilator", None, None)
 
 
 def load(a, b):

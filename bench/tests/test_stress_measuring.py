@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from triaxis.bench.harness import SOURCES
 from triaxis.bench.stress import measuring, run
 from triaxis.bench.stress.constructions import (
     WIDTH,
@@ -18,7 +19,7 @@ from triaxis.bench.stress.orders import METHODS, in_all_orders, scaled
 from triaxis.bench.stress.run import FamilyResult, StressResult
 from triaxis.golden.bulk import bulk_facts
 from triaxis.host.cli import main
-from triaxis.sim.provenance import provenance
+from triaxis.sim.validity import provenance
 
 # Steps of the 16-bit grid, of those of a gap family.
 LSB = 1 << WIDTH - 16
@@ -136,7 +137,7 @@ def test_command_writes_numbers_and_pictures(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("triaxis.host.cli.bench_errors.RESULT", tmp_path / "stress.json")
 
     def command():
-        result = StressResult(1, 100, tuple(families), provenance(), 1.0)
+        result = StressResult(1, 100, tuple(families), provenance(SOURCES), 1.0)
         monkeypatch.setattr("triaxis.host.cli.bench_errors.run_stress", lambda *_: result)
         code = main(["bench", "stress"])
         return code, capsys.readouterr().out, json.loads((tmp_path / "stress.json").read_text())

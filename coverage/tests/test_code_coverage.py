@@ -1,5 +1,4 @@
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 
 import pytest
@@ -14,10 +13,9 @@ from triaxis.coverage.code_coverage import (
     generate_blocks,
 )
 from triaxis.coverage.elaboration import Instance, Signal
-from triaxis.coverage.waivers import Waiver
+from triaxis.coverage.waivers import Waiver, module_hash
 from triaxis.golden.errors import InputError
 
-TODAY = date(2026, 1, 1)
 TOP = "TOP.top"
 
 
@@ -66,12 +64,12 @@ def assessed(
     source = tmp_path / "top.sv"
     source.write_text("module top;\n  if (W == 4) begin : g_block\n  end // begin : g_not\nendmodule\n")
     found = assess_model(model, waivers or [])
-    return conclude(found, generate_blocks([source]), waivers or [], TODAY)
+    return conclude(found, generate_blocks([source]), waivers or [])
 
 
 def waiver(**changes: object) -> Waiver:
     usual = Waiver(
-        1, "bounded", "because", "dut", date(2030, 1, 1), "toggle", ("top",), signals=("sum",), bits=("1",)
+        1, "bounded", "because", "dut", module_hash(()), "toggle", ("top",), signals=("sum",), bits=("1",)
     )
     return replace(usual, **changes)  # pyright: ignore[reportArgumentType]
 
@@ -187,10 +185,10 @@ def test_a_pattern_of_a_waiver_that_fits_nothing_fails(
     assert [f": {said}: fits no bin" in problem for problem in found.problems] == [True]
 
 
-def test_an_expired_waiver_fails(tmp_path: Path) -> None:
-    assert assessed(tmp_path, never("sum[1]"), [waiver(expires=TODAY)]).passed
-    found = assessed(tmp_path, never("sum[1]"), [waiver(expires=date(2025, 12, 31))])
-    assert found.problems == ["waiver 1 (toggle, top): expired on 2025-12-31"]
+def test_a_waiver_of_other_rtl_fails(tmp_path: Path) -> None:
+    found = assessed(tmp_path, never("sum[1]"), [waiver(reviewed="0")])
+    assert not found.passed and found.void == {1}
+    assert ["waiver 1 (toggle, top): its modules changed" in problem for problem in found.problems] == [True]
 
 
 def test_waivers_of_other_kinds(tmp_path: Path) -> None:

@@ -1,8 +1,7 @@
-"""A waiver whose bin is hit, whose point is no more, or that has expired is a problem, each in a line."""
+"""A waiver whose bin is hit, whose point is no more, or whose RTL changed is a problem, each in a line."""
 
 import json
 from collections.abc import Callable
-from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +18,16 @@ from triaxis.coverage.elaboration import Instance, Signal
 from triaxis.coverage.report import ModelReport, report
 from triaxis.coverage.waiver_upkeep import (
     exclusion_records,
+    other_rtl,
     waiver_problems,
     waiver_records,
 )
-from triaxis.coverage.waivers import CATEGORIES, Waiver, read_waivers
+from triaxis.coverage.waivers import CATEGORIES, WAIVERS, Waiver, confirm_waivers, module_hash, read_waivers
 
 ROOT = Path(__file__).resolve().parents[2]
-TODAY = date(2026, 1, 1)
 TOP, U_A, U_B = "TOP.top", "TOP.top.u_a", "TOP.top.u_b"
 BITS = Waiver(
-    1, "bounded", "because", "dut", date(2026, 6, 30), "toggle", ("leaf",), signals=("sum",), bits=("4..7",)
+    1, "bounded", "because", "dut", module_hash(()), "toggle", ("leaf",), signals=("sum",), bits=("4..7",)
 )
 CORES = ((8, 0), (8, 8), (16, 0, False, True), (13, 4, True, False), (16, 0, True, False), (32, 32))
 
@@ -47,7 +46,7 @@ def assessed(
                 counters.count_toggle(path, f"sum[{bit}]", "leaf.sv", 3, edge, int(bit in hit_bits[path]))
         for column, what in enumerate(("cond_then", "cond_else")):
             counters.count_point(("leaf.sv", 9, column, "branch", what, path), int((path, what) in hit_ways))
-    return conclude(assess_model(ModelCoverage("w8_m0", counters, instances), waivers), [], waivers, TODAY)
+    return conclude(assess_model(ModelCoverage("w8_m0", counters, instances), waivers), [], waivers)
 
 
 def records() -> list[dict[str, Any]]:
@@ -56,13 +55,21 @@ def records() -> list[dict[str, Any]]:
     return waiver_records(waivers, {waiver.number: 1 for waiver in waivers})
 
 
-def test_those_of_the_core_hold_until_they_expire() -> None:
-    waivers = read_waivers()
-    last = min(waiver.expires for waiver in waivers)
-    assert waiver_problems(records(), last) == waiver_problems(None, last) == []
-    first = [waiver for waiver in waivers if waiver.expires == last]
-    expired = [f"{waiver.name}: expired on {last}" for waiver in first]
-    assert waiver_problems(records(), last + timedelta(1)) == expired != []
+def test_those_of_the_core_hold_until_their_modules_change(tmp_path: Path) -> None:
+    assert waiver_problems(records()) == waiver_problems(None) == []
+    path, source = tmp_path / "waivers.toml", tmp_path / "triaxis_core.sv"
+    text = WAIVERS.read_text()
+    path.write_text(text)
+    source.write_text("module triaxis_core; endmodule\n")
+    own = [waiver for waiver in read_waivers() if waiver.modules == ("triaxis_core",)]
+    assert own and all(other_rtl(waiver, tmp_path) for waiver in own)
+    # Read again, which is written down; a comment voids nothing, code does.
+    assert confirm_waivers(path, tmp_path) == len(read_waivers())
+    [first, *_] = [waiver for waiver in read_waivers(path) if waiver.modules == ("triaxis_core",)]
+    source.write_text("// A comment.\nmodule triaxis_core;\nendmodule\n")
+    assert other_rtl(first, tmp_path) is None
+    source.write_text("module triaxis_core; wire a; endmodule\n")
+    assert "--confirm-waivers" in (other_rtl(first, tmp_path) or "")
 
 
 def test_what_is_recorded_of_a_waiver() -> None:
@@ -81,9 +88,10 @@ def test_what_is_recorded_of_a_waiver() -> None:
         "range": None,
         "bits": ["4..7"],
         "step": "1",
+        "rests_on": [],
         "reason": "because",
         "owner": "dut",
-        "expires": "2026-06-30",
+        "reviewed": module_hash(()),
         "bins": 16,
     }
     assert json.loads(json.dumps(records())) == records()
@@ -97,8 +105,8 @@ def test_what_is_recorded_of_a_waiver() -> None:
         (lambda r: r.pop(), "waivers, measured with"),
         (lambda r: r[0].update(owner="nobody"), "waiver 1 (toggle, triaxis_core): owner changed since"),
         (
-            lambda r: r[0].update(expires="2030-01-01", reason="x"),
-            "reason, expires changed since it was measured",
+            lambda r: r[0].update(reviewed="0", reason="x"),
+            "reason, reviewed changed since it was measured",
         ),
         (lambda r: r[0].update(signals=["*"]), "waiver 1 (toggle, triaxis_core): signals changed since"),
         (lambda r: r[0].update(range=["0", "L"]), "waiver 1 (toggle, triaxis_core): range changed since"),
@@ -114,7 +122,7 @@ def test_waivers_that_are_not_those_measured_are_a_problem(
 ) -> None:
     changed = records()
     spoil(changed)
-    [problem] = waiver_problems(changed, TODAY)
+    [problem] = waiver_problems(changed)
     assert said in problem
 
 
@@ -160,4 +168,4 @@ def test_exclusions_are_recorded_with_all_that_a_signature_needs() -> None:
     assert {record["kind"] for record in found} == {"illegal"}
     assert {record["category"] for record in found} <= set(PROOFS)
     assert all(record["bins"] > 0 and record["hits"] == 0 for record in found)
-    assert all(record["expires"] is None and record["owner"] == "verif" for record in found)
+    assert all(record["owner"] == "verif" for record in found)

@@ -3,7 +3,6 @@
 import hashlib
 import json
 from argparse import ArgumentParser
-from functools import partial
 
 import pytest
 
@@ -17,8 +16,8 @@ from triaxis.host.cli import fpga
 from triaxis.host.cli.board_check import checkout_id
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
-from triaxis.verif.signoff.gate import PARTS, refusals
-from triaxis.verif.signoff.tests.test_gate import LAST_DAY, signed
+from triaxis.verif.signoff.gate import PARTS, SOURCES
+from triaxis.verif.signoff.tests.test_gate import signed
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
@@ -37,7 +36,6 @@ def bench(tmp_path, monkeypatch):
     monkeypatch.setattr(fpga, "REPORTS", tmp_path / "fpga" / "vivado")
     monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
     monkeypatch.setattr(fpga.measuring, "RESULT", tmp_path / "activity.json")
-    monkeypatch.setattr(fpga, "refusals", partial(refusals, today=LAST_DAY))
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     sign(tmp_path)
     return tmp_path
@@ -45,7 +43,7 @@ def bench(tmp_path, monkeypatch):
 
 def sign(folder, **changes):
     parts = {name: {"passed": True, "rtl_hash": RTL} for name in PARTS}
-    content = {**signed(), "rtl_hash": RTL, "parts": parts, **changes}
+    content = {**signed(), "rtl_hash": RTL, "environment_hash": SOURCES.hash(), "parts": parts, **changes}
     (folder / "signoff.json").write_text(json.dumps(content))
 
 

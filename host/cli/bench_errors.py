@@ -11,6 +11,7 @@ from triaxis.bench.error.points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS, Err
 from triaxis.bench.error.report import Demand, demands, passed, write_report
 from triaxis.bench.error.running import Benchmark, Measured
 from triaxis.bench.error.software_points import PeerPoint
+from triaxis.bench.harness import SOURCES
 from triaxis.bench.stress import plot as stress_plot
 from triaxis.bench.stress.measuring import ROUNDING_WIDTH
 from triaxis.bench.stress.orders import METHODS
@@ -28,7 +29,7 @@ from triaxis.bench.stress.run import (
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
-from triaxis.sim.provenance import provenance
+from triaxis.sim.validity import provenance
 
 # Of the bulk checker's widths: those of the two arithmetics, and the widest.
 _SHOWN = (16, 24, WIDTHS[-1])
@@ -52,7 +53,7 @@ def add_error(parser: argparse.ArgumentParser) -> None:
 
 
 def _error(options: argparse.Namespace) -> int:
-    started, before = time.monotonic(), provenance()
+    started, before = time.monotonic(), provenance(SOURCES)
     benchmark = Benchmark(options.seed, before)
     if not benchmark.real_meshes:
         print("real meshes: no folder $TRIAXIS_DATA or ../shared/data: our own solids take their place")

@@ -40,8 +40,8 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD, DUT, rtl_sources
 from triaxis.sim.programs import yosys_version
-from triaxis.verif.signoff.folder import RESULT
-from triaxis.verif.signoff.gate import refusals, remarks
+from triaxis.verif.signoff.gate import SOURCES, refusals, remarks
+from triaxis.verif.signoff.plan import RESULT
 
 # Of the synthesis, at a time.
 _JOBS = 2
@@ -212,8 +212,8 @@ def _print_toggles(rows: list[measuring.Row]) -> None:
 def add_gate(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``fpga gate``."""
     parser.description = (
-        "Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL, or where a "
-        "waiver that it rests on has expired or changed."
+        "Refuse, with the reason, where the sign-off is missing, failed, or is of another RTL or "
+        "environment, or where a waiver that it rests on has changed."
     )
     _add_result(parser)
     parser.add_argument(
@@ -231,7 +231,7 @@ def _add_result(parser: argparse.ArgumentParser) -> None:
 def _gate(options: argparse.Namespace) -> int:
     if not options.rtl.is_dir():
         raise InputError(f"{options.rtl}: no such folder: --rtl names the folder of the RTL")
-    found = refusals(options.result, rtl_hash(options.rtl))
+    found = refusals(options.result, rtl_hash(options.rtl), SOURCES.hash())
     if found:
         return _refused(found)
     print(f"gate: open: {options.result} covers this RTL")
@@ -288,7 +288,7 @@ def _bitstream(options: argparse.Namespace) -> int:
 def _provenance(result: Path) -> Provenance | list[str]:
     """Return what a bitstream may be built on, or why none may."""
     rtl = rtl_hash()
-    found = refusals(result, rtl)
+    found = refusals(result, rtl, SOURCES.hash())
     return found or Provenance(rtl, board_hash(), result, file_hash(result))
 
 

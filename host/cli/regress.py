@@ -21,11 +21,9 @@ from triaxis.verif.counterexample.finding import BareCore
 from triaxis.verif.regress.definition import DEFINITION, in_checkout
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeeds
-from triaxis.verif.regress.junit import NAME as JUNIT
 from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
 from triaxis.verif.regress.outcome import Outcome
-from triaxis.verif.regress.report_page import NAME as REPORT
-from triaxis.verif.regress.results_file import NAME as RESULTS
+from triaxis.verif.regress.reports import JUNIT, REPORT, RESULTS
 from triaxis.verif.regress.run import FOLDER, MOST_SEEDS_MULTIPLIED, Request, regress
 
 _SHOWN = 20
@@ -35,7 +33,7 @@ _SECONDS_BETWEEN_LINES = 60.0
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``regress run``."""
     parser.description = (
-        "Run a regression of verif/regress/triaxis_sim_cfg.hjson on dvsim: seeds that failed before "
+        "Run a regression of the table of tests on dvsim: seeds that failed before "
         "first, then the rest. One that was interrupted or killed is continued by the same command: what "
         "passed on the same sources and with the same seed is not run again. Writes results.json, "
         "report.html, junit.xml and the merged coverage into build/regress/NAME/. Seeds that failed are "

@@ -15,11 +15,11 @@ from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.toolchain import verilator
 from triaxis.verif.core.detector_check import SEED_VECTORS
+from triaxis.verif.regress.definition import NIGHTLY
 from triaxis.verif.regress.history import read_history
-from triaxis.verif.regress.run import NIGHTLY
-from triaxis.verif.signoff.folder import RESULT
-from triaxis.verif.signoff.plan import VOLUME
-from triaxis.verif.signoff.result import Signoff, write
+from triaxis.verif.signoff.page import write
+from triaxis.verif.signoff.plan import RESULT, VOLUME
+from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.run import signoff, step_count
 
 # Problems that are printed; the page has all.

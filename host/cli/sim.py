@@ -14,20 +14,27 @@ from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import fault_of
+from triaxis.verif.faults.catalogue import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN
-from triaxis.verif.testbench.simulation import run_settings
-from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
+from triaxis.verif.testbench.simulation import RunResult, run_settings
+from triaxis.verif.testbench.test_table import (
+    REPLAY,
+    check_test_fits,
+    check_test_name,
+    core_tests,
+    mesh_tests,
+    table,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
         "Run one test of the pyuvm environment. Tests of the core: "
-        + ", ".join(TESTS)
+        + ", ".join(core_tests())
         + ". Tests of the mesh engine: "
-        + ", ".join(MESH_TESTS)
+        + ", ".join(mesh_tests())
         + "."
     )
     parser.add_argument("test", metavar="TEST", help="name of the test")
@@ -55,7 +62,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
     )
     parser.add_argument(
-        "--fault", metavar="NAME", help="break the core by a fault of `triaxis prove faults --list`"
+        "--fault",
+        metavar="NAME",
+        help="break the core, or the mesh engine, by a fault of `triaxis prove faults --list`",
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.set_defaults(run=run)
@@ -69,8 +78,9 @@ def run(options: argparse.Namespace) -> int:
     if options.soak and options.agent != BURST:
         raise InputError("--soak goes with --agent burst, and only with it")
     check_test_fits(options.test, options.config)
-    if options.test in MESH_TESTS:
-        return _run_mesh(options)
+    dut = DUT if options.fault is None else _broken(options.fault, options.test)
+    if table()[options.test].of_mesh_engine:
+        return _run_mesh(options, dut)
     configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
@@ -90,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
         judged_one_in=options.judged,
         soak=options.soak,
     )
-    result = run_and_explain(settings, DUT if options.fault is None else faulty_rtl(fault_of(options.fault)))
+    result = run_and_explain(settings, dut)
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
@@ -99,23 +109,38 @@ def run(options: argparse.Namespace) -> int:
             f"{result.seconds:.1f} s"
         )
         return DONE
+    return _failed(options, result)
+
+
+def _failed(options: argparse.Namespace, result: RunResult) -> int:
     # The last line is the command that repeats the run.
     print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
     return NO
 
 
-def _run_mesh(options: argparse.Namespace) -> int:
+def _broken(name: str, test: str) -> Path:
+    """Return the RTL with a fault; raise InputError where the test does not drive what the fault is in."""
+    fault, of_mesh_engine = fault_of(name), table()[test].of_mesh_engine
+    if fault.kind is not (Kind.ENGINE if of_mesh_engine else Kind.CORE):
+        driven = "the mesh engine" if of_mesh_engine else "the core"
+        raise InputError(
+            f"fault {name}: is in {fault.kind.value}, and {test} drives {driven}: "
+            f"`triaxis prove faults --fault {name}` tries it"
+        )
+    return faulty_rtl(fault)
+
+
+def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
     """Run a test of the mesh engine."""
-    if options.replay is not None or options.fault is not None or options.soak:
-        raise InputError("--replay, --fault and --soak go with tests of the core")
+    if options.replay is not None or options.soak:
+        raise InputError("--replay and --soak go with tests of the core")
     name = f"mesh_{parse_mesh_configuration(options.config).name}"
     settings = run_settings(
         options.test, name, options.seed, options.pairs, agent=options.agent, judged_one_in=options.judged
     )
-    result = run_and_explain(settings)
+    result = run_and_explain(settings, dut)
     if not result.passed or not result.counts:
-        print(result.explain(), file=sys.stderr)
-        return NO
+        return _failed(options, result)
     counts = result.counts
     print(
         f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "

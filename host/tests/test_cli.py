@@ -174,7 +174,7 @@ READERS = {
     "testplan": read_testplan,
     "definition of regressions": read_definition,
     "regression case": read_case,
-    "sign-off": lambda path: refusals(path, ""),
+    "sign-off": lambda path: refusals(path, "", ""),
 }
 
 

@@ -8,12 +8,12 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
-from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from filelock import FileLock
 
 from triaxis.coverage.code_counters import read_counters
 from triaxis.coverage.code_coverage import (
@@ -28,13 +28,14 @@ from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.outputs import make_folder
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.file_lock import locked
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
+from triaxis.sim.validity import Sources
 from triaxis.verif.code_coverage.instrumented_core import (
     DELIVERED,
     InstrumentedCore,
@@ -53,6 +54,7 @@ from triaxis.verif.mutation.targets import EngineTarget
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
+SOURCES = Sources(("triaxis.verif.code_coverage.run",), ("coverage/waivers.toml",))
 
 # Together they elaborate every generate block of dut/; the run fails if one is missing.
 CORES = (
@@ -69,6 +71,8 @@ _ENGINE_MODULES = frozenset(source.stem for source in mesh_sources())
 # The mesh engine, where several words of lanes make a group, and several a mesh; with margins, and without.
 _MESH = MeshConfiguration(8, 8, depth=32, group=4, lanes=2, cycle_bits=8)
 ENGINES = (EngineTarget(_MESH), EngineTarget(replace(_MESH, margin_bits=0)))
+# Of progress: the cores, the wrapper and the engines, each when it is built and when it is done.
+STEPS = 2 * (len(CORES) + 1 + len(ENGINES))
 
 # Every bin of every model was hit within half of this.
 PAIRS = 6_000
@@ -229,13 +233,14 @@ def measure(
     steps = disturbed(np.random.default_rng(seed))
     jobs = [_Job(one, seed, count, steps, read) for one in (*cores, None, *engines)]
     # Two runs at once would write each other's counters.
-    with locked(COUNTERS / ".lock"):
+    make_folder(COUNTERS)
+    with FileLock(COUNTERS / ".lock"):
         before = rtl_hash()
         done = _run_all(jobs, progress or (lambda _: None))
         together = Assessment()
         for _, assessment in done:
             together.add(assessment)
-        whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources()]), read, date.today())
+        whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources()]), read)
         changed = rtl_hash() != before
     return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start, before, changed)
 
@@ -260,6 +265,7 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         },
         "uncovered": [asdict(bin_) for bin_ in assessment.uncovered],
         "problems": result.problems,
+        "waivers_void": len(assessment.void),
         "waivers": waiver_records(result.waivers, assessment.waived),
         "runs": [{**asdict(run), "seconds": round(run.seconds, 1)} for run in result.runs],
         "seed": seed,
@@ -267,4 +273,4 @@ def write_json(result: CodeCoverage, seed: int, path: Path = RESULT) -> Path:
         "seconds": round(result.seconds, 1),
         "command": f"triaxis coverage code --seed {seed}",
     }
-    return write_evidence(path, content)
+    return write_evidence(path, content, SOURCES)

@@ -1,4 +1,6 @@
-"""Counterexamples kept for good: one small JSON file each, which later runs send first.
+"""Counterexamples that are kept: one small JSON file each, which later runs send first.
+
+What a failing run finds is kept in build/; copied to verif/core/kept/ and committed it is kept for good.
 
 A file says what is sent (``pairs``, the last of which failed) and how it was found (``found``: the
 configuration, what was wrong, what the core said, what is right, the fault that it revealed). Its name
@@ -19,10 +21,12 @@ from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.paths import VERIF
+from triaxis.sim.paths import BUILD, VERIF
 from triaxis.verif.core.failing_pairs import Stream
 
 REGRESSIONS = VERIF / "core" / "kept"
+# Those that runs in this checkout found.
+FOUND = BUILD / "kept"
 _HASH_DIGITS = 12
 _FOUND = ("configuration", "symptom", "meaning", "core_said", "right", "fault")
 
@@ -122,12 +126,13 @@ def read_cases(folder: Path = REGRESSIONS) -> list[RegressionCase]:
     return [read_case(path) for path in sorted(folder.glob("*.json"))]
 
 
-def load_regressions(
-    configuration: Configuration, folder: Path = REGRESSIONS
-) -> tuple[Pairs, npt.NDArray[np.int64]]:
+def load_regressions(configuration: Configuration, *folders: Path) -> tuple[Pairs, npt.NDArray[np.int64]]:
     """Return pairs (N, 2, 3, 3) and margins (N,) of all cases that a core in that configuration can be
     sent, to be sent in this order without a reset; a case is there whole, or not at all.
+
+    ``folders``: those that were kept for good, where none is named.
     """
-    fitting = [case.stream for case in read_cases(folder) if case.stream.fits(configuration)]
+    cases = (case for folder in folders or (REGRESSIONS,) for case in read_cases(folder))
+    fitting = [case.stream for case in cases if case.stream.fits(configuration)]
     pairs = np.concatenate([np.empty((0, 2, 3, 3), np.int64), *(stream.pairs for stream in fitting)])
     return pairs, np.concatenate([np.empty(0, np.int64), *(stream.margins for stream in fitting)])

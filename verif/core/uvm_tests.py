@@ -10,7 +10,7 @@ from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
-from triaxis.verif.core.kept_cases import load_regressions
+from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, load_regressions
 from triaxis.verif.core.metamorphic import GROUPS, MetamorphicCheck
 from triaxis.verif.core.sequences import (
     ArraySequence,
@@ -28,6 +28,47 @@ from triaxis.verif.core.stimulus.margins import at_any_margin
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.core.stimulus.symmetry import all_orders
+from triaxis.verif.testbench.settings import PIN
+from triaxis.verif.testbench.test_table import Runs, listed
+
+# The builds that differ in what they elaborate, the fastest to simulate first.
+BUILDS = (
+    "w16_m0",
+    "w8_m8",
+    "w16_m16",
+    "w13_m4_t1",
+    "w16_m0_no_edge_box",
+    "w16_m0_ungated",
+    "w24_m24",
+    "w32_m32",
+)
+_USUAL = ("w16_m0", "w16_m16", "w24_m24", "w32_m32")
+# The protocol again, pin by pin, independent of the bus-functional model; everything judged.
+_ON_PINS = ("w16_m0", "w13_m4_t1")
+# Each family by itself, so that a failure says what it is about; volume sends them all to every build.
+_FAMILY = (Runs(("w16_m0", "w16_m16"), 20_000, 10, seeds=3, smoke=("w16_m0",)),)
+_FAMILY_SEEDS = (
+    "Three: in w16_m0 the second hits 2 to 6 % more coverage bins than the first alone, the third another "
+    "1 to 3 %, the fourth no more than that."
+)
+# Stalls and resets at each depth of the pipeline.
+_PROTOCOL = (
+    Runs(("w16_m0", "w16_m16", "w13_m4_t1", "w32_m32"), 10_000, 1000, seeds=3, smoke=("w16_m0",)),
+    Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=("w16_m0",)),
+)
+_PROTOCOL_SEEDS = (
+    "Three: each draws other stalls and places of resets; the second hits 5 to 8 % more bins, the third 4 %."
+)
+
+
+@listed("V3", Runs(BUILDS, 1, smoke=BUILDS), why_seeds="One: they are the same cases with every seed.")
+class RegressionsTest(CoreTest):
+    """Counterexamples that were found before and kept: those in verif/core/kept/ and in build/kept/."""
+
+    async def stimulus(self) -> None:
+        """Send those that fit the configuration."""
+        pairs, margins = load_regressions(self.settings.configuration, REGRESSIONS, FOUND)
+        await self.send(ArraySequence(self.settings, pairs, margins))
 
 
 class FamilyTest(CoreTest):
@@ -41,72 +82,113 @@ class FamilyTest(CoreTest):
         await self.send(StimulusSequence(make, self.settings, self.settings.pairs))
 
 
+@listed("V1", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class RandomTest(FamilyTest):
     """General pairs at all scales, some that share vertices."""
 
     families = ("random", "shared")
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class DegenerateTest(FamilyTest):
     """Every combination of point, segment and triangle."""
 
     families = ("degenerate",)
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class CoplanarTest(FamilyTest):
     """Pairs in one plane, axis-aligned and tilted, and those that nearly are; one in the other."""
 
     families = ("coplanar", "coplanar near-miss", "contained")
 
 
+@listed("V1", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class PenetratingTest(FamilyTest):
     """Edges through faces."""
 
     families = ("penetrating",)
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class SliversTest(FamilyTest):
     """Triangles as thin as the width allows."""
 
     families = ("slivers",)
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class TouchingTest(FamilyTest):
     """Contact of every pair of features, and misses by one step."""
 
     families = tuple(f"touching {name}" for name in TOUCHING)
 
 
+@listed(
+    "V2",
+    Runs(("w16_m0",), 50_000, 100, seeds=2, smoke=("w16_m0",), signoff=False),
+    # Where there is little volume to meet them by chance.
+    Runs(("w13_m4_t1", "w24_m24", "w32_m32"), 400_000, 1000, seeds=2),
+    why_seeds="Two: the second hits no new bin, but with one the golden model judges 31 of the 33 claims.",
+)
 class NearMissTest(FamilyTest):
     """Lattice near-misses of every kind of axis: the hardest decisions (docs/theory.md, section 7)."""
 
     families = tuple(name for name in FAMILIES if name.startswith("near-miss"))
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class ExtremesTest(FamilyTest):
     """Coordinates at the limits of the range; corners at which projections are largest."""
 
     families = ("extremes", "corners")
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class TinyTest(FamilyTest):
     """Coordinates of a few steps: coincidences of every kind."""
 
     families = ("tiny",)
 
 
+@listed("V2", *_FAMILY, why_seeds=_FAMILY_SEEDS)
 class FarTest(FamilyTest):
     """Pairs that their boxes decide, which the operand gate must pass over."""
 
     families = ("far",)
 
 
+@listed(
+    "V1",
+    Runs(BUILDS, 3000, seeds=3, smoke=BUILDS),
+    Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=("w16_m0",)),
+    why_seeds="Three: with two the golden model judges no pair of one of the 33 claims (32 axes, and near) "
+    "in w16_m0, with three every claim in each; on the pins 28 with one, 32 with two, all with three.",
+)
 class MixedTest(FamilyTest):
     """All families."""
 
     families = tuple(FAMILIES)
 
 
+@listed(
+    "V2",
+    Runs(("w16_m0",), 1_000_000, 1 << 16, smoke=("w16_m0",), signoff=False, label="short"),
+    why_seeds="One of a first million; of the volume as many as the share has runs of moderate length.",
+    # Wide cores simulate slowly, and narrow ones have the same structure, so most goes to the default build
+    # and to the two with margins that simulate fast; each other build gets what closes its coverage several
+    # times over.
+    volume={
+        "w16_m0": 62.0,
+        "w8_m8": 20.0,
+        "w16_m16": 10.0,
+        "w13_m4_t1": 2.0,
+        "w16_m0_no_edge_box": 2.0,
+        "w16_m0_ungated": 2.0,
+        "w24_m24": 1.5,
+        "w32_m32": 0.5,
+    },
+)
 class VolumeTest(CoreTest):
     """The mixture of all families, without end; now and then with gaps and stalls."""
 
@@ -135,6 +217,12 @@ class VolumeTest(CoreTest):
         self.set_stalls(FULL_SPEED)
 
 
+@listed(
+    "V1",
+    # In the builds that users start with.
+    Runs(_USUAL, 15, smoke=("w16_m0",)),
+    why_seeds="One: nothing in them is random.",
+)
 class SeedVectorsTest(CoreTest):
     """The fifteen vectors of the replaced design: all are clear."""
 
@@ -144,6 +232,12 @@ class SeedVectorsTest(CoreTest):
         await self.send(ArraySequence(self.settings, pairs, np.zeros(len(pairs), np.int64)))
 
 
+@listed(
+    "V2",
+    Runs(("w16_m0",), 7200, seeds=3, smoke=("w16_m0",), signoff=False),
+    Runs(_ON_PINS, 720, agent=PIN, seeds=3),
+    why_seeds="Three: the orders hit 20 % more bins with the second, 6 % with the third.",
+)
 class OrdersTest(CoreTest):
     """All 72 orders of each pair."""
 
@@ -155,6 +249,17 @@ class OrdersTest(CoreTest):
         await self.send(ArraySequence(self.settings, all_orders(base.pairs), np.repeat(base.margins, 72)))
 
 
+@listed(
+    "V2",
+    Runs(
+        ("w16_m0", "w8_m8", "w16_m16", "w16_m0_no_edge_box", "w24_m24"),
+        200_000,
+        1000,
+        seeds=3,
+        smoke=("w16_m0",),
+    ),
+    why_seeds="Three: of the 33 claims the golden model judges 24 with one, 31 with two, all with three.",
+)
 class MetamorphicTest(CoreTest):
     """Orders, symmetries of the cube and translations of pairs, which must be answered alike.
 
@@ -185,6 +290,11 @@ class MetamorphicTest(CoreTest):
                 left -= bases
 
 
+@listed(
+    "V2",
+    Runs(_USUAL, 20_000, 1000, seeds=2, smoke=("w16_m0",)),
+    why_seeds="Two: the second hits one more bin, the third none.",
+)
 class MeshTest(CoreTest):
     """Facet pairs of real solids that come close: tool holder and end mill, vise and workpiece."""
 
@@ -196,6 +306,7 @@ class MeshTest(CoreTest):
         await self.send(ArraySequence(self.settings, pairs, margins))
 
 
+@listed("V1", *_PROTOCOL, why_seeds=_PROTOCOL_SEEDS)
 class StallsTest(CoreTest):
     """Gaps in the input and back-pressure on the output, in all mixtures of pace."""
 
@@ -211,6 +322,7 @@ class StallsTest(CoreTest):
                 await self.send_item(BurstItem(made.pairs, made.margins, gaps, stalls))
 
 
+@listed("V2", *_PROTOCOL, why_seeds=_PROTOCOL_SEEDS)
 class ResetsTest(CoreTest):
     """Resets at any moment, with pairs in flight and results waiting."""
 
@@ -231,15 +343,7 @@ class ResetsTest(CoreTest):
         await self.send(StimulusSequence(make, self.settings, 64))
 
 
-class RegressionsTest(CoreTest):
-    """Counterexamples that were found before and kept: see verif/core/kept/."""
-
-    async def stimulus(self) -> None:
-        """Send those that fit the configuration."""
-        pairs, margins = load_regressions(self.settings.configuration)
-        await self.send(ArraySequence(self.settings, pairs, margins))
-
-
+@listed("V3")
 class ReplayTest(CoreTest):
     """Pairs that failed before, from the file that the scoreboard wrote."""
 

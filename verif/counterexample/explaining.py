@@ -6,9 +6,9 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
-from triaxis.verif.core.kept_cases import REGRESSIONS, RegressionCase, write_case
+from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, RegressionCase, write_case
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, find
 from triaxis.verif.testbench.settings import RunSettings, failure_file
 from triaxis.verif.testbench.simulation import RunResult, run
@@ -48,6 +48,9 @@ class Explanation:
             yield f"        drawn: {self.picture}"
         if self.kept:
             yield f"        kept:  {self.kept}"
+            if self.kept.parent == FOUND:
+                place = REGRESSIONS.relative_to(ROOT)
+                yield f"               for good: copy it to {place}/ and commit it"
 
 
 def case_of(counterexample: Counterexample, fault: str = "") -> RegressionCase:
@@ -120,11 +123,11 @@ def explain_failures(
 def run_and_explain(settings: RunSettings, dut: Path = DUT) -> RunResult:
     """Run a test; make the failing pairs of the core small.
 
-    What comes out of the RTL of this checkout is kept, and sent first from then on.
+    What comes out of the RTL of this checkout is kept in build/, and sent first from then on.
     """
     result = run(settings, dut)
     if result.passed or settings.of_mesh_engine:
         return result
-    store = REGRESSIONS if dut == DUT else None
+    store = FOUND if dut == DUT else None
     found = explain_failures(Path(settings.folder), settings.configuration, dut, store)
     return replace(result, counterexamples=found)

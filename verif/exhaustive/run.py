@@ -1,8 +1,6 @@
 """A whole grid on all cores, stopped and continued at will, and the proof that nothing is left out."""
 
-import json
 import os
-import platform
 import signal
 import time
 from collections.abc import Callable, Generator
@@ -18,11 +16,11 @@ import numpy as np
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
-from triaxis.golden.outputs import write_whole
-from triaxis.sim.build import content_hash, library, rtl_hash
+from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import RtlEngine
-from triaxis.sim.paths import BUILD, ROOT
-from triaxis.sim.toolchain import verilator
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD
+from triaxis.sim.validity import Sources, validity
 from triaxis.verif.core.checking import Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
@@ -30,6 +28,7 @@ from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save
 
 FOLDER = BUILD / "exhaustive"
+SOURCES = Sources(("triaxis.verif.exhaustive.run",))
 WORKERS = min(2, os.cpu_count() or 1)
 # Beyond so many mismatches the rest would say nothing new.
 ENOUGH_MISMATCHES = 10_000
@@ -71,16 +70,7 @@ class Outcome:
 
 def identity_of(size: int, seed: int) -> Identity:
     """Return what a run of this grid and seed is of, as the checkout stands."""
-    checker = [
-        *(path for path in (ROOT / "golden").glob("*.*") if path.suffix in (".py", ".cpp", ".h")),
-        *(ROOT / "verif/exhaustive").glob("*.py"),
-        *(ROOT / "sim" / name for name in ("core_engine.py", "core_harness.cpp", "result.py")),
-        ROOT / "verif/core/expectation.py",
-        ROOT / "verif/core/stimulus/symmetry.py",
-    ]
-    # The name of its folder changes with everything that goes into the build.
-    core = library(CONFIGURATION).parent.name
-    return Identity(size, seed, CONFIGURATION.name, rtl_hash(), content_hash(sorted(checker), core))
+    return Identity(**vars(validity(SOURCES)), grid=size, seed=seed, config=CONFIGURATION.name)
 
 
 def run_grid(
@@ -149,7 +139,7 @@ _Task = tuple[Identity, int, int]
 @cache
 def _checker(identity: Identity) -> ClassChecker:
     checker = ClassChecker(Grid(identity.grid), RtlEngine(CONFIGURATION), bulk_facts, identity.seed)
-    if rtl_hash() != identity.rtl:
+    if rtl_hash() != identity.rtl_hash:
         raise InputError("dut/: changed while the run started: start it again")
     return checker
 
@@ -219,10 +209,9 @@ def write_result(outcome: Outcome, folder: Path) -> None:
     content = {
         "passed": not outcome.problems,
         "problems": outcome.problems,
+        "summary": f"{outcome.grid.ordered_pairs:,} ordered pairs, all those on a grid of {size}",
         **asdict(outcome.identity),
         "command": f"triaxis prove exhaustive --grid {size} --seed {outcome.identity.seed}",
-        "verilator": str(verilator()),
-        "python": platform.python_version(),
         "seconds": round(outcome.progress.seconds, 1),
         "margins": MARGINS,
         "triangles": len(outcome.grid.triangles),
@@ -235,4 +224,4 @@ def write_result(outcome: Outcome, folder: Path) -> None:
         ],
         "replay": replay_command(folder, size) if result.mismatches else None,
     }
-    write_whole(result_file(folder, size), json.dumps(content, indent=2) + "\n")
+    write_evidence(result_file(folder, size), content, SOURCES)

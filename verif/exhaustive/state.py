@@ -1,6 +1,5 @@
 """How far a run has come, kept in a file so that it can be stopped at any time and continued."""
 
-import hashlib
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -8,27 +7,23 @@ from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.build import content_hash
+from triaxis.sim.validity import Validity
 from triaxis.verif.exhaustive.check import ClassResult, Counts, Mismatch
 
 
 @dataclass(frozen=True)
-class Identity:
-    """What a run is of. A run of another identity is another run: neither continues the other.
-
-    rtl, checker: hashes of the RTL, and of the programs that check it.
-    """
+class Identity(Validity):
+    """What a run is of. A run of another identity is another run: neither continues the other."""
 
     grid: int
     seed: int
     config: str
-    rtl: str
-    checker: str
 
     @property
     def key(self) -> str:
         """Return a short name, unique to this identity."""
-        text = json.dumps(asdict(self), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:12]
+        return content_hash((), super().key, str(self.grid), str(self.seed), self.config)[:12]
 
 
 @dataclass

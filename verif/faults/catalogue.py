@@ -5,7 +5,7 @@ were no faults of the design but of its testbench: they are tried on our own env
 """
 
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -16,10 +16,10 @@ PATCHES = Path(__file__).with_name("patches")
 class Kind(Enum):
     """Where a fault sits, and so what must catch it."""
 
-    CORE = auto()
-    ENGINE = auto()
-    WRAPPER = auto()
-    ENVIRONMENT = auto()
+    CORE = "the core"
+    ENGINE = "the mesh engine"
+    WRAPPER = "the wrapper CollisionDetector"
+    ENVIRONMENT = "the environment"
 
 
 @dataclass(frozen=True)

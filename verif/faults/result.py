@@ -6,10 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.sim.evidence import write_evidence
+from triaxis.sim.validity import Sources
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.catalogue import FAULTS, Fault
+from triaxis.verif.testbench.settings import TEST_MODULES
 
 RESULT = FOLDER / "faults.json"
+SOURCES = Sources(
+    ("triaxis.verif.faults.run", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
+    ("verif/faults/patches/*.patch",),
+)
 
 
 @dataclass(frozen=True)
@@ -156,4 +162,4 @@ def write_json(result: FaultsResult, path: Path | None = None) -> Path:
         "control": {"passed": not result.control, "problems": result.control},
         "faults": [outcome.record() for outcome in result.outcomes],
     }
-    return write_evidence(path or RESULT, content)
+    return write_evidence(path or RESULT, content, SOURCES)

@@ -7,9 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from filelock import FileLock
+
 from triaxis.golden.judge import default_solver
+from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import rtl_hash
-from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
 from triaxis.verif.faults.attempt import Attempt
@@ -52,7 +54,8 @@ def catch_all(
     Waits while another process does. Raises InputError, before anything runs, where the RTL is no longer what
     a fault changes.
     """
-    with locked(runs.RUNS / ".lock"):
+    make_folder(runs.RUNS)
+    with FileLock(runs.RUNS / ".lock"):
         return _catch_all(progress, seed, faults, dut)
 
 

@@ -8,17 +8,21 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
+from filelock import FileLock
+
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import BUILD, DUT, ROOT
+from triaxis.sim.validity import Sources
 from triaxis.verif.formal.catalogue import proofs
 from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
 from triaxis.verif.formal.tools import require_tools
 
 FOLDER = BUILD / "formal"
 RESULT = FOLDER / "formal.json"
+SOURCES = Sources(("triaxis.verif.formal.run",))
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,9 @@ def prove_all(
     if jobs < 1:
         raise InputError(f"jobs {jobs}: must be at least 1")
     outcomes: dict[str, Outcome] = {}
-    with locked(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
+    make_folder(folder)
+    # Another run in the same folder is waited for.
+    with FileLock(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
         before, start = rtl_hash(dut), time.monotonic()
         running = [pool.submit(_prove, proof, dut, folder / proof.name) for proof in chosen]
         for future in as_completed(running):
@@ -113,7 +119,7 @@ def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Pat
         "proved": sum(outcome.passed for outcome in result.outcomes),
         "undecided": result.undecided,
     }
-    return write_evidence(path, content)
+    return write_evidence(path, content, SOURCES)
 
 
 def _entry(outcome: Outcome) -> dict[str, object]:

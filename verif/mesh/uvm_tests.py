@@ -23,6 +23,22 @@ from triaxis.verif.mesh.scenes import (
     real_scenes,
     too_many,
 )
+from triaxis.verif.testbench.settings import PIN
+from triaxis.verif.testbench.test_table import Runs, listed
+
+# A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; the
+# widest; one lane, in the width of the board's finer build; the engine as it stands on the board; narrow;
+# wide; a single group; groups of one triangle.
+SQUARE = "mesh_w16_m16_d64_g8_l8"
+WORDS = "mesh_w12_m0_d32_g4_l2_c8"
+WIDEST = "mesh_w32_m32_d16_g4_l2"
+ONE_LANE = "mesh_w24_m1_d16_g4_l1"
+BOARD = "mesh_w16_m16_d4096_g8_l8"
+NARROW = "mesh_w8_m8_d16_g4_l1"
+WIDE = "mesh_w24_m24_d128_g8_l4"
+ONE_GROUP = "mesh_w10_m3_d8_g8_l1"
+NO_GROUPS = "mesh_w9_m9_d16_g1_l1"
+_ON_PINS = (SQUARE, WORDS)
 
 # Scenes that are sent at least, whatever number of pairs was asked for.
 _LEAST_SCENES = 40
@@ -30,6 +46,21 @@ _LEAST_SCENES = 40
 _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
 
 
+@listed(
+    "V1",
+    Runs((SQUARE,), 100_000, 8, seeds=3, smoke=(SQUARE,)),
+    Runs((WORDS,), 40_000, 8, seeds=3, smoke=(WORDS,)),
+    Runs((ONE_LANE, WIDEST), 20_000, 8, seeds=3, smoke=(ONE_LANE, WIDEST)),
+    Runs((NARROW, NO_GROUPS), 20_000, 8, seeds=3, smoke=(NARROW, NO_GROUPS), signoff=False),
+    Runs((ONE_GROUP,), 10_000, 8, seeds=3, smoke=(ONE_GROUP,), signoff=False),
+    Runs((WIDE,), 200_000, 8, seeds=3, smoke=(WIDE,), signoff=False),
+    Runs((BOARD,), 5_000_000, 8, seeds=0),
+    Runs((BOARD,), 20_000_000, 8, seeds=3, signoff=False),
+    Runs((SQUARE,), 3000, agent=PIN, seeds=3),
+    Runs((WORDS,), 1000, agent=PIN, seeds=3, smoke=(WORDS,)),
+    why_seeds="Three: a single one meets every bin of its configuration that random scenes are to meet, the "
+    "others are further scenes.",
+)
 class MeshRandomTest(MeshEngineTest):
     """Scenes of all kinds and sizes; stalls, aborts, meshes that stay, runs that are refused."""
 
@@ -41,6 +72,12 @@ class MeshRandomTest(MeshEngineTest):
             sent += 1
 
 
+@listed(
+    "V1",
+    Runs((SQUARE,), 200_000, 16, seeds=0),
+    Runs((SQUARE,), 2_000_000, 64, seeds=8, smoke=(SQUARE,), signoff=False),
+    why_seeds="Eight: some million pairs in all.",
+)
 class MeshVolumeTest(MeshEngineTest):
     """Small scenes in volume, at full speed."""
 
@@ -50,6 +87,13 @@ class MeshVolumeTest(MeshEngineTest):
             await self.send(random_scene(self.shapes, calm=True))
 
 
+@listed(
+    "V2",
+    Runs((SQUARE,), 1000, 4, seeds=3, smoke=(SQUARE,)),
+    Runs((WORDS, ONE_LANE, WIDEST, BOARD), 500, 4, seeds=3),
+    Runs((NARROW, WIDE, ONE_GROUP, NO_GROUPS), 500, 4, seeds=3, signoff=False),
+    why_seeds="Three: each takes other places and margins.",
+)
 class MeshGapsTest(MeshEngineTest):
     """Gaps of exactly the margin, and one step more, on each axis and side, of rows, groups, triangles."""
 
@@ -62,6 +106,13 @@ class MeshGapsTest(MeshEngineTest):
                 return
 
 
+@listed(
+    "V2",
+    Runs((SQUARE, WORDS, ONE_LANE, WIDEST), 1, seeds=2),
+    Runs((NARROW, WIDE, ONE_GROUP, NO_GROUPS), 1, seeds=2, signoff=False),
+    Runs((BOARD,), 1, 4, seeds=2, smoke=(BOARD,)),
+    why_seeds="Two: the sizes are the same with every seed, their scenes are not.",
+)
 class MeshLimitsTest(MeshEngineTest):
     """The limits of memory, of range, of the scan: up to one triangle too many; first near pairs anywhere."""
 
@@ -111,6 +162,17 @@ class MeshLimitsTest(MeshEngineTest):
         await self.send(Scene(None, full[:1], runs))
 
 
+@listed(
+    "V2",
+    Runs((SQUARE,), 10_000, 16, seeds=3, smoke=(SQUARE,)),
+    Runs((WORDS, BOARD), 5000, 16, seeds=3),
+    Runs((ONE_LANE, WIDEST), 3000, 16, seeds=3),
+    Runs((NARROW,), 3000, 16, seeds=3, signoff=False),
+    Runs((WIDE,), 10_000, 16, seeds=3, signoff=False),
+    Runs((ONE_GROUP, NO_GROUPS), 1000, 16, seeds=3, signoff=False),
+    Runs(_ON_PINS, 1000, agent=PIN, seeds=3),
+    why_seeds="Three: each sweeps other scenes.",
+)
 class MeshAbortTest(MeshEngineTest):
     """An abort at every clock of short runs, and at places all over long ones; the next run is whole."""
 
@@ -154,6 +216,11 @@ class MeshAbortTest(MeshEngineTest):
         return request, traffic
 
 
+@listed(
+    "V1",
+    Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
+    why_seeds="Three: other scenes and stalls.",
+)
 class MeshStallsTest(MeshEngineTest):
     """Gaps on loading, back-pressure on near pairs and summaries, runs offered while a mesh is loaded."""
 
@@ -180,6 +247,11 @@ class MeshStallsTest(MeshEngineTest):
         return replace(scene, runs=((request, traffic),) * 2, gaps=gaps, early=early)
 
 
+@listed(
+    "V2",
+    Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
+    why_seeds="Three: other scenes and places of resets.",
+)
 class MeshResetsTest(MeshEngineTest):
     """Resets at any moment, while meshes are loaded and while runs go on. On the pins only."""
 
@@ -205,6 +277,7 @@ class MeshResetsTest(MeshEngineTest):
             await self.send(random_scene(self.shapes, calm=True))
 
 
+@listed("V3", Runs((BOARD,), 1, smoke=(BOARD,)), why_seeds="One: only a margin is random.")
 class MeshRealTest(MeshEngineTest):
     """Parts of a real machine, and solids of our own where those are absent, at several translations."""
 

@@ -19,7 +19,7 @@ from triaxis.sim.evidence import read_evidence, write_evidence
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
 from triaxis.verif.mutation.folder import FOLDER
-from triaxis.verif.mutation.killers import killers_hash
+from triaxis.verif.mutation.killers import KILLERS, killers_hash
 from triaxis.verif.mutation.models import ASSERTION
 from triaxis.verif.mutation.outcomes import Outcome
 
@@ -193,7 +193,7 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
 
 def write_result(result: MutationResult, command: str, path: Path = EVIDENCE) -> Path:
     """Write the evidence of a full run."""
-    return write_evidence(path, _content(result, command))
+    return write_evidence(path, _content(result, command), KILLERS)
 
 
 def store_result(result: MutationResult, path: Path = STORED) -> Path:

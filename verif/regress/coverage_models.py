@@ -1,13 +1,19 @@
-"""The coverage model of a configuration, of the core or of the mesh engine, by its name."""
+"""Functional coverage by configuration: its model, of the core or the mesh engine; what runs add up to."""
 
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.counts import CoverageDatabase, load
 from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.mesh_coverage import mesh_model
+from triaxis.coverage.page import write_page
+from triaxis.coverage.report import ModelReport, report
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration
 from triaxis.verif.mesh.sampling import mesh_build
+from triaxis.verif.testbench.settings import coverage_file
 
 _CORE = "core_"
 
@@ -22,3 +28,22 @@ def model_of(config: str) -> CoverModel[Any]:
 def model_named(name: str) -> CoverModel[Any]:
     """Return the model of that name; those of the engine have the names of their configurations."""
     return model_of(name.removeprefix(_CORE))
+
+
+def merge_coverage(
+    folder: Path, configs: Iterable[str], passed: Iterable[tuple[str, Path]]
+) -> list[ModelReport]:
+    """Return the coverage of each configuration; write it as coverage.json and coverage.html into ``folder``.
+
+    ``passed``: configuration and folder of each run that passed, and so has left its coverage; raises
+    InputError where it is missing, or of another model.
+    """
+    models = {config: model_of(config) for config in dict.fromkeys(configs)}
+    database = CoverageDatabase(models.values())
+    for config, run in passed:
+        if config in models:
+            # Of its own configuration, and of no other.
+            database.add(load(coverage_file(run), models[config]))
+    database.save(folder / "coverage.json")
+    write_page(folder / "coverage.html", database)
+    return [report(model, counts) for model, counts in database]

@@ -16,10 +16,10 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
-from triaxis.sim.provenance import provenance
+from triaxis.sim.validity import git
 from triaxis.verif.regress.definition import Definition
 from triaxis.verif.regress.launchers import Launcher
-from triaxis.verif.regress.planned_run import PlannedRun
+from triaxis.verif.regress.records import PlannedRun
 
 _DVSIM = Path(sys.executable).with_name("dvsim")
 _POLL_SECONDS = 0.25
@@ -60,7 +60,7 @@ def check_dvsim() -> None:
     """Raise InputError where dvsim is not installed, or will not start here."""
     if not _DVSIM.exists():
         raise InputError("dvsim: not in this Python environment: run `make regress`, which installs it")
-    if provenance().git_commit is None:
+    if git("rev-parse", "HEAD") is None:
         raise InputError(f"{ROOT}: no git checkout: dvsim asks for the commit; clone the repository")
 
 

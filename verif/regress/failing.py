@@ -1,21 +1,73 @@
-"""The seeds that failed, kept until they pass on other sources: what a regression replays first."""
+"""Failures: grouped by what they say, and their seeds kept until they pass on other sources."""
 
 import json
-from collections import Counter
+import re
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
+
 from triaxis.golden.errors import InputError
-from triaxis.golden.outputs import write_whole
-from triaxis.sim.file_lock import locked
-from triaxis.verif.regress.buckets import bucket_of
-from triaxis.verif.regress.planned_run import PlannedRun, from_dict
-from triaxis.verif.regress.run_record import RunRecord
+from triaxis.golden.outputs import make_folder, write_whole
+from triaxis.verif.regress.records import PlannedRun, RunRecord, planned_run
 
 NAME = "failing.json"
+# Seeds of a bucket that a short regression replays.
 _FEW = 3
+_LONGEST = 160
+# A bracket that the cut left open.
+_OPEN = re.compile(r"\s*[(\[][^)\]]*$")
+# What differs from run to run, and what stands for it; in this order.
+_GENERAL = (
+    # The simulator's time, and the level and place that its log puts before a message.
+    (re.compile(r"^\s*[-\d.]+\s*[munpf]?s\s+"), ""),
+    # Of a path its last name, however much of the rest the log shows.
+    (re.compile(r"[\w.@+~-]*/(?:[\w.@+~-]+/)*"), ""),
+    (re.compile(r"\b0[xX][0-9a-fA-F]+\b"), "HEX"),
+    (re.compile(r"\b(?=[0-9a-f]*\d)(?=\d*[a-f])[0-9a-f]{8,}\b"), "HEX"),
+    # Verdicts, and the pair itself: one fault answers many pairs wrongly, each in its own way.
+    (re.compile(r"\((?=[^()]*\b(?:True|False)\b)[^()]*\)"), "(..)"),
+    (re.compile(r": margin -?\d.*", re.DOTALL), ""),
+    (re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"), "N"),
+    # Arrays of any length look the same.
+    (re.compile(r"\[+N[\[\]N,.\s]*"), "[..] "),
+    (re.compile(r"\s+"), " "),
+)
+
+
+@dataclass(frozen=True)
+class Bucket:
+    """Failed runs that say the same."""
+
+    message: str
+    records: tuple[RunRecord, ...]
+
+
+def general(message: str) -> str:
+    """Return a message without what differs from run to run."""
+    for pattern, substitute in _GENERAL:
+        message = pattern.sub(substitute, message)
+    message = message.strip()
+    return message if len(message) <= _LONGEST else _OPEN.sub("", message[:_LONGEST])
+
+
+def bucket_of(record: RunRecord) -> str:
+    """Return the name of the bucket of a failed run: its first error line, made general."""
+    said = general(record.errors[0]) if record.errors else "no error line"
+    return f"ended without a result: {said.removeprefix('ERROR ')}" if record.silent else said
+
+
+def buckets(records: Iterable[RunRecord]) -> list[Bucket]:
+    """Return the failed runs in buckets, the fullest first."""
+    found: dict[str, list[RunRecord]] = defaultdict(list)
+    for record in records:
+        if not record.passed:
+            found[bucket_of(record)].append(record)
+    grouped = [Bucket(message, tuple(group)) for message, group in found.items()]
+    return sorted(grouped, key=lambda bucket: (-len(bucket.records), bucket.message))
 
 
 @dataclass(frozen=True)
@@ -73,7 +125,8 @@ class FailingSeeds:
         return forgotten
 
     def _change(self, change: Callable[[list[FailingSeed]], list[FailingSeed]]) -> None:
-        with locked(self.path.with_suffix(".lock")):
+        make_folder(self.path.parent)
+        with FileLock(self.path.with_suffix(".lock")):
             before = self.read()
             after = change(before)
             if after != before:
@@ -93,7 +146,7 @@ def few_of_each_bucket(seeds: Iterable[FailingSeed]) -> list[FailingSeed]:
 
 
 def _entry(content: dict[str, Any]) -> FailingSeed:
-    return FailingSeed(**{**content, "run": from_dict(content["run"])})
+    return FailingSeed(**{**content, "run": planned_run(content["run"])})
 
 
 def _failing(record: RunRecord) -> FailingSeed:

@@ -7,7 +7,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from triaxis.sim.file_lock import locked
+from filelock import FileLock
+
+from triaxis.golden.outputs import make_folder
 from triaxis.sim.paths import BUILD
 
 HISTORY = BUILD / "history" / "nightly.jsonl"
@@ -49,7 +51,8 @@ def append_record(record: NightlyRecord, begun: float, path: Path = HISTORY) -> 
     One that was cut off before, by a kill, is left alone and ended.
     """
     line = json.dumps(asdict(record)) + "\n"
-    with locked(path.with_suffix(".lock")), path.open("a+b") as file:
+    make_folder(path.parent)
+    with FileLock(path.with_suffix(".lock")), path.open("a+b") as file:
         if any(_is_same(one, record, begun) for one in read_history(path)):
             return
         if file.seek(0, os.SEEK_END):

@@ -5,12 +5,9 @@ from functools import cached_property
 from pathlib import Path
 
 from triaxis.coverage.report import ModelReport, percent
-from triaxis.verif.regress.buckets import Bucket, bucket_of, buckets
 from triaxis.verif.regress.definition import Regression
-from triaxis.verif.regress.failing import FailingSeed
-from triaxis.verif.regress.planned_run import PlannedRun
-from triaxis.verif.regress.run_record import RunRecord
-from triaxis.verif.regress.state import State
+from triaxis.verif.regress.failing import Bucket, FailingSeed, bucket_of, buckets
+from triaxis.verif.regress.records import PlannedRun, RunRecord, State
 
 
 @dataclass(frozen=True)

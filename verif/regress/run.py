@@ -1,6 +1,7 @@
 """Runs a regression: what failed before first, then what is left of it, and writes its reports."""
 
 import hashlib
+import json
 import shlex
 import socket
 import time
@@ -9,10 +10,20 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from filelock import FileLock, Timeout
+
 from triaxis.golden.errors import InputError
-from triaxis.sim.file_lock import locked
+from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import BUILD, ROOT
-from triaxis.verif.regress.definition import DEFINITION, Definition, in_checkout, read_definition
+from triaxis.verif.regress.coverage_models import merge_coverage
+from triaxis.verif.regress.definition import (
+    DEFINITION,
+    NIGHTLY,
+    Definition,
+    in_checkout,
+    read_definition,
+    write_view,
+)
 from triaxis.verif.regress.dispatch import (
     Pass,
     check_dvsim,
@@ -22,29 +33,24 @@ from triaxis.verif.regress.dispatch import (
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
 from triaxis.verif.regress.history import HISTORY, append_record
-from triaxis.verif.regress.identity import identity
-from triaxis.verif.regress.junit import write_junit
 from triaxis.verif.regress.launchers import LOCAL, Launcher, launcher
-from triaxis.verif.regress.merged_coverage import merge_coverage
-from triaxis.verif.regress.one_build import error_file
+from triaxis.verif.regress.one_job import error_file, identity
 from triaxis.verif.regress.outcome import Outcome
-from triaxis.verif.regress.plan import plan
-from triaxis.verif.regress.planned_run import PlannedRun
-from triaxis.verif.regress.report_page import write_report
-from triaxis.verif.regress.results_file import history_record, write_results
-from triaxis.verif.regress.run_record import (
+from triaxis.verif.regress.records import (
+    PlannedRun,
     RunRecord,
+    State,
+    begin,
     read_record,
     read_records,
+    read_state,
     record_file,
     write_record,
+    write_state,
 )
-from triaxis.verif.regress.state import State, begin, read_state, write_state
-from triaxis.verif.regress.testplan_view import write_view
+from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
 
 FOLDER = BUILD / "regress"
-# The regression whose outcomes the history keeps, and whose seed is the date where none is given.
-NIGHTLY = "nightly"
 # Seeds multiplied by more than this are a mistake: a regression of months.
 MOST_SEEDS_MULTIPLIED = 1000.0
 
@@ -97,9 +103,14 @@ def regress(request: Request, say: Callable[[str], None], watch: Watch) -> Outco
     folder = request.folder / request.regression
     # First, so that what cannot be run leaves nothing behind.
     regression = _Regression(request, folder, say, watch)
-    busy = f"{folder}: a regression is running there: wait for its end, or use another --folder"
-    with locked(request.folder / f"{request.regression}.lock", busy):
-        return regression.run()
+    lock = FileLock(request.folder / f"{request.regression}.lock", blocking=False)
+    try:
+        make_folder(request.folder)
+        with lock:
+            return regression.run()
+    except Timeout as error:
+        busy = "a regression is running there: wait for its end, or use another --folder"
+        raise InputError(f"{folder}: {busy}") from error
 
 
 def usual_seed(name: str) -> int:
@@ -134,7 +145,7 @@ class _Regression:
     def run(self) -> Outcome:
         """Run it, and write everything."""
         request, state = self._request, self._begin()
-        planned = plan(self._definition, request.regression, state.seed, state.multiplier)
+        planned = self._definition.plan(request.regression, state.seed, state.multiplier)
         # Left over by a regression that was killed together with its dvsim.
         self._launcher.end_jobs()
         replayed = self._kept_seeds()
@@ -142,6 +153,8 @@ class _Regression:
         if kept:
             self._say(f"continuing: {kept} of {len(planned)} runs passed before")
         write_view(self._testplan, list(self._definition.items.values()))
+        whole = json.dumps(self._definition.content, indent=1)
+        write_whole(self._request.folder / DEFINITION.name, whole + "\n")
         first = [seed.run for seed in replayed]
         everything = list({run.key: run for run in (*first, *planned)}.values())
         if first:
@@ -268,7 +281,8 @@ class _Regression:
     ) -> Outcome:
         found = read_records(self._results)
         records = [found[run.key] for run in everything if run.key in found]
-        coverage = merge_coverage(self._folder, planned, records)
+        passed = [(record.run.config, Path(record.folder)) for record in records if record.passed]
+        coverage = merge_coverage(self._folder, (run.config for run in planned), passed)
         keys = {run.key for run in everything}
         flaky = [seed for seed in self._failing.read() if seed.flaky and seed.run.key in keys]
         return Outcome(

@@ -2,7 +2,6 @@
 
 import json
 import math
-from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +9,33 @@ from triaxis.coverage.stages import judge, read_figures
 from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
+from triaxis.sim.validity import Sources
+from triaxis.verif.testbench.settings import TEST_MODULES
 
 # The parts of the evidence, in the order of the report.
 PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
 
+# What a sign-off as a whole comes from: all that simulates, measures, proves, judges. No page, no command
+# line.
+SOURCES = Sources(
+    ("triaxis.verif.signoff.run", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
+    (
+        "coverage/*.toml",
+        "coverage/testplan.hjson",
+        "verif/core/kept/*.json",
+        "verif/faults/patches/*.patch",
+        "verif/mutation/equivalents.toml",
+    ),
+)
+
 _SHOWN = 3
 
 
-def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str]:
-    """Return why the sign-off in ``result`` does not cover the RTL of that hash ``today``; empty: it does.
+def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
+    """Return why the sign-off in ``result`` does not cover that RTL; empty: it does.
+
+    Nor does one of another environment: what was missed then may be seen now. The tools are no part of it:
+    what was signed with one Verilator is as good where a bitstream is built beside another.
 
     `remarks` tells what else a reader should know of it, such as uncommitted changes.
 
@@ -35,10 +52,14 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
         return [f"{result}: not a sign-off: run `make signoff` again"]
     found: list[str] = []
     signed = content.get("rtl_hash")
-    if signed != rtl_hash:
-        found.append(
-            f"{result}: signed off for RTL {_short(signed)}, this is {_short(rtl_hash)}: run `make signoff`"
-        )
+    for what, then, now in (
+        ("for RTL", signed, rtl_hash),
+        ("by the environment", content.get("environment_hash"), environment_hash),
+    ):
+        if then != now:
+            found.append(
+                f"{result}: signed off {what} {_short(then)}, this is {_short(now)}: run `make signoff`"
+            )
     if content.get("passed") is not True:
         found.append(f"{result}: the sign-off did not pass")
     problems = content.get("problems")
@@ -47,8 +68,8 @@ def refusals(result: Path, rtl_hash: str, today: date | None = None) -> list[str
     else:
         found += _first([str(problem) for problem in problems])
     found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed)
-    # A sign-off is not for ever: the waivers that it rests on expire, or change.
-    return found + _first(waiver_problems(_waivers(content), today or date.today()))
+    # A sign-off rests on its waivers, which may have changed since.
+    return found + _first(waiver_problems(_waivers(content)))
 
 
 def remarks(result: Path) -> list[str]:
@@ -59,8 +80,8 @@ def remarks(result: Path) -> list[str]:
     return ["signed off from a checkout with uncommitted changes, or outside git"]
 
 
-def _short(rtl_hash: Any) -> str:
-    return rtl_hash[:12] if isinstance(rtl_hash, str) else "of unknown hash"
+def _short(hash_: Any) -> str:
+    return hash_[:12] if isinstance(hash_, str) else "of unknown hash"
 
 
 def _first(lines: list[str]) -> list[str]:

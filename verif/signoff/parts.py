@@ -10,13 +10,13 @@ from triaxis.sim.core_engine import CoreError
 from triaxis.sim.evidence import read_evidence
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
-from triaxis.verif.exhaustive.run import identity_of, run_grid
+from triaxis.verif.exhaustive.run import identity_of, result_file, run_grid
 from triaxis.verif.faults import run as faults
 from triaxis.verif.formal import run as formal
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, grouped, stored_result
-from triaxis.verif.signoff.folder import FOLDER
+from triaxis.verif.signoff.plan import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
 GRID = 3
@@ -52,18 +52,11 @@ def code_coverage_part(seed: int, progress: Progress) -> Evidence | None:
     return read_evidence(code_coverage.write_json(code_coverage.measure(seed, progress=progress), seed))
 
 
-def exhaustive_part(seed: int) -> Evidence:
+def exhaustive_part(seed: int) -> Evidence | None:
     """Run every ordered pair on a small grid."""
-    identity = identity_of(GRID, seed)
-    outcome = run_grid(Grid(GRID), identity, folder=FOLDER / "exhaustive")
-    return {
-        "passed": not outcome.problems,
-        "problems": outcome.problems,
-        "summary": f"{outcome.grid.ordered_pairs:,} ordered pairs, all those on a grid of {GRID}",
-        "command": f"triaxis prove exhaustive --grid {GRID} --seed {seed}",
-        "seconds": round(outcome.progress.seconds, 1),
-        "rtl_hash": identity.rtl,
-    }
+    folder = FOLDER / "exhaustive"
+    run_grid(Grid(GRID), identity_of(GRID, seed), folder=folder)
+    return read_evidence(result_file(folder, GRID))
 
 
 def faults_part(seed: int, progress: Progress) -> Evidence | None:

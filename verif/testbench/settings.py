@@ -17,6 +17,15 @@ from triaxis.verif.testbench.golden_sample import Share
 _VARIABLE = "TRIAXIS_RUN"
 _DUT_VARIABLE = "TRIAXIS_DUT"
 PIN, BURST = "pin", "burst"
+# Where the tests stand; the simulator's process loads them by name, which no import shows.
+CORE_TESTS, MESH_TESTS = "triaxis.verif.core.uvm_tests", "triaxis.verif.mesh.uvm_tests"
+TEST_MODULES = ("triaxis.verif.testbench.entry", CORE_TESTS, MESH_TESTS)
+
+
+def width_of(config: str) -> int:
+    """Return the coordinate bits of a configuration of the core or of the mesh engine."""
+    parse = parse_mesh_configuration if is_mesh_configuration(config) else parse_configuration
+    return parse(config).width
 
 
 @dataclass(frozen=True)
@@ -65,7 +74,7 @@ class RunSettings:
     @property
     def width(self) -> int:
         """Return the coordinate bits of what is under test."""
-        return self.mesh_configuration.width if self.of_mesh_engine else self.configuration.width
+        return width_of(self.config)
 
     @property
     def mesh_configuration(self) -> MeshConfiguration:

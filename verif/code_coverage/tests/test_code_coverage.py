@@ -1,7 +1,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from triaxis.coverage.code_coverage import (
     generate_blocks,
 )
 from triaxis.coverage.elaboration import read_elaboration
-from triaxis.coverage.waivers import KINDS, Waiver, read_waivers
+from triaxis.coverage.waivers import KINDS, Waiver, module_hash, read_waivers
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.cli import main
@@ -196,7 +195,7 @@ def test_pairs_for_coverage(width: int, rng: np.random.Generator) -> None:
 
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
     run = replace(Run("w16_m0", 10, 9, 0, 50, 1.0), **changes)
-    waiver = Waiver(1, "bounded", "because", "dut", date(2030, 1, 1), "toggle", ("m",), signals=("s",))
+    waiver = Waiver(1, "bounded", "because", "dut", module_hash(()), "toggle", ("m",), signals=("s",))
     return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
 
 

@@ -7,11 +7,12 @@ import pytest
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
+from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
 from triaxis.verif.testbench import simulation
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
-from triaxis.verif.testbench.testnames import REPLAY, TESTS
+from triaxis.verif.testbench.test_table import REPLAY, core_tests
 
 pytestmark = pytest.mark.simulator
 
@@ -24,10 +25,17 @@ def burst(test, seed, pairs, folder, **options):
     return run_settings(test, CONFIG, seed, pairs, folder=folder, agent=BURST, **options)
 
 
+def test_a_folder_that_cannot_be_written_is_one_clear_line(tmp_path):
+    (tmp_path / "runs").touch()
+    settings = burst("RandomTest", 1, 10, tmp_path / "runs" / "one")
+    with pytest.raises(InputError, match="runs/one: cannot make this folder: Not a directory"):
+        run(settings)
+
+
 @pytest.mark.parametrize(
     ("test", "agent"),
     [
-        *((name, BURST) for name in TESTS if name not in (REPLAY, "SeedVectorsTest")),
+        *((name, BURST) for name in core_tests() if name not in (REPLAY, "SeedVectorsTest")),
         *((name, PIN) for name in ON_PINS),
     ],
 )

@@ -249,7 +249,11 @@ def test_an_interrupted_run_is_continued(tmp_path, monkeypatch, workers):
 
 def test_states_of_other_runs_are_not_continued(tmp_path):
     identity = run.identity_of(2, 1)
-    others = [replace(identity, seed=2), replace(identity, rtl="another"), replace(identity, checker="")]
+    others = [
+        replace(identity, seed=2),
+        replace(identity, rtl_hash="another"),
+        replace(identity, environment_hash=""),
+    ]
     progress = run.Progress(run._sum([ClassChecker(Grid(2), Answers(), bulk_facts, 1).check(0)]))
     for other in others:
         save(tmp_path, other, progress)

@@ -20,7 +20,7 @@ from triaxis.sim.detector import WIDTH, detect
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.verif.core.failing_pairs import Stream
-from triaxis.verif.core.kept_cases import REGRESSIONS
+from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors, seed_vectors_as_written
 from triaxis.verif.counterexample.candidates import bit_lengths
@@ -494,15 +494,17 @@ def test_command_line(seed, capsys, monkeypatch):
 
 def test_sim_runs_on_a_broken_core(seed, capsys):
     arguments = ["RandomTest", "--agent", "burst", "--pairs", "2000", "--seed", str(seed + 7000)]
-    before = sorted(REGRESSIONS.iterdir())
+    before = [sorted(folder.glob("*")) for folder in (REGRESSIONS, FOUND)]
     assert main(["sim", *arguments, "--fault", "F3"]) == 1
     told = capsys.readouterr().err.strip()
     assert "right is clear by axis 10 (A edge 1 x B edge 2)" in told
     assert told.endswith("--fault F3")
     # What a known fault brings out is no regression of the core.
-    assert sorted(REGRESSIONS.iterdir()) == before
+    assert [sorted(folder.glob("*")) for folder in (REGRESSIONS, FOUND)] == before
     assert main(["sim", *arguments, "--fault", "F10-late"]) == 2
-    assert "there is no RTL of it" in capsys.readouterr().err
+    assert "fault F10-late: is in the environment, and RandomTest drives the core" in capsys.readouterr().err
+    assert main(["sim", *arguments, "--fault", "engine-lane-mask"]) == 2
+    assert "is in the mesh engine, and RandomTest drives the core" in capsys.readouterr().err
 
 
 def test_broken_cores_are_kept_apart():

@@ -7,19 +7,15 @@ from xml.etree import ElementTree
 import pytest
 
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
+from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
-from triaxis.sim.provenance import provenance
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed
 from triaxis.verif.regress.history import NightlyRecord
-from triaxis.verif.regress.junit import write_junit
 from triaxis.verif.regress.outcome import Outcome
-from triaxis.verif.regress.planned_run import PlannedRun
-from triaxis.verif.regress.report_page import write_report
-from triaxis.verif.regress.results_file import history_record, write_results
+from triaxis.verif.regress.records import PlannedRun, RunRecord, State
+from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
 from triaxis.verif.regress.run import Request
-from triaxis.verif.regress.run_record import RunRecord
-from triaxis.verif.regress.state import State
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -87,7 +83,7 @@ def test_page_shows_buckets_first_and_coverage_of_a_configuration_with_other_tag
     assert "1 run," in page and "1 runs" not in page.split("<h2>", 1)[1]
     assert page.index("Failure buckets") < page.index("Other problems")
     assert "href='results.json'" in page and "href='junit.xml'" in page
-    assert provenance().rtl_hash in page
+    assert rtl_hash() in page
     assert "<details open" not in page
 
 

@@ -1,6 +1,5 @@
-"""The parts of a regression on their own: buckets, failing seeds, history, state, view of the testplan."""
+"""The parts of a regression on their own: buckets, failing seeds, history, state, jobs."""
 
-import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,16 +9,22 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.verif.regress import dispatch
-from triaxis.verif.regress.buckets import buckets, general
-from triaxis.verif.regress.definition import Item
-from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
+from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets, few_of_each_bucket, general
 from triaxis.verif.regress.history import NightlyRecord, append_record, now, read_history
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
-from triaxis.verif.regress.one_build import error_file
-from triaxis.verif.regress.planned_run import PlannedRun
-from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
-from triaxis.verif.regress.state import State, begin, previous, read_state, write_state
-from triaxis.verif.regress.testplan_view import write_view
+from triaxis.verif.regress.one_job import error_file
+from triaxis.verif.regress.records import (
+    PlannedRun,
+    RunRecord,
+    State,
+    begin,
+    previous,
+    read_record,
+    read_state,
+    record_file,
+    write_record,
+    write_state,
+)
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -190,58 +195,22 @@ def test_time_between_a_kill_and_its_continuation_does_not_count():
     assert state.seconds(records, now=520.0) == 30.0 + 20.0
 
 
-def test_view_of_the_testplan(tmp_path):
-    plan, view = tmp_path / "testplan.hjson", tmp_path / "view.hjson"
-    items = [
-        Item(f"MixedTest_{config}", "MixedTest", config, 1, "burst", 1, 1) for config in ("w16_m0", "w8_m8")
-    ]
-    assert not write_view(view, items, plan)
-    assert not view.exists()
-    point = {"desc": "d", "stage": "V1", "formal": ["a proof"], "weight": 3}
-    plan.write_text(
-        json.dumps(
-            {
-                "name": "x",
-                "testpoints": [
-                    {"name": "mixed", "tests": ["MixedTest"], **point},
-                    {"name": "proved", "tests": [], **point},
-                ],
-            }
-        )
-    )
-    why = "dvsim is not installed: run `make regress`, which installs it"
-    dvsim = pytest.importorskip("dvsim.testplan", reason=why)
-    assert write_view(view, items, plan)
-    found = {point.name: point for point in dvsim.Testplan(str(view), tmp_path, "triaxis").testpoints}
-    assert found["mixed"].tests == ["MixedTest_w16_m0", "MixedTest_w8_m8"]
-    assert found["proved"].not_mapped
-    plan.write_text("{testpoints: [{}]}")
-    with pytest.raises(InputError, match="not a testplan"):
-        write_view(view, items, plan)
+def job(*words, folder):
+    command = [sys.executable, "-m", "triaxis.verif.regress.one_job", *words, "--folder", str(folder)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def test_a_failed_build_leaves_its_reason(tmp_path):
-    def build(config, margin_bits):
-        words = ["--config", config, "--width", "16", "--margin-bits", str(margin_bits), "--agent", "burst"]
-        words += ["--folder", str(tmp_path)]
-        command = [sys.executable, "-m", "triaxis.verif.regress.one_build", *words]
-        return subprocess.run(command, capture_output=True, text=True, check=False)
-
-    for config, margin_bits, reason in (
-        ("w16_m17", 17, "margin bits 17: must be 0..16"),
-        ("w16_m16", 0, "build mode w16_m16: its parameters are those of w16_m0"),
-    ):
-        answer = build(config, margin_bits)
-        assert answer.returncode == 1
-        assert f"FAILED: {reason}" in answer.stdout
-        assert reason in error_file(tmp_path, config).read_text()
+    answer = job("build", "--config", "w16_m17", "--agent", "burst", folder=tmp_path)
+    assert answer.returncode == 1
+    assert "FAILED: margin bits 17: must be 0..16" in answer.stdout
+    assert "margin bits 17" in error_file(tmp_path, "w16_m17").read_text()
 
 
 def test_a_run_of_other_sources_leaves_no_result(tmp_path):
     words = ["--item", RUN.item, "--test", RUN.test, "--config", RUN.config, "--seed", "7", "--pairs", "1"]
-    words += ["--folder", str(tmp_path), "--failing", str(tmp_path / "failing.json"), "--identity", "other"]
-    command = [sys.executable, "-m", "triaxis.verif.regress.one_run", *words]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    words += ["--failing", str(tmp_path / "failing.json"), "--identity", "other"]
+    answer = job("run", *words, folder=tmp_path)
     assert answer.returncode == 1
     assert answer.stdout == "FAILED: the RTL or its environment changed during the regression\n"
     assert not list(tmp_path.rglob("*.json"))

@@ -14,9 +14,8 @@ from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.evidence import read_evidence
-from triaxis.verif.regress.identity import identity
-from triaxis.verif.regress.planned_run import PlannedRun
-from triaxis.verif.regress.run_record import read_records
+from triaxis.verif.regress.one_job import identity
+from triaxis.verif.regress.records import PlannedRun, read_records
 from triaxis.verif.regress.tests.small_regressions import (
     CONFIG,
     LONG,
@@ -30,6 +29,9 @@ from triaxis.verif.regress.tests.small_regressions import (
     start,
     write_definition,
 )
+
+# Whole regressions, with simulations.
+pytestmark = [pytest.mark.regress, pytest.mark.simulator]
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ import pytest
 pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
 
 from triaxis.sim.paths import BUILD
-from triaxis.verif.regress.run_record import read_records
+from triaxis.verif.regress.records import read_records
 from triaxis.verif.regress.tests.small_regressions import (
     LONG,
     await_results,
@@ -24,6 +24,8 @@ from triaxis.verif.regress.tests.small_regressions import (
     start,
     write_definition,
 )
+
+pytestmark = [pytest.mark.regress, pytest.mark.simulator]
 
 _HOW = "verif/regress/slurm_node.sh start (as root, with Debian's slurm-wlm and munge) brings one up"
 

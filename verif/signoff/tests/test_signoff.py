@@ -10,15 +10,16 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.provenance import provenance
+from triaxis.sim.validity import validity
 from triaxis.verif.core.detector_check import DetectorResult
+from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult
-from triaxis.verif.signoff.simulation_part import collect_coverage
-from triaxis.verif.signoff.simulation_result import SimulationResult
+from triaxis.verif.signoff.simulation import SOURCES, SimulationResult
 from triaxis.verif.testbench.settings import BURST, PIN, coverage_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 
+HERE = validity(SOURCES)
 ALL_AXES = list(range(-1, 32))
 COUNTS = {
     "accepted": 200_000,
@@ -55,7 +56,7 @@ def good():
     scene = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
     detector = DetectorResult(15, 3000, 0)
     runs = [run, engine_run]
-    return SimulationResult(runs, [scene], None, detector, coverage(), 200_000, provenance(), 1.0)
+    return SimulationResult(runs, [scene], None, detector, coverage(), 200_000, HERE, 1.0)
 
 
 def counted(result, **changes):
@@ -81,7 +82,7 @@ def test_all_well():
         (lambda r: counted(r, accepted=8), "8 of 10 pairs sent"),
         (lambda r: counted(r, judged_axes=ALL_AXES[:-1]), "decided by axis 31, in w16_m0"),
         (lambda r: counted(r, judged_axes=ALL_AXES[1:]), "decided by nothing, being near"),
-        (lambda r: replace(r, provenance=replace(r.provenance, environment_hash="x")), "changed during"),
+        (lambda r: replace(r, valid_for=replace(HERE, environment_hash="x")), "changed during"),
         (without_scenes, "no pair of a scene"),
         (lambda r: replace(r, runs=[r.runs[0], replace(r.runs[1], passed=False)]), "MeshRandomTest in mesh_"),
         (lambda r: replace(r, scenes=[]), "no scene"),
@@ -93,7 +94,7 @@ def test_all_well():
         (lambda r: replace(r, coverage=coverage(hit=32, missing=("near",))), "32 of 33 bins"),
         (lambda r: replace(r, coverage=coverage(illegal_hits=(ILLEGAL,))), "illegal bin flags hit"),
         (lambda r: replace(r, coverage=[]), "no coverage"),
-        (lambda r: replace(r, provenance=replace(r.provenance, rtl_hash="other")), "changed during"),
+        (lambda r: replace(r, valid_for=replace(HERE, rtl_hash="other")), "changed during"),
     ],
 )
 def test_each_shortfall_is_a_problem(change, message):
@@ -103,7 +104,7 @@ def test_each_shortfall_is_a_problem(change, message):
 
 def test_plan_covers_widths_margins_and_builds():
     runs = plan(1)
-    configurations = {run.configuration for run in runs}
+    configurations = {run.configuration for run in runs if not run.of_mesh_engine}
     assert {c.width for c in configurations} >= {8, 16, 24, 32}
     assert {c.margin_bits for c in configurations} >= {0, 8, 16, 24, 32}
     assert any(not c.edge_box for c in configurations)
@@ -115,15 +116,9 @@ def test_plan_covers_widths_margins_and_builds():
 
 def test_coverage_of_another_model_ends_the_signoff(tmp_path):
     """A run of one configuration that left the coverage of another."""
-    settings = run_settings("RandomTest", Configuration(), 1, 10, folder=tmp_path)
-    other = run_settings("RandomTest", Configuration(16, 16), 1, 10, folder=tmp_path / "other")
-    (tmp_path / "other").mkdir()
-    model = core_model(*other.configuration.covered)
-    for folder in (tmp_path, tmp_path / "other"):
-        Counts.empty(model).save(coverage_file(folder))
-    good = RunResult(other, True, 1.0, COUNTS, (), tmp_path / "log")
-    foreign = RunResult(settings, True, 1.0, COUNTS, (), tmp_path / "log")
-    with pytest.raises(InputError, match="counts of coverage model core_w16_m16"):
-        collect_coverage([good, foreign])
-    with pytest.raises(InputError, match="cannot read"):
-        collect_coverage([replace(foreign, settings=replace(settings, folder=str(tmp_path / "none")))])
+    Counts.empty(core_model(16, 16)).save(coverage_file(tmp_path))
+    assert merge_coverage(tmp_path, ["w16_m16"], [("w16_m16", tmp_path)])[0].model == "core_w16_m16"
+    wrong = {"counts of coverage model core_w16_m16": tmp_path, "cannot read": tmp_path / "none"}
+    for message, folder in wrong.items():
+        with pytest.raises(InputError, match=message):
+            merge_coverage(tmp_path, ["w16_m0"], [("w16_m0", folder)])

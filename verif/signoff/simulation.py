@@ -1,20 +1,31 @@
-"""What the simulations of a sign-off found, and the reasons for a failure."""
+"""The simulations of a sign-off: builds, tests, scenes, the wrapper, functional coverage; what they found."""
 
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, TypeVar
 
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.sim.provenance import Provenance, provenance
-from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult
-from triaxis.verif.signoff.scene_checks import SceneResult
-from triaxis.verif.testbench.simulation import RunResult
+from triaxis.sim.build import library
+from triaxis.sim.core_engine import configuration_for
+from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult, check_detector
+from triaxis.verif.counterexample.explaining import run_and_explain
+from triaxis.verif.regress.coverage_models import merge_coverage
+from triaxis.verif.regress.one_job import MOST_OF
+from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
+from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
+from triaxis.verif.testbench.settings import TEST_MODULES, RunSettings
+from triaxis.verif.testbench.simulation import RunResult, build_for
 
-# Tests send whole groups: some pairs less than they were asked for.
-_MOST_OF = 0.9
+SOURCES = Sources(("triaxis.verif.signoff.simulation", *TEST_MODULES), ("verif/core/kept/*.json",))
 
 
 @dataclass(frozen=True)
@@ -27,7 +38,7 @@ class SimulationResult:
     detector: DetectorResult
     coverage: list[ModelReport]
     least_pairs: int
-    provenance: Provenance
+    valid_for: Validity
     seconds: float
 
     @property
@@ -74,13 +85,13 @@ class SimulationResult:
 
     @cached_property
     def problems(self) -> list[str]:
-        """Return the reasons for a failure, one line each, as they are when first asked for."""
+        """Return what stands against a pass, one line each: as it is when first asked."""
         found = [f"{r.settings.test} in {r.settings.config} failed" for r in self.runs if not r.passed]
         found += [
             f"{r.settings.test} in {r.settings.config}: {r.counts['accepted']} of {r.settings.pairs} "
             "pairs sent"
             for r in self.runs
-            if r.counts and r.counts["accepted"] < _MOST_OF * r.settings.pairs
+            if r.counts and r.counts["accepted"] < MOST_OF * r.settings.pairs
         ]
         found += [
             f"scene {s.name}: {s.found}, expected {s.expected}"
@@ -106,8 +117,8 @@ class SimulationResult:
         ]
         if not self.coverage:
             found.append("no coverage was collected")
-        if provenance() != self.provenance:
-            found.append("the RTL or the checkout changed during the run")
+        if validity(SOURCES) != self.valid_for:
+            found.append("the RTL or its environment changed during the run")
         return found
 
 
@@ -126,7 +137,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         f"{result.mesh_counts['checked']:,} pairs of scenes accounted for by the mesh engine",
         "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
-        "rtl_hash": result.provenance.rtl_hash,
+        "rtl_hash": result.valid_for.rtl_hash,
         "pairs_checked": result.checked,
         "pairs_judged_by_golden_model": result.judged,
         "mesh_engine": result.mesh_counts,
@@ -157,3 +168,73 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
             for model in result.coverage
         },
     }
+
+
+Answer = TypeVar("Answer")
+
+_JOBS = min(2, os.cpu_count() or 1)
+# Scenes, real meshes, the wrapper.
+_CHECKS = 3
+
+
+def step_count(seed: int, volume: int) -> int:
+    """Return how many steps the simulations have."""
+    runs = plan(seed, volume)
+    return len(_builds(runs)) + len(runs) + _CHECKS
+
+
+def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> SimulationResult:
+    """Run everything; ``progress`` is told of each step done."""
+    start = time.monotonic()
+    before = validity(SOURCES)
+    runs = plan(seed, volume)
+    builds = _builds(runs)
+
+    def one_build(build: Callable[[], Path]) -> None:
+        build()
+        progress(1)
+
+    def one_check(check: Callable[[], Answer]) -> Answer:
+        answer = check()
+        progress(1)
+        return answer
+
+    def one_run(settings: RunSettings) -> RunResult:
+        result = run_and_explain(settings)
+        progress(1)
+        return result
+
+    with ThreadPoolExecutor(_JOBS) as pool:
+        built = [pool.submit(one_build, build) for build in builds]
+        results = [pool.submit(one_run, settings) for settings in runs]
+        try:
+            # Here, in the main thread: the solver's handler of interrupts works in no other.
+            made = one_check(partial(check_scenes, FOLDER / "scenes"))
+            real = one_check(partial(check_real_meshes, FOLDER / "scenes"))
+            detector = one_check(partial(check_detector, seed))
+            for future in (*built, *results):
+                future.result()
+        except BaseException:
+            # An error or an interrupt: start nothing more.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    ran = [future.result() for future in results]
+    passed = [(result.settings.config, Path(result.settings.folder)) for result in ran if result.passed]
+    seconds = time.monotonic() - start
+    return SimulationResult(
+        ran,
+        made,
+        real,
+        detector,
+        merge_coverage(FOLDER, (r.settings.config for r in ran), passed),
+        max(volume, VOLUME),
+        before,
+        seconds,
+    )
+
+
+def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
+    """Return the builds that the runs and scenes need; the widest take longest and come first."""
+    wanted = {(r.config, r.agent): r for r in runs}.values()
+    widest_first = sorted(wanted, key=lambda r: (-r.width, r.agent, r.config))
+    return [partial(build_for, r) for r in widest_first] + [partial(library, configuration_for(24, 1))]

@@ -13,9 +13,8 @@ from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progres
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.verif.regress.coverage_models import model_of
-from triaxis.verif.signoff.mesh_plan import mesh_plan
 from triaxis.verif.signoff.plan import plan
-from triaxis.verif.signoff.plan_check import check_plan, inventory
+from triaxis.verif.signoff.testplan import check_plan, inventory
 from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
 
 TEXT = TESTPLAN.read_text()
@@ -71,7 +70,7 @@ def test_a_bin_of_one_configuration_is_missed(tmp_path):
 def progress_with(change):
     """Return the status of each testpoint by name: each bin hit as often as its goal, but for a change."""
     reports = []
-    for model in dict.fromkeys(model_of(one.config) for one in (*plan(1), *mesh_plan(1))):
+    for model in dict.fromkeys(model_of(one.config) for one in plan(1)):
         counts = Counts.empty(model)
         counts.hits.update({item.name: item.goals.copy() for item in model.items})
         change(model.name, counts.hits)

@@ -1,6 +1,7 @@
-"""What dvsim starts for each run, here or on another machine: simulates, and writes the result at once.
+"""What dvsim starts for each job, here or elsewhere: ``build`` a configuration, or ``run`` a test once.
 
-Exit codes: 0 passed, 1 failed.
+Exit codes: 0 built or passed, 1 failed. A run writes its result at once; the reason of a failed build is left
+in a file too, for the report.
 """
 
 import argparse
@@ -11,40 +12,62 @@ import sys
 import time
 from pathlib import Path
 
+from filelock import FileLock
+
 from triaxis.golden.errors import InputError
-from triaxis.sim.file_lock import locked
+from triaxis.golden.outputs import make_folder, write_whole
+from triaxis.sim.validity import Sources, validity
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.failing import FailingSeeds
-from triaxis.verif.regress.identity import identity
-from triaxis.verif.regress.planned_run import PlannedRun, add_options
-from triaxis.verif.regress.run_record import RunRecord, read_record, record_file, write_record
-from triaxis.verif.testbench.simulation import RunResult
+from triaxis.verif.regress.records import (
+    PlannedRun,
+    RunRecord,
+    add_options,
+    read_record,
+    record_file,
+    write_record,
+)
+from triaxis.verif.testbench.settings import BURST, PIN, TEST_MODULES
+from triaxis.verif.testbench.simulation import RunResult, build_for, run_settings
 
+SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), ("verif/core/kept/*.json",))
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
 ANY = "any"
 # Tests send whole groups: some pairs less than they were asked for.
-_MOST_OF = 0.9
+MOST_OF = 0.9
 # An error of the RTL or of the environment; a simulator that was killed logs none.
 _BLAME = re.compile("ERROR|CRITICAL|%Error|Error:")
 
 
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--item", required=True, help="name of the test in the Hjson file")
-    parser.add_argument("--test", required=True, help="name of the UVM test")
-    parser.add_argument("--config", required=True)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--folder", type=Path, required=True, help="where results and runs go")
-    parser.add_argument("--failing", type=Path, required=True, help="where failing seeds are kept")
-    parser.add_argument("--identity", default=ANY, help="the sources that the result is to be of")
-    add_options(parser)
-    return parser.parse_args()
+def identity() -> str:
+    """Return what results of runs are valid for, in short."""
+    return validity(SOURCES).key
+
+
+def error_file(folder: Path, config: str) -> Path:
+    """Return where the reason of a failed build is left."""
+    return folder / "builds" / f"{config}.error"
+
+
+def _build(options: argparse.Namespace) -> int:
+    """Build the simulators of a configuration, for the agents that need them."""
+    failed = error_file(options.folder, options.config)
+    failed.unlink(missing_ok=True)
+    try:
+        for agent in options.agent:
+            build_for(run_settings("build", options.config, 1, 1, agent=agent))
+    except InputError as error:
+        write_whole(failed, f"{error}\n")
+        print(f"FAILED: {error}")
+        return 1
+    print("BUILD DONE")
+    return 0
 
 
 def _too_few(run: PlannedRun, result: RunResult) -> tuple[str, ...]:
     """Return what is wrong with a run that passed on less than it was asked for."""
     accepted = int(result.counts["accepted"]) if result.counts else 0
-    if result.passed and accepted < _MOST_OF * run.pairs:
+    if result.passed and accepted < MOST_OF * run.pairs:
         return (f"ERROR {accepted} of {run.pairs} pairs sent",)
     return ()
 
@@ -52,7 +75,6 @@ def _too_few(run: PlannedRun, result: RunResult) -> tuple[str, ...]:
 def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
     """Run the simulation; whatever hinders it makes a failed run."""
     settings = run.settings(folder / "runs" / run.key)
-    log = Path(settings.folder) / "simulation.log"
     started = time.time()
     counts, found, errors, silent = None, (), (), False
     try:
@@ -74,16 +96,15 @@ def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
         time.time(),
         socket.gethostname(),
         os.environ.get("SLURM_JOB_ID") or os.environ.get("LSB_JOBID"),
-        str(log),
+        str(Path(settings.folder) / "simulation.log"),
         settings.folder,
         settings.replay_command,
         silent,
     )
 
 
-def main() -> int:
+def _run(options: argparse.Namespace) -> int:
     """Run once, unless the same run has passed meanwhile."""
-    options = _options()
     run = PlannedRun(
         options.item,
         options.test,
@@ -98,8 +119,9 @@ def main() -> int:
         # No result: it would be of neither the one nor the other.
         print("FAILED: the RTL or its environment changed during the regression")
         return 1
+    make_folder(results)
     # A run that outlived the regression that started it may still be at work in the same folder.
-    with locked(results / f"{run.key}.lock"):
+    with FileLock(results / f"{run.key}.lock"):
         record = read_record(record_file(results, run))
         if record is None or not record.passed or record.identity != sources:
             record = _perform(run, options.folder, sources)
@@ -114,6 +136,30 @@ def main() -> int:
     if record.passed:
         print(f"TEST PASSED: {record.checked} pairs checked")
     return 0 if record.passed else 1
+
+
+def main() -> int:
+    """Do the job."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    jobs = parser.add_subparsers(required=True)
+    build = jobs.add_parser("build")
+    build.add_argument("--config", required=True)
+    build.add_argument("--number", help="tells dvsim that builds of other names are others")
+    build.add_argument("--folder", type=Path, required=True, help="where the reason of a failure goes")
+    build.add_argument("--agent", choices=(PIN, BURST), action="append", required=True)
+    build.set_defaults(do=_build)
+    run = jobs.add_parser("run")
+    run.add_argument("--item", required=True, help="name of the test in the Hjson file")
+    run.add_argument("--test", required=True, help="name of the UVM test")
+    run.add_argument("--config", required=True)
+    run.add_argument("--seed", type=int, required=True)
+    run.add_argument("--folder", type=Path, required=True, help="where results and runs go")
+    run.add_argument("--failing", type=Path, required=True, help="where failing seeds are kept")
+    run.add_argument("--identity", default=ANY, help="the sources that the result is to be of")
+    add_options(run)
+    run.set_defaults(do=_run)
+    options = parser.parse_args()
+    return options.do(options)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,145 @@
+"""What a result is valid for: the RTL, the files that drive and judge it, the Verilator that simulated it.
+
+A method names the modules that its results come from. What these import, wherever it lies, counts with them,
+and so does the compiled code in the folders of all of these. Nothing else counts: where the command line or a
+report changes, every result stands.
+"""
+
+import ast
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.sim.paths import DUT, ROOT
+from triaxis.sim.toolchain import verilator
+
+_PACKAGE = "triaxis"
+# What is compiled, or read by what is: it belongs to the modules of its folder.
+_COMPILED = (".cpp", ".h", ".sv", ".vlt", ".csv")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The files that a method's results come from.
+
+    ``modules``: full names of Python modules, also those that are loaded by name only, which no import shows;
+    ``data``: further files, as patterns in the checkout.
+    """
+
+    modules: tuple[str, ...]
+    data: tuple[str, ...] = ()
+
+    def files(self) -> list[Path]:
+        """Return all of them in a fixed order; raise ValueError where a module or a pattern names nothing."""
+        waiting = [path for name in self.modules for path in _named(name)]
+        if missing := [name for name in self.modules if not list(_named(name))]:
+            raise ValueError(f"{', '.join(missing)}: no such module")
+        found: set[Path] = set()
+        while waiting:
+            path = waiting.pop()
+            if path not in found:
+                found.add(path)
+                waiting += _imported(path.read_text(encoding="utf-8"))
+        for folder in {path.parent for path in found}:
+            found.update(_compiled_in(folder))
+        for pattern in self.data:
+            matching = list(ROOT.glob(pattern))
+            if not matching:
+                raise ValueError(f"{pattern}: no such file")
+            found.update(matching)
+        return sorted(found)
+
+    def hash(self) -> str:
+        """Return the hash of their contents as they stand now."""
+        return content_hash(self.files())
+
+
+def _place(name: str) -> Path | None:
+    package, *parts = name.split(".")
+    return ROOT.joinpath(*parts) if package == _PACKAGE and parts else None
+
+
+def _named(name: str) -> Iterator[Path]:
+    """Yield the file of a module of ours, and what its packages run when it is imported."""
+    place = _place(name)
+    if place is None:
+        return
+    own = [path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file()]
+    yield from own
+    if own:
+        packages = [path for path in place.parents if path != ROOT and path.is_relative_to(ROOT)]
+        yield from (path / "__init__.py" for path in packages if (path / "__init__.py").is_file())
+
+
+@cache
+def _imported(text: str) -> tuple[Path, ...]:
+    """Return the files of ours that the text of a module imports, wherever in it."""
+    names: list[str] = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            # What is imported from a package can be one of its modules.
+            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return tuple(path for name in names for path in _named(name))
+
+
+def _compiled_in(folder: Path) -> Iterator[Path]:
+    """Yield the compiled files of a folder, and of its folders that are no packages."""
+    for path in folder.iterdir():
+        if path.suffix in _COMPILED:
+            yield path
+        elif path.is_dir() and path.name != "tests" and not (path / "__init__.py").exists():
+            yield from _compiled_in(path)
+
+
+@dataclass(frozen=True)
+class Validity:
+    """What a result is valid for. ``environment_hash``: of the `Sources` that it comes from."""
+
+    rtl_hash: str
+    environment_hash: str
+    verilator: str
+
+    @property
+    def key(self) -> str:
+        """Return a short name of all three together."""
+        return content_hash((), self.rtl_hash, self.environment_hash, self.verilator)[:16]
+
+
+@dataclass(frozen=True)
+class Provenance(Validity):
+    """What a result is valid for, and the commit that was checked out; None where this is no checkout."""
+
+    git_commit: str | None
+    git_clean: bool | None
+
+    def still_holds(self, sources: Sources, dut: Path = DUT) -> bool:
+        """Return whether all that it is valid for is as it was; a commit changes nothing of that."""
+        return validity(sources, dut).key == self.key
+
+
+def validity(sources: Sources, dut: Path = DUT) -> Validity:
+    """Return what a result of ``sources`` on this RTL is valid for, as both stand now."""
+    return Validity(rtl_hash(dut), sources.hash(), str(verilator()))
+
+
+def provenance(sources: Sources) -> Provenance:
+    """Return the same with the commit: to be taken before the first run."""
+    changed = git("status", "--porcelain")
+    clean = None if changed is None else not changed
+    return Provenance(**vars(validity(sources)), git_commit=git("rev-parse", "HEAD"), git_clean=clean)
+
+
+def git(*arguments: str) -> str | None:
+    """Return what git answers, or None where this is no checkout."""
+    try:
+        answer = subprocess.run(
+            ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False
+        )
+    except FileNotFoundError:
+        return None
+    return answer.stdout.strip() if answer.returncode == 0 else None

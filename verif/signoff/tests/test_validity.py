@@ -1,0 +1,66 @@
+"""Results are valid for all that decides them, and for nothing else."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from triaxis.sim import validity
+from triaxis.sim.paths import ROOT
+from triaxis.sim.validity import Sources
+from triaxis.verif.regress.one_job import SOURCES
+from triaxis.verif.signoff import gate
+
+
+def names(sources: Sources) -> set[str]:
+    return {str(path.relative_to(ROOT)) for path in sources.files()}
+
+
+def test_all_that_a_simulation_loads_counts_and_no_more() -> None:
+    code = (
+        "import json, os, sys; from triaxis.verif.testbench.settings import RunSettings; "
+        "os.environ.update(RunSettings('MixedTest', 1, 'w16_m0', 1, '.').to_environment()); "
+        "import triaxis.verif.core.uvm_tests, triaxis.verif.mesh.uvm_tests; "
+        "import triaxis.verif.testbench.simulation; "
+        "files = [getattr(m, '__file__', None) for n, m in sys.modules.items() if n.startswith('triaxis.')]; "
+        "print(json.dumps([f for f in files if f]))"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {str(Path(name).resolve().relative_to(ROOT)) for name in json.loads(answer.stdout)}
+    found = names(SOURCES)
+    assert len(loaded) > 40 and loaded <= found
+    assert {"sim/core_harness.cpp", "verif/core/sva/triaxis_core_sva.sv", "golden/bulk.cpp"} <= found
+    assert not any(name.startswith(("host/cli", "bench", "docs")) or "/tests/" in name for name in found)
+
+
+def test_a_page_or_a_command_voids_no_sign_off() -> None:
+    found = names(gate.SOURCES)
+    assert {"coverage/stages.toml", "coverage/waivers.toml", "verif/faults/patches/F2.patch"} <= found
+    assert {"verif/signoff/gate.py", "verif/signoff/result.py", "verif/core/uvm_tests.py"} <= found
+    assert not {"verif/signoff/page.py", "verif/signoff/plots.py"} & found
+    assert not any(name.startswith("host/cli") for name in found)
+
+
+def test_whatever_is_imported_anywhere_in_a_module_changes_the_hash(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(validity, "ROOT", tmp_path)
+    for folder, text in (("a", "def f():\n    from triaxis.b import part\n"), ("b", ""), ("c", "")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "__init__.py").touch()
+        (tmp_path / folder / "part.py").write_text(text)
+    sources = Sources(("triaxis.a.part",))
+    validity._imported.cache_clear()
+    hashes = [sources.hash()]
+    for changed, voids in (
+        ("b/part.py", True),
+        ("b/__init__.py", True),
+        ("c/part.py", False),
+        ("b/x.sv", True),
+    ):
+        (tmp_path / changed).write_text("# changed")
+        hashes.append(sources.hash())
+        assert (hashes[-1] != hashes[-2]) == voids, changed
+    validity._imported.cache_clear()
+    with pytest.raises(ValueError, match=r"triaxis\.gone: no such module"):
+        Sources(("triaxis.gone",)).files()
