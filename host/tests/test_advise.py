@@ -9,21 +9,24 @@ from triaxis.fpga.dsp_count import DspCount
 from triaxis.fpga.part import Resources
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.host.advice import measuring, whole_board, widths
+from triaxis.host.advice import measuring, widths
 from triaxis.host.advice.choosing import Advice, advise, all_rows
-from triaxis.host.advice.engine_work import EngineShape, LoadedMesh, engine_work
-from triaxis.host.advice.exact_near import TooManyError, exact_near
-from triaxis.host.advice.measuring import measure, positions_of
-from triaxis.host.advice.scene import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
-from triaxis.host.advice.whole_board import with_resources
-from triaxis.host.advice.widths import Board, lanes_of_builds, width_row
+from triaxis.host.advice.measuring import (
+    EngineShape,
+    LoadedMesh,
+    TooManyError,
+    engine_work,
+    exact_near,
+    measure,
+    positions_of,
+)
+from triaxis.host.advice.wanted import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.widths import Board, lanes_of_builds, width_row, with_resources
 from triaxis.host.cli import main
-from triaxis.host.engine_scene import MeshEngineScene
-from triaxis.host.grid_choice import Steps
-from triaxis.host.mesh_data import mesh_data
-from triaxis.host.meshcheck import distance_of
-from triaxis.host.quantise import Box, Vector
-from triaxis.host.scenes import box, tool, vise, write_stl
+from triaxis.host.engines import MeshEngineScene
+from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.scene import distance_of
+from triaxis.host.scenes import box, mesh_data, tool, vise, write_stl
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import ROOT
@@ -237,13 +240,13 @@ def test_a_synthesis_is_kept_for_its_own_build_only(tmp_path: Path, monkeypatch:
         made.append(parameters["W"])
         return Made()
 
-    monkeypatch.setattr(whole_board, "_FOLDER", tmp_path)
-    monkeypatch.setattr(whole_board, "synthesise", synthesise)
-    monkeypatch.setattr(whole_board, "yosys_version", lambda: "stand-in")
-    assert whole_board.known_resources(row) is None
-    assert whole_board.synthesised_resources(row) == used
-    assert whole_board.synthesised_resources(row) == used == whole_board.known_resources(row)
-    assert whole_board.known_resources(other) is None
+    monkeypatch.setattr(widths, "_FOLDER", tmp_path)
+    monkeypatch.setattr(widths, "synthesise", synthesise)
+    monkeypatch.setattr(widths, "yosys_version", lambda: "stand-in")
+    assert widths.known_resources(row) is None
+    assert widths.synthesised_resources(row) == used
+    assert widths.synthesised_resources(row) == used == widths.known_resources(row)
+    assert widths.known_resources(other) is None
     assert made == [16]
 
 

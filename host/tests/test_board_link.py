@@ -15,19 +15,18 @@ import pytest
 
 from triaxis.golden.judge import judge_pairs
 from triaxis.host import scenes
-from triaxis.host.cli import board_check as board_check_module
+from triaxis.host.cli import check as check_module
+from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import main
 from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.enclosure import NOT_ASKED
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
-from triaxis.host.link.check import check_on_board
-from triaxis.host.link.codes import Mesh, Mode, RunEnd
-from triaxis.host.link.errors import LinkError
-from triaxis.host.link.line import SerialLine
-from triaxis.host.link.messages import Pose
-from triaxis.host.meshcheck import check_meshes, prepare
-from triaxis.host.pose import Pose as RealPose
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.exchange import LinkError, SerialLine
+from triaxis.host.link.messages import Mesh, Mode, Pose, RunEnd
+from triaxis.host.scene import Pose as RealPose
+from triaxis.host.scene import check_meshes, prepare
 from triaxis.host.stl import StlMesh
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies
 from triaxis.sim.pseudo_terminal import PseudoTerminal, ServedBoard, Wire, serve
@@ -63,7 +62,7 @@ def one_near_pair(rng, near=True):
 
 def check(board, a, b, margin=2):
     board.hello()
-    return check_on_board(board, a, b, margin, Pose(0, 0, 0), Mode.ALL)
+    return BoardEngine(board, a, b).check(Pose(0, 0, 0), margin, Mode.ALL)
 
 
 def prepared(scene, move=(0, 0, 0)):
@@ -142,7 +141,7 @@ def test_a_board_is_not_asked_where_one_mesh_may_be_inside_the_other(
 
 def test_a_board_that_misses_near_facets_is_not_believed(top, boxes, capsys, monkeypatch):
     a, b, _ = boxes
-    monkeypatch.setattr(board_check_module, "_insides", lambda options, meshes: NOT_ASKED)
+    monkeypatch.setattr(check_module, "_insides", lambda meshes: NOT_ASKED)
     with ServedBoard(top) as served:
         status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
         assert top.stop
@@ -269,11 +268,11 @@ def test_a_frame_of_long_ago_is_not_taken_for_the_next(ago, top, rng):
     a, b, pair = one_near_pair(rng)
     board.hello()
     loaded = len(sent)
-    assert check_on_board(board, a, b + 30_000, 2, Pose(0, 0, 0), Mode.ALL).verdict == Verdict.CLEAR
+    assert BoardEngine(board, a, b + 30_000).check(Pose(0, 0, 0), 2, Mode.ALL).verdict == Verdict.CLEAR
     for _ in range(ago - (len(sent) - loaded)):
         board.status()
     replaying = True
-    found = check_on_board(board, a, b, 2, Pose(0, 0, 0), Mode.ALL)
+    found = BoardEngine(board, a, b).check(Pose(0, 0, 0), 2, Mode.ALL)
     assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
     assert top.stop
 
@@ -385,7 +384,7 @@ def test_an_interrupted_hold_stops_at_once(top, boxes, capsys, monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(board_check_module, "time", SimpleNamespace(sleep=interrupt))
+    monkeypatch.setattr(engine_module, "time", SimpleNamespace(sleep=interrupt))
     with ServedBoard(top) as served:
         status, out, error = board_check(capsys, a, b, "--port", served.path, "--hold")
         assert top.go_clocks
@@ -417,7 +416,7 @@ def test_a_second_master_is_refused_while_the_first_lives(top, rng):
             second.hello(seconds=0.1)
 
     first.hello()
-    found = check_on_board(first, a, b, 2, Pose(0, 0, 0), Mode.ALL, keeps_asking)
+    found = BoardEngine(first, a, b, progress=keeps_asking).check(Pose(0, 0, 0), 2, Mode.ALL)
     assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
     assert len(order) > 3
     # The first falls silent: the second waits for its watchdog.
@@ -446,7 +445,7 @@ def test_status_and_a_board_of_other_rtl(top, capsys, monkeypatch):
     with ServedBoard(top) as served:
         assert main(["board", "status", "--port", served.path]) == 0
         right = capsys.readouterr().out
-        monkeypatch.setattr(board_check_module, "checkout_id", lambda: 0xFACADE)
+        monkeypatch.setattr(engine_module, "checkout_id", lambda: 0xFACADE)
         assert main(["board", "status", "--port", served.path]) == 0
         wrong = capsys.readouterr().out
     assert "16 bits, margin 16 bits, 512 facets a mesh, groups of 8, 8 lanes" in right
@@ -465,7 +464,7 @@ def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(top, boxes, t
         options = (a, b, "--port", served.path, "--json", report)
         assert board_check(capsys, *options)[0] == 0
         assert json.loads(report.read_text())["bitstream"] == {"known": True, "any_allowed": False}
-        monkeypatch.setattr(board_check_module, "checkout_id", lambda: 0xFACADE)
+        monkeypatch.setattr(engine_module, "checkout_id", lambda: 0xFACADE)
         refused = board_check(capsys, *options)
         assert json.loads(report.read_text()) == {"verdict": "unknown"}
         assert top.stop

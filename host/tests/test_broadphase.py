@@ -6,9 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from triaxis.golden.scene import apart, boxes_of
-from triaxis.host import box_tree, broadphase
-from triaxis.host.box_tree import BoxTree, Work, overlapping
-from triaxis.host.broadphase import candidates
+from triaxis.host import broadphase
+from triaxis.host.broadphase import BoxTree, Work, candidates, overlapping
 
 REPEATABLE = settings(deadline=None, derandomize=True, database=None)
 MARGINS = [0, 1, 50]
@@ -143,7 +142,7 @@ def test_blocks_are_bounded(rng, monkeypatch):
     "order", [lambda n: np.arange(n), lambda n: np.arange(n)[::-1], lambda n: np.arange(n) * 7 % n]
 )
 def test_no_order_loses_a_pair(rng, monkeypatch, order):
-    monkeypatch.setattr(box_tree, "morton_order", lambda boxes: order(len(boxes)))
+    monkeypatch.setattr(broadphase, "morton_order", lambda boxes: order(len(boxes)))
     assert_same(spread(rng, 103), spread(rng, 211), 4)
 
 
@@ -243,7 +242,7 @@ def test_comparisons_grow_like_the_facets(rng):
 
 def test_growth_is_seen_where_neighbours_are_not_side_by_side(rng, monkeypatch):
     """The measure of growth can fail: without the order, comparisons grow far faster than the facets."""
-    monkeypatch.setattr(box_tree, "morton_order", lambda boxes: np.arange(len(boxes)))
+    monkeypatch.setattr(broadphase, "morton_order", lambda boxes: np.arange(len(boxes)))
     assert growth(rng, shuffled=True, sides=(8, 40)) > 1.4
 
 

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
+from triaxis.host.motion.gcode import WHY_REFUSED
 from triaxis.host.motion.program import read_program
-from triaxis.host.motion.refused_words import WHY_REFUSED
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
 

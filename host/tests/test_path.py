@@ -14,14 +14,12 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.host import scenes
 from triaxis.host.cli import main
-from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.engines import MeshEngineScene, scene_engine
 from triaxis.host.motion import path_check, picture
 from triaxis.host.motion.clearance import clearances
 from triaxis.host.motion.path_check import Effort, check_path
-from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.path_scene import PathGrid, Wanted, prepare_path
 from triaxis.host.motion.program import Move, Program
-from triaxis.host.motion.sampling import PathGrid
-from triaxis.host.scene_engines import scene_engine
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.verif.signoff.scene_checks import mesh_data
