@@ -314,11 +314,6 @@ def test_lengths_are_millimetres_whatever_the_unit(files: list[str], capsys: pyt
     assert advised[0].split(",")[0] == advised[1].split(",")[0]
 
 
-def test_powers_of_two(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["scene", "advise", *files, "--clearance", "0.5", "--steps", "binary"]) == 0
-    assert "resolution 2^-" in capsys.readouterr().out
-
-
 def test_the_simulated_engine_keeps_within_the_bounds(
     files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
@@ -368,11 +363,6 @@ def test_bad_options(files: list[str], capsys: pytest.CaptureFixture[str], words
     assert complaint in caught.err
     assert caught.err.count("\n") == 1
     assert not caught.out
-
-
-def test_a_file_that_is_read_is_not_written_over(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["scene", "advise", *files, "--clearance", "1", "--json", files[1]]) == 2
-    assert "is an input file" in capsys.readouterr().err
 
 
 def test_scenes_with_too_many_near_pairs_are_not_measured(

@@ -15,14 +15,14 @@ from triaxis.golden.judge import judge
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene, scene_engine
-from triaxis.host.motion import path_check, picture
+from triaxis.host.motion import picture
 from triaxis.host.motion.clearance import clearances
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Wanted, prepare_path
 from triaxis.host.motion.program import Move, Program
+from triaxis.host.scenes import mesh_data
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.verif.signoff.scene_checks import mesh_data
 
 RASTER = Path(__file__).with_name("data") / "raster_with_dive.nc"
 DIVE = 1 + next(k for k, line in enumerate(RASTER.read_text().splitlines()) if "the dive" in line)
@@ -113,16 +113,6 @@ def test_the_bound_is_tight(monkeypatch):
     assert near.along > Fraction(3, 4)
     monkeypatch.setattr(PathGrid, "base", PathGrid.base.func(tight_scene().path) - Fraction(1, 100))
     assert checked(tight_scene()).near is None, "a smaller bound would do"
-
-
-@pytest.mark.parametrize("broken", ["margin", "boxes"])
-def test_either_proof_needs_its_bound(monkeypatch, broken):
-    if broken == "margin":
-        real = PathGrid.margin
-        monkeypatch.setattr(PathGrid, "margin", lambda grid, segment: real(grid, segment) - 1)
-    else:
-        monkeypatch.setattr(path_check, "_boxes_apart", lambda scene, segment: True)
-    assert checked(tight_scene()).near is None
 
 
 def vise_scene(corners, **options):
