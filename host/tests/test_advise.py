@@ -89,6 +89,7 @@ def test_pairs_that_were_not_judged_are_told(rng: np.random.Generator):
 # --- What the engine does -----------------------------------------------------------------------------------
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize("margin", [0, 300, 4000])
 def test_work_of_the_engine_is_bounded_on_both_sides(rng: np.random.Generator, margin: int):
     """More facets than the engine holds: several parts."""
@@ -314,6 +315,7 @@ def test_lengths_are_millimetres_whatever_the_unit(files: list[str], capsys: pyt
     assert advised[0].split(",")[0] == advised[1].split(",")[0]
 
 
+@pytest.mark.simulator
 def test_the_simulated_engine_keeps_within_the_bounds(
     files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
@@ -373,6 +375,7 @@ def test_scenes_with_too_many_near_pairs_are_not_measured(
     assert "not measured on the scene" in capsys.readouterr().out
 
 
+@pytest.mark.regress
 @pytest.mark.skipif(mesh_data() is None, reason="no folder $TRIAXIS_DATA or ../shared/data")
 def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """Carousel and arm, in units of 10 mm, with the blocks of the real board."""
@@ -392,6 +395,7 @@ def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert "do not fit the engine's 4,096" in capsys.readouterr().out
 
 
+@pytest.mark.regress
 def test_the_page_shows_what_the_command_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

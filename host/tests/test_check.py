@@ -30,6 +30,7 @@ def check(meshes, capsys):
     return run
 
 
+@pytest.mark.simulator
 def test_check_reports(check, meshes, tmp_path):
     report = tmp_path / "new" / "report.json"
     found = {}
@@ -52,6 +53,7 @@ def test_check_reports(check, meshes, tmp_path):
     assert "is an input file" in check("--json", meshes[0], status=2)
 
 
+@pytest.mark.simulator
 def test_check_in_a_pose(check, meshes, tmp_path):
     # The gap of 2 mm along z is a gap along y, x for A turned about the origin.
     moved = check("--move", "0", "0", "-1.5", "--clearance", "3.4")
@@ -138,6 +140,7 @@ def test_check_never_misses_and_alarms_only_in_the_band(check):
         check("--resolution", "0.25", "--clearance", clearance, "--engine", "bulk", status=status)
 
 
+@pytest.mark.simulator
 def test_check_says_the_same_with_every_engine(check):
     out = check()
     assert "CLEAR" in out
@@ -181,6 +184,7 @@ def test_check_refuses_bad_input(check, meshes):
     assert "cannot read" in check(status=2)
 
 
+@pytest.mark.simulator
 def test_real_meshes(capsys):
     data = mesh_data()
     if data is None:

@@ -134,6 +134,7 @@ def summary(result):
 BESIDE = [(0, 76.5, 60), (0, 76.5, -20), (10, 76.2, -20), (40, 74, -20)]
 
 
+@pytest.mark.simulator
 def test_engines_agree():
     scene = vise_scene(BESIDE, clearance=1, resolution=Fraction(1, 100))
     answers = {name: checked(scene, name) for name in ("bulk", "golden", "rtl")}
@@ -149,15 +150,16 @@ def test_engines_agree():
     assert answers["bulk"].effort.cycles is None
 
 
+@pytest.mark.simulator
 def test_meshes_larger_than_the_engine_run_part_by_part(rng):
-    a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (50, 37))
-    small = MeshEngineScene(a, b, MeshConfiguration(8, 8, depth=16, group=4, lanes=4))
-    whole = scene_engine("bulk", a, b, 8)
+    a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (150, 70))
+    small = MeshEngineScene(a, b, MeshConfiguration(16, 16, depth=64, group=8, lanes=8))
+    whole = scene_engine("bulk", a, b, 16)
     for translation, margin in (((0, 0, 0), 3), ((5, -7, 2), 0), ((3, 3, 3), 20)):
         parts, wanted = small.run(translation, margin), whole.run(translation, margin)
         assert (parts.near == wanted.near).all()
         assert (parts.tested, parts.near_count) == (wanted.tested, wanted.near_count)
-        assert parts.skipped_in_groups + parts.skipped + parts.tested == 50 * 37
+        assert parts.skipped_in_groups + parts.skipped + parts.tested == 150 * 70
         assert parts.near_count
         first = small.run(translation, margin, stop_at_first=True)
         assert first.near_count == 1
