@@ -77,15 +77,21 @@ def box_of(facets: Facets, move: Vector = _NOWHERE) -> Box:
     return corner(facets.min((0, 1))), corner(facets.max((0, 1)))
 
 
+def around(boxes: Sequence[Box]) -> Box:
+    """Return the box around the boxes."""
+    low, high = (
+        [extreme(box[side][k] for box in boxes) for k in range(3)] for side, extreme in ((0, min), (1, max))
+    )
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
 def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
     """Return the grid whose origin is the multiple of the resolution nearest the boxes' common centre.
 
     Raises InputError where the resolution is not a positive number of a size that float32 knows.
     """
     check_resolution(resolution)
-    low = [min(box[0][k] for box in boxes) for k in range(3)]
-    high = [max(box[1][k] for box in boxes) for k in range(3)]
-    x, y, z = (resolution * round((a + b) / 2 / resolution) for a, b in zip(low, high, strict=True))
+    x, y, z = (resolution * round((a + b) / 2 / resolution) for a, b in zip(*around(boxes), strict=True))
     return Grid(resolution, (x, y, z), width)
 
 
@@ -192,9 +198,7 @@ class Steps(StrEnum):
 
 def extent_of(boxes: Sequence[Box]) -> Fraction:
     """Return the longest side of the box around the boxes."""
-    low = [min(box[0][k] for box in boxes) for k in range(3)]
-    high = [max(box[1][k] for box in boxes) for k in range(3)]
-    return max(b - a for a, b in zip(low, high, strict=True))
+    return max(b - a for a, b in zip(*around(boxes), strict=True))
 
 
 def grown(box: Box, by: Fraction) -> Box:

@@ -25,7 +25,16 @@ from triaxis.host.advice.wanted import AdviceScene, Wanted
 from triaxis.host.advice.widths import EngineShape, WidthRow
 from triaxis.host.broadphase import candidates, spatial_order
 from triaxis.host.engines import Integers, Translation
-from triaxis.host.quantise import Grid, Vector, box_of, finest_resolution, grid_around, grown, quantise
+from triaxis.host.quantise import (
+    Grid,
+    Vector,
+    around,
+    box_of,
+    finest_resolution,
+    grid_around,
+    grown,
+    quantise,
+)
 from triaxis.host.scene import distance_of, near_facets
 from triaxis.host.stl import StlMesh
 
@@ -87,13 +96,7 @@ def exact_near(
 def _grid(mesh_a: StlMesh, mesh_b: StlMesh, move: Vector, clearance: Fraction) -> Grid:
     """Return the finest grid that holds both, and the clearance as a margin."""
     boxes = [box_of(mesh_a.facets, move), box_of(mesh_b.facets)]
-    low, high = boxes[0]
-    for box in boxes[1:]:
-        x, y, z = (min(p, q) for p, q in zip(low, box[0], strict=True))
-        low = (x, y, z)
-        x, y, z = (max(p, q) for p, q in zip(high, box[1], strict=True))
-        high = (x, y, z)
-    resolution = finest_resolution(grown((low, high), clearance), _WIDTH)
+    resolution = finest_resolution(grown(around(boxes), clearance), _WIDTH)
     return grid_around(boxes, resolution, _WIDTH)
 
 
