@@ -9,7 +9,7 @@ from rich.table import Table
 
 from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene
 from triaxis.bench.activity.measuring import Row as GatingRow
-from triaxis.bench.activity.measuring import write_result as write_activity
+from triaxis.bench.activity.measuring import write_numbers as write_activity
 from triaxis.bench.activity.streams import streams
 from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, Row, bench_mesh, cases, write_rows
 from triaxis.bench.skipping.growth import Growth

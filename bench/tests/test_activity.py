@@ -18,6 +18,7 @@ from triaxis.bench.activity.measuring import (
 )
 from triaxis.bench.activity.saif import Activity, read_saif
 from triaxis.bench.activity.streams import UNDECIDED, random_stream, streams
+from triaxis.bench.commands import costs as command
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
@@ -27,7 +28,6 @@ from triaxis.sim.core_engine import followed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import DUT
-from triaxis.verif.commands import fpga as command
 
 # The smallest core: what it shows of gating holds for all.
 GATED = Configuration(8, 0, edge_box=False)
