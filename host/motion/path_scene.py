@@ -36,8 +36,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.exact import Rational
+from triaxis.golden.pairs import coordinate_range
 from triaxis.host.engines import Translation
 from triaxis.host.motion.program import Move, Program
 from triaxis.host.quantise import (

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from triaxis.golden.judge import judge
 from triaxis.golden.exact import Rational
+from triaxis.golden.judge import judge
 from triaxis.host.motion.path_scene import PathGrid, Segment, nearest
 from triaxis.host.quantise import box_of, grid_around, quantise
 from triaxis.host.stl import StlMesh

@@ -7,8 +7,8 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import read_case
-from triaxis.verif.counterexample.failing import read_failing
 from triaxis.verif.regress.definition import read_definition
 from triaxis.verif.signoff.gate import refusals
 from triaxis.verif.testbench import simulation
