@@ -14,11 +14,9 @@ import numpy as np
 
 from triaxis.bench.harness import FOLDER, Progress, write_result
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.host.engine_scene import MeshEngineScene
-from triaxis.host.machine_scenes import machine_scenes
+from triaxis.host.engines import DecidingEngine, Integers, MeshEngineScene, SceneRun
 from triaxis.host.quantise import centred_grid, margin_for, quantise
-from triaxis.host.scene_engines import DecidingEngine, Integers, SceneRun
-from triaxis.host.scenes import Scene, scenes
+from triaxis.host.scenes import Scene, machine_scenes, scenes
 from triaxis.host.stl import Facets
 from triaxis.sim.mesh_configuration import MeshConfiguration
 

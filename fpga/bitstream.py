@@ -10,6 +10,11 @@ from triaxis.fpga.board_build import PART, TOP, TOP_RTL, VIVADO, Inputs
 from triaxis.fpga.vivado_run import VivadoResult
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.paths import BUILD
+
+# The switching activity that `triaxis fpga activity` measures, and what power reports read of it.
+ACTIVITY = BUILD / "fpga" / "activity.json"
+SAIF = BUILD / "fpga" / "activity.saif"
 
 _SUFFIXES = (".xdc", ".tcl")
 

@@ -1,23 +1,189 @@
 """Whether a part of one mesh is inside the other, where no facets of the two are near: exactly.
 
+A shell is the facets of a mesh that hang together by shared vertices. It is closed when each of its edges
+belongs to an even number of facets: its boundary modulo 2 is zero, which is what makes the number of facets
+that a ray crosses even or odd whatever the ray. It is oriented when its facets also run along each edge as
+often one way as the other: then the signed crossings are a winding number. Edges without length belong to no
+boundary, and facets without area count with their edges like any other.
+
 A shell is connected and meets nothing of the other mesh's surface, so it is inside as a whole or not at all,
 and one of its vertices answers for it. Asked of the integer meshes, this answers for the real ones: the
 margin covers what reading, turning and rounding moved, so facets further apart than it never met on the way.
+Rounding vertices to a grid, which may merge some, is a map of vertices. The boundary of the image is the
+image of the boundary, so what was closed, or oriented, still is. Gaps wider than the rounding stay open.
 
-Only closed shells have an inside (see `shells`). What is open, with gaps that nobody can tell from missing
-facets, is taken as one body that may fill its box: where a box of the other mesh's shells lies within that
-one, the answer is undecided.
+Only closed shells have an inside. What is open, with gaps that nobody can tell from missing facets, is taken
+as one body that may fill its box: where a box of the other mesh's shells lies within that one, the answer is
+undecided.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.host.broadphase import candidates
-from triaxis.host.shells import Integers, Mask, Shells, inside, shells_of
+
+Integers = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+
+# Beyond all coordinates.
+_FAR = 1 << 62
+
+
+@dataclass(frozen=True)
+class Shells:
+    """The S shells of a mesh of N facets, in the order of their first facets.
+
+    ``number`` (N,): the shell of each facet. ``boxes`` (S, 2, 3): low and high corner, in LSB. ``facets``:
+    how many each has. ``open_edges`` (S,): edges that belong to an odd number of facets. ``oriented`` (S,):
+    closed ones only.
+    """
+
+    number: Integers
+    first: Integers
+    facets: Integers
+    boxes: Integers
+    open_edges: Integers
+    oriented: Mask
+
+    @property
+    def closed(self) -> Mask:
+        """Return which shells are closed: (S,)."""
+        return self.open_edges == 0
+
+
+def shells_of(facets: Integers) -> Shells:
+    """Return the shells of facets (N, 3, 3), N at least 1."""
+    corners = _numbered(facets)
+    _, first, number, count = np.unique(
+        _connected(corners), return_index=True, return_inverse=True, return_counts=True
+    )
+    # By the lowest facet, whatever its vertices' numbers.
+    order = np.argsort(first)
+    number = np.argsort(order)[number]
+    boxes = np.stack([np.full((len(first), 3), _FAR), np.full((len(first), 3), -_FAR)], 1)
+    np.minimum.at(boxes[:, 0], number, facets.min(1))
+    np.maximum.at(boxes[:, 1], number, facets.max(1))
+    unmatched, turned = _boundary(corners, number, len(first))
+    return Shells(number, first[order], count[order], boxes, unmatched, (unmatched == 0) & (turned == 0))
+
+
+def _numbered(facets: Integers) -> Integers:
+    """Return the numbers (N, 3) of the facets' vertices: equal where these are."""
+    points = facets.reshape(-1, 3)
+    order = np.lexsort(points.T)
+    ordered = points[order]
+    number = np.empty(len(points), np.int64)
+    number[order[0]] = 0
+    number[order[1:]] = np.cumsum((ordered[1:] != ordered[:-1]).any(1))
+    return number.reshape(-1, 3)
+
+
+def _connected(corners: Integers) -> Integers:
+    """Return a number for each facet (N,), the same where facets with vertices (N, 3) hang together."""
+    root = np.arange(int(corners.max()) + 1)
+    while True:
+        lowest = root[corners].min(1)
+        if (root[corners] == lowest[:, None]).all():
+            return lowest
+        # Trees hang their roots under the lowest root next to them, until each has one only.
+        np.minimum.at(root, root[corners], lowest[:, None])
+        while (root != root[root]).any():
+            root = root[root]
+
+
+def _boundary(corners: Integers, number: Integers, shells: int) -> tuple[Integers, Integers]:
+    """Return how many edges of each shell have an odd number of facets, and how many run unequally: (S,)."""
+    start, end = corners.reshape(-1), np.roll(corners, -1, 1).reshape(-1)
+    real = start != end
+    start, end, shell = start[real], end[real], np.repeat(number, 3)[real]
+    if not len(start):
+        return np.zeros(shells, np.int64), np.zeros(shells, np.int64)
+    key = np.minimum(start, end) * (int(corners.max()) + 1) + np.maximum(start, end)
+    order = np.argsort(key)
+    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    uses = np.diff(first, append=len(key))
+    balance = np.add.reduceat(np.where(start < end, 1, -1)[order], first)
+    shell = shell[order][first]
+    return np.bincount(shell[uses % 2 == 1], minlength=shells), np.bincount(
+        shell[balance != 0], minlength=shells
+    )
+
+
+def inside(points: Integers, facets: Integers, shells: Shells) -> tuple[Mask, Mask]:
+    """Return which points (K, 3) are inside the closed shells of facets (N, 3, 3), and which may be: (K,).
+
+    No point may be on a facet. Inside is where the winding number of the oriented shells is not zero: so the
+    overlap of two solids is inside, and a cavity is not. A shell that is closed and not oriented tells
+    odd from even only. Where it holds a point and the sum of all is even, that may be an overlap or a cavity.
+    """
+    used = np.flatnonzero(shells.closed[shells.number])
+    number = shells.number[used]
+    point, facet, sign = _crossings(points, facets[used])
+    oriented = shells.oriented[number[facet]]
+    winding = np.zeros(len(points), np.int64)
+    np.add.at(winding, point[oriented], sign[oriented])
+    # One key for each point and shell that it is an odd number of facets below.
+    key, count = np.unique((point * len(shells.first) + number[facet])[~oriented], return_counts=True)
+    held = np.bincount(key[count % 2 == 1] // len(shells.first), minlength=len(points))
+    odd = (winding + held) % 2 == 1
+    return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd
+
+
+def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, Integers]:
+    """Return where rays from points (K, 3) along +z cross facets (N, 3, 3): point, facet, and +1 where its
+    vertices run counterclockwise seen from above, -1 otherwise.
+
+    The ray is moved off by (d, e) in x and y, e far below d, d far below 1 LSB: it meets no edge then, and
+    no facet that is seen edge on. No number need be chosen: comparisons that tie at (0, 0) are decided by
+    d and e. As no point is on a facet, that little moves no crossing from above a point to below it.
+    """
+    none = np.empty(0, np.int64)
+    if not len(points) or not len(facets):
+        return none, none, none
+    ends = points.copy()
+    ends[:, 2] = np.maximum(ends[:, 2], facets[..., 2].max())
+    found = [(none, none), *candidates(np.stack([points, ends, ends], 1), facets, 0)]
+    point, facet = (np.concatenate(numbers) for numbers in zip(*found, strict=True))
+    corners = np.concatenate([points, facets.reshape(-1, 3)])
+    exact = _exact_type(int((corners.max(0) - corners.min(0)).max()))
+    sign = _seen(facets[facet].astype(exact), points[point].astype(exact))
+    met = np.flatnonzero(sign)
+    point, facet, sign = point[met], facet[met], sign[met]
+    above = _side(facets[facet].astype(exact), points[point].astype(exact)) == sign
+    return point[above], facet[above], sign[above]
+
+
+def _exact_type(reach: int) -> type:
+    """Return a type that holds every number of `_seen` and `_side`, where no difference exceeds ``reach``.
+
+    None exceeds 6 reach^3. Python's integers serve where int64 does not.
+    """
+    return np.int64 if 6 * reach**3 < 1 << 63 else object
+
+
+def _seen(facets: npt.NDArray[Any], points: npt.NDArray[Any]) -> Integers:
+    """Return how often facets (K, 3, 3), seen from above, wind around the moved points (K, 3): -1, 0 or 1."""
+    x, y = (facets[..., k] - points[:, None, k] for k in (0, 1))
+    next_x, next_y = np.roll(x, -1, 1), np.roll(y, -1, 1)
+    turn = x * next_y - next_x * y
+    # The point is e above y = 0, so a vertex there is below it, and d to the right of a line through (0, 0).
+    up, down = (y <= 0) & (next_y > 0), (next_y <= 0) & (y > 0)
+    return ((up & (turn > 0)).sum(1) - (down & (turn < 0)).sum(1)).astype(np.int64)
+
+
+def _side(facets: npt.NDArray[Any], points: npt.NDArray[Any]) -> Integers:
+    """Return the sign of (b - a) x (c - a) . (a - p) of facets (K, 3, 3) and points (K, 3)."""
+    a = facets[:, 0]
+    (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = (facets[:, 1] - a).T, (facets[:, 2] - a).T, (a - points).T
+    volume = (uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz
+    return (volume > 0).astype(np.int64) - (volume < 0)
+
 
 # A mesh that stays where it is.
 _STILL = np.zeros((1, 2, 3), np.int64)

@@ -31,7 +31,7 @@ class SimulatedWire:
 
 
 class SimulatedLine:
-    """A `triaxis.host.link.line.Line` to a simulated board; time passes only while it is used."""
+    """A `triaxis.host.link.exchange.Line` to a simulated board; time passes only while it is used."""
 
     name = "simulated board"
 

@@ -15,21 +15,20 @@ import numpy as np
 from triaxis.bench.activity.saif import Activity, read_saif
 from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
 from triaxis.bench.harness import Progress, write_result
+from triaxis.fpga.bitstream import ACTIVITY as RESULT
+from triaxis.fpga.bitstream import SAIF
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.host.broadphase import spatial_order
 from triaxis.host.scenes import Scene, scenes
-from triaxis.host.spatial_order import spatial_order
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine, followed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Mode
-from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.paths import DUT
 from triaxis.verif.core.expectation import expected_words
-
-RESULT = BUILD / "fpga" / "activity.json"
-SAIF = BUILD / "fpga" / "activity.saif"
 
 # What a scene with one undecided pair in a hundred may toggle of an ungated design.
 BOUND = 0.03

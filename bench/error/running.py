@@ -15,7 +15,7 @@ from triaxis.bench.peers import TRIANGLE_PEERS
 from triaxis.bench.peers.peer import TrianglePeer, present
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
-from triaxis.host.mesh_data import mesh_data
+from triaxis.host.scenes import mesh_data
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.validity import Provenance
 

@@ -15,10 +15,8 @@ from triaxis.bench.error.truth import Triangles, exact_triangle
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import triangle_rank
 from triaxis.host.broadphase import candidates
-from triaxis.host.grid_choice import Steps, finest_resolution
-from triaxis.host.machine_scenes import machine_scenes
-from triaxis.host.quantise import Grid, box_of, grid_around, quantise
-from triaxis.host.scenes import Scene, scenes
+from triaxis.host.quantise import Grid, Steps, box_of, finest_resolution, grid_around, quantise
+from triaxis.host.scenes import Scene, machine_scenes, scenes
 from triaxis.host.stl import Facets
 from triaxis.verif.core.stimulus.contact import Contact, placed
 from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level

@@ -9,10 +9,9 @@ from triaxis.bench.harness import Progress, clocked
 from triaxis.bench.peers.peer import MeshPeer
 from triaxis.bench.skipping.scenes import SURFACES, Surfaces
 from triaxis.bench.skipping.software import Meeting, PeerRun, all_pairs, ask_peer, behind_boxes, contradiction
-from triaxis.host.box_tree import Work
-from triaxis.host.broadphase import candidates
-from triaxis.host.meshcheck import in_order
-from triaxis.host.scene_engines import Integers
+from triaxis.host.broadphase import Work, candidates
+from triaxis.host.engines import Integers
+from triaxis.host.scene import in_order
 
 SIZES = tuple(round(10 ** (decade / 2)) for decade in range(6, 13))
 

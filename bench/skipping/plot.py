@@ -11,9 +11,8 @@ from triaxis.bench.mesh_cycles import CLOCK_MHZ
 from triaxis.bench.skipping.growth import Growth
 from triaxis.bench.skipping.run import RESULT, SceneRow, SkippingResult
 from triaxis.bench.skipping.stages import Stages
-from triaxis.host import figure_style as look
-from triaxis.host.figure_style import GREY, LARGE, NORMAL, SMALL
-from triaxis.host.saved_figure import write_figures
+from triaxis.host import figures as look
+from triaxis.host.figures import GREY, LARGE, NORMAL, SMALL, write_figures
 
 _INCHES, _DPI = (17.0, 13.0), 110
 # Where a count of nothing stands on a logarithmic axis.

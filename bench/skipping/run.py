@@ -16,8 +16,7 @@ from triaxis.bench.skipping.growth import MOST_COMPARED, MOST_SECONDS, SIZES, Gr
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
 from triaxis.bench.skipping.software import Meeting, PeerRun, Saved, ask_peer, contradiction, saved
 from triaxis.bench.skipping.stages import Clocks, Stages, Summed, stage_answer
-from triaxis.host.engine_scene import MeshEngineScene
-from triaxis.host.scene_engines import Integers
+from triaxis.host.engines import Integers, MeshEngineScene
 from triaxis.sim.validity import Provenance, provenance
 
 RESULT = FOLDER / "skipping.json"

@@ -11,9 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.bench.mesh_cycles import on_filled_grid
-from triaxis.host.machine_scenes import machine_scenes, machine_solids
-from triaxis.host.scene_engines import Integers
-from triaxis.host.scenes import scenes, tool, vise
+from triaxis.host.engines import Integers
+from triaxis.host.scenes import machine_scenes, machine_solids, scenes, tool, vise
 from triaxis.host.stl import Facets
 
 # Where the whole machine is taken, in mm of its Z axis: with the head up, and down at the carousel.

@@ -14,10 +14,9 @@ from triaxis.bench.harness import clocked
 from triaxis.bench.peers.peer import MeshPeer
 from triaxis.bench.skipping.stages import Summed
 from triaxis.golden.bulk import bulk_facts
-from triaxis.host.box_tree import Work
-from triaxis.host.broadphase import candidates
-from triaxis.host.meshcheck import in_order
-from triaxis.host.scene_engines import Integers
+from triaxis.host.broadphase import Work, candidates
+from triaxis.host.engines import Integers
+from triaxis.host.scene import in_order
 
 # What a package finds.
 BOXES, FACETS = "pairs of boxes", "colliding facets"

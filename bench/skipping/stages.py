@@ -14,9 +14,9 @@ import numpy as np
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, scene_answer
-from triaxis.host.meshcheck import in_order
-from triaxis.host.scene_engines import Integers
-from triaxis.host.spatial_order import spatial_order
+from triaxis.host.broadphase import spatial_order
+from triaxis.host.engines import Integers
+from triaxis.host.scene import in_order
 from triaxis.sim.mesh_configuration import MeshConfiguration
 
 # The first axes of their kinds behind the three box axes; see `triaxis.golden.axes`.

@@ -23,8 +23,16 @@ from triaxis.bench.harness import Progress
 from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors, total
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.judge import judge
-from triaxis.host.grid_choice import Steps, finest_resolution
-from triaxis.host.quantise import Grid, box_of, fits, grid_around, margin_for, quantise
+from triaxis.host.quantise import (
+    Grid,
+    Steps,
+    box_of,
+    finest_resolution,
+    fits,
+    grid_around,
+    margin_for,
+    quantise,
+)
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 from triaxis.sim.result import NEAR
 from triaxis.verif.core.stimulus.stimulus import Ints, Pairs32, chosen_rows

@@ -14,9 +14,8 @@ from matplotlib.typing import LineStyleType
 from triaxis.bench.stress.measuring import ROUNDING_WIDTH, SettingResult
 from triaxis.bench.stress.orders import METHODS, OrderErrors
 from triaxis.bench.stress.run import FamilyResult, StressResult
-from triaxis.host import figure_style as look
-from triaxis.host.figure_style import LARGE, NORMAL, SMALL
-from triaxis.host.saved_figure import write_figures
+from triaxis.host import figures as look
+from triaxis.host.figures import LARGE, NORMAL, SMALL, write_figures
 
 _COLOURS = {"SAT": look.BLUE, "Moller": look.ORANGE, "Guigue-Devillers": look.PURPLE}
 _MARKERS = {"SAT": "o", "Moller": "^", "Guigue-Devillers": "s"}

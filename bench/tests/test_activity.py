@@ -18,10 +18,10 @@ from triaxis.bench.activity.measuring import (
 )
 from triaxis.bench.activity.saif import Activity, read_saif
 from triaxis.bench.activity.streams import UNDECIDED, random_stream, streams
+from triaxis.bench.commands import costs as command
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import fpga as command
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import followed

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from triaxis.bench.mesh_cycles import Bound, Case, Row, bench_mesh, cases, write_rows
-from triaxis.host.scene_engines import SceneRun
+from triaxis.host.engines import SceneRun
 
 NOTHING_NEAR = np.empty((0, 2), np.int64)
 

@@ -181,7 +181,7 @@ def test_exit_codes(measured, tmp_path, monkeypatch, capsys, kernel, code):
         def run(self, _):
             return changed(measured, peers=[peer(run=kernel)])
 
-    monkeypatch.setattr("triaxis.host.cli.bench_errors.Benchmark", Done)
+    monkeypatch.setattr("triaxis.bench.commands.errors.Benchmark", Done)
     monkeypatch.setattr("triaxis.bench.error.report.RESULT", tmp_path / "error.json")
     monkeypatch.setattr("triaxis.bench.error.plot.PICTURE", tmp_path / "error")
     assert main(["bench", "error"]) == code

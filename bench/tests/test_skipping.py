@@ -17,7 +17,7 @@ from triaxis.bench.skipping.software import Meeting, PeerRun, ask_peer
 from triaxis.bench.skipping.stages import Stages, stage_answer
 from triaxis.golden.scene import boxes_of
 from triaxis.host.cli import main
-from triaxis.host.mesh_data import mesh_data
+from triaxis.host.scenes import mesh_data
 
 
 @pytest.fixture(autouse=True)
@@ -190,11 +190,11 @@ def test_surfaces_have_the_size_asked_for_and_no_gaps(surfaces, rng, size=5000):
 def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(run, "RESULT", tmp_path / "skipping.json")
     monkeypatch.setattr("triaxis.bench.skipping.plot.RESULT", tmp_path / "skipping.json")
-    monkeypatch.setattr("triaxis.host.cli.bench_costs.mesh_data", lambda: None)
+    monkeypatch.setattr("triaxis.bench.commands.costs.mesh_data", lambda: None)
     absent = replace(stand([]), version=missing)
     told: list[int] = []
     monkeypatch.setattr(
-        "triaxis.host.cli.bench_costs.run_skipping",
+        "triaxis.bench.commands.costs.run_skipping",
         lambda seed, data, _: run_skipping(seed, data, told.append, [stand([]), absent], (200, 400)),
     )
     assert main(["bench", "skipping"]) == 0

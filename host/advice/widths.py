@@ -1,20 +1,39 @@
-"""What each width means for a scene: resolution, margin, band of false alarms, DSP blocks."""
+"""What each width means for a scene: resolution, margin, band of false alarms, DSP blocks, the whole board.
 
-from collections.abc import Callable
-from dataclasses import dataclass
+Look-up tables, flip-flops and block RAM are known only from synthesis, which takes minutes: it is done on
+demand, and its figures are kept for these very sources.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
+from pathlib import Path
 
-from triaxis.fpga.board_build import TOP
-from triaxis.fpga.part import Resources
+from triaxis.fpga.board_build import TOP, board_sources
+from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
 from triaxis.fpga.report import BUILDS
+from triaxis.fpga.synthesis import synthesise
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.host.advice.engine_work import EngineShape
-from triaxis.host.advice.scene import AdviceScene, Wanted
-from triaxis.host.grid_choice import Steps, false_alarm_band, finest_resolution
-from triaxis.host.quantise import Grid, grid_around, margin_for
+from triaxis.host.advice.wanted import AdviceScene, Wanted
+from triaxis.host.quantise import Grid, Steps, false_alarm_band, finest_resolution, grid_around, margin_for
+from triaxis.sim.build import content_hash
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.programs import yosys_version
 
 WIDTHS = range(MIN_WIDTH, MAX_WIDTH + 1)
+
+
+@dataclass(frozen=True)
+class EngineShape:
+    """Sizes of the engine; see `MeshConfiguration`."""
+
+    depth: int
+    group: int
+    lanes: int
+
 
 # Blocks of the board's top at (width, margin bits, shape).
 CountBlocks = Callable[[int, int, EngineShape], int]
@@ -102,3 +121,63 @@ def width_row(
 def length(value: Fraction, wanted: Wanted) -> str:
     """Return a length in the unit of the files as millimetres, to four digits."""
     return f"{float(value * wanted.unit):.4g} mm"
+
+
+_NAMES = {"luts": "look-up tables", "ffs": "flip-flops", "brams": "block RAMs"}
+_FOLDER = BUILD / "fpga" / "advised"
+
+
+def _parameters(row: WidthRow) -> Mapping[str, int]:
+    sizes = {"Depth": row.shape.depth, "Group": row.shape.group, "Lanes": row.shape.lanes}
+    return {"W": row.width, "M": row.margin_bits or 0, **sizes}
+
+
+def _key(row: WidthRow) -> str:
+    values = [f"{name}={value}" for name, value in _parameters(row).items()]
+    return content_hash([*board_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
+
+
+def _kept(row: WidthRow) -> Path:
+    return _FOLDER / f"{_key(row)[:24]}.json"
+
+
+def known_resources(row: WidthRow) -> Resources | None:
+    """Return what an earlier synthesis of this very build found; None where there was none."""
+    try:
+        return Resources(**json.loads(_kept(row).read_text(encoding="utf-8"))["used"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def synthesised_resources(row: WidthRow) -> Resources:
+    """Return what the whole board takes, synthesised where that is not known; minutes.
+
+    Raises InputError where the synthesiser is missing or fails.
+    """
+    known = known_resources(row)
+    if known is not None:
+        return known
+    kept = _kept(row)
+    made = synthesise(board_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
+    content = {"tool": yosys_version(), "parameters": _parameters(row), "used": asdict(made.used)}
+    write_whole(kept, json.dumps(content, indent=2) + "\n")
+    return made.used
+
+
+def with_resources(row: WidthRow, used: Resources | None) -> WidthRow:
+    """Return the row with what its board takes, which is a problem where the part has less."""
+    if used is None:
+        return row
+    exceeded = [name for name in WHOLE_PART.exceeded(used) if name != "dsps"]
+    problems = [
+        f"it takes {vars(used)[name]:,g} {_NAMES[name]} of {vars(XC7A100T)[name]:,g}" for name in exceeded
+    ]
+    return replace(row, resources=used, problems=(*row.problems, *problems))
+
+
+def resources_reason(used: Resources | None) -> str:
+    """Return what is known besides DSP blocks as a part of a sentence."""
+    if used is None:
+        return "look-up tables and block RAM were not synthesised: --synthesise does, in minutes"
+    shares = (f"{vars(used)[key]:,g} of {vars(XC7A100T)[key]:,g} {name}" for key, name in _NAMES.items())
+    return f"{', '.join(shares)}, synthesised, before routing"

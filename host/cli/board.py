@@ -2,15 +2,13 @@
 
 import argparse
 from fractions import Fraction
-from pathlib import Path
 
-from triaxis.host.cli import DONE
-from triaxis.host.cli.arguments import number
-from triaxis.host.cli.board_check import about, check, checkout_id, other_build
-from triaxis.host.cli.check import add_surfaces_only
+from triaxis.host.cli import DONE, check
+from triaxis.host.cli.check import add_meshes
+from triaxis.host.cli.engine import BOARD, about, add_any_bitstream, add_port, checkout_id, other_build
 from triaxis.host.link.board import Board
-from triaxis.host.link.codes import Mode
-from triaxis.host.link.line import SerialLine
+from triaxis.host.link.exchange import SerialLine
+from triaxis.host.link.messages import Mode
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.pseudo_terminal import PseudoTerminal, Wire, serve
 from triaxis.sim.simulated_board import SimulatedTop
@@ -25,12 +23,8 @@ def add_status(parser: argparse.ArgumentParser) -> None:
         "Print what the board is, and its status. This takes the board: its output says stop, and its "
         "meshes are emptied. A board in use by another program is not taken."
     )
-    _add_port(parser)
+    add_port(parser)
     parser.set_defaults(run=_status)
-
-
-def _add_port(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--port", required=True, metavar="DEV", help="the serial port, as /dev/ttyUSB1")
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
@@ -40,21 +34,8 @@ def add_check(parser: argparse.ArgumentParser) -> None:
         "anything about the board's answer is not as it must be. Where one mesh is inside the other, or may "
         "be, the board is not asked, so it never says go."
     )
-    parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
-    parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
-    _add_port(parser)
-    parser.add_argument(
-        "--resolution", type=number, default=Fraction(1, 100), metavar="R",
-        help="one step of the grid, in the files' unit (0.01)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--clearance", type=number, default=Fraction(1, 2), metavar="C",
-        help="wanted clearance, in the files' unit (0.5); 0 is touching",
-    )  # fmt: skip
-    parser.add_argument(
-        "--move", type=number, nargs=3, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
-        help="move A first, in the files' unit",
-    )  # fmt: skip
+    add_meshes(parser, Fraction(1, 100))
+    add_port(parser)
     modes = parser.add_mutually_exclusive_group()
     for mode, what in (
         (Mode.ALL, "find all near pairs (the default)"),
@@ -62,19 +43,13 @@ def add_check(parser: argparse.ArgumentParser) -> None:
         (Mode.FIRST, "stop at the first near pair"),
     ):
         modes.add_argument(f"--{mode.name.lower()}", dest="mode", action="store_const", const=mode, help=what)
-    add_surfaces_only(parser)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument(
         "--hold",
         action="store_true",
         help="when clear, keep the board's output at go until interrupted; otherwise it says stop at the end",
     )
-    parser.add_argument(
-        "--any-bitstream",
-        action="store_true",
-        help="take a board whose bitstream was not built of this checkout, which is refused otherwise",
-    )
-    parser.set_defaults(run=check, mode=Mode.ALL)
+    add_any_bitstream(parser)
+    parser.set_defaults(run=check.run, engine=BOARD, mode=Mode.ALL, width=None, rotate=[])
 
 
 def add_simulate(parser: argparse.ArgumentParser) -> None:

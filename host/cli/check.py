@@ -3,16 +3,21 @@
 import argparse
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import number
+from triaxis.host.cli.engine import about, add_engine, board_of, hold, other_build, output_of, width_of
+from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.meshcheck import MeshPair, exact_distance, prepare
-from triaxis.host.pose import AXES, Pose, Turn
-from triaxis.host.scene_engines import ENGINES, RTL, SceneRun, scene_engine
-from triaxis.host.scene_report import enclosure_entry, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.engines import BULK, SceneRun, scene_engine
+from triaxis.host.link.board import Board
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.messages import Mode, Status
+from triaxis.host.report import enclosure_entry, grid_entry, milliseconds, run_entry, write_report
+from triaxis.host.scene import AXES, MeshPair, Pose, Turn, exact_distance, prepare
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
@@ -26,35 +31,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "within the clearance is never missed; a false alarm is less than four steps of the resolution, plus "
         "twice what reading and turning rounded, beyond it."
     )
+    add_meshes(parser, Fraction(1, 1000))
+    parser.add_argument(
+        "--width", type=int, metavar="W",
+        help="coordinate bits of the core, 8..32 (the smallest of 16, 24, 32 that holds the meshes)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--rotate", nargs=2, action="append", default=[], metavar=("AXIS", "DEGREES"),
+        help="turn A about axis x, y or z of its frame, right-handed; again for further turns, in this order",
+    )  # fmt: skip
+    add_engine(parser)
+    parser.set_defaults(run=run, mode=Mode.ALL, hold=False)
+
+
+def add_meshes(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
+    """Add what every check of two meshes is told, with the resolution where none is asked for."""
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
     parser.add_argument(
-        "--resolution", type=number, default=Fraction(1, 1000), metavar="R",
-        help="one step of the grid, in the files' unit (0.001)",
+        "--resolution", type=number, default=resolution, metavar="R",
+        help=f"one step of the grid, in the files' unit ({float(resolution):g})",
     )  # fmt: skip
     parser.add_argument(
         "--clearance", type=number, default=Fraction(1, 2), metavar="C",
         help="wanted clearance, in the files' unit (0.5); 0 is touching",
     )  # fmt: skip
     parser.add_argument(
-        "--width", type=int, metavar="W",
-        help="coordinate bits of the core, 8..32 (the smallest of 16, 24, 32 that holds the meshes)",
-    )  # fmt: skip
-    parser.add_argument(
         "--move", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
-        help="move A, after --rotate (0 0 0)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--rotate", nargs=2, action="append", default=[], metavar=("AXIS", "DEGREES"),
-        help="turn A about axis x, y or z of its frame, right-handed; again for further turns, in this order",
-    )  # fmt: skip
-    parser.add_argument(
-        "--engine", choices=ENGINES, default=RTL,
-        help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
+        help="move A, after it was turned (0 0 0)",
     )  # fmt: skip
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
-    parser.set_defaults(run=run)
 
 
 def add_surfaces_only(parser: argparse.ArgumentParser) -> None:
@@ -67,41 +74,53 @@ def add_surfaces_only(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check the meshes and print what was found."""
+    """Check the meshes and print what was found; ``mode`` and ``hold`` are for the board alone."""
     if options.width is not None:
         check_width(options.width)
     if options.clearance < 0:
         raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
     pose = Pose(tuple(_turn(*words) for words in options.rotate), tuple(options.move))
-    meshes = prepare(
-        read_stl(options.a),
-        read_stl(options.b),
-        (str(options.a), str(options.b)),
-        options.resolution,
-        options.clearance,
-        options.width,
-        pose,
-    )
-    engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
-    run = engine.run((0, 0, 0), meshes.margin)
-    insides = NOT_ASKED if run.near_count or options.surfaces_only else enclosure(meshes.a, meshes.b)
-    if options.json is not None:
-        _write(options, pose, meshes, run, insides)
-    _print(options, pose, meshes, run)
-    if not run.near_count:
-        print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
-        insides.refuse_undecided((options.a, options.b))
-    return DONE if insides.verdict(run.near_count > 0) == "clear" else NO
+    mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
+    names = (str(options.a), str(options.b))
+    with board_of(options) as board:
+        width = width_of(options, board)
+        meshes = prepare(mesh_a, mesh_b, names, options.resolution, options.clearance, width, pose)
+        if board is None:
+            engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
+            run = engine.run((0, 0, 0), meshes.margin)
+            asked = not run.near_count and not options.surfaces_only
+            insides = enclosure(meshes.a, meshes.b) if asked else NOT_ASKED
+            return _tell(options, pose, meshes, run, insides)
+        insides = NOT_ASKED if options.surfaces_only else _insides(meshes)
+        if insides.state in (State.INSIDE, State.UNDECIDED):
+            # A clear run would make the board say go, of itself and at once.
+            entry = _board_entry(options, board)
+            return _tell(options, pose, meshes, None, insides, entry, "stop; the board was not asked to run")
+        run, status = _on_board(options, board, meshes)
+        if not run.near_count and insides.state != State.OUTSIDE and not options.surfaces_only:
+            raise InputError("the board finds no near facets where this program does: verdict unknown")
+        output = output_of(board, status, options.hold)
+        entry = _board_entry(options, board) | {"status": status}
+        code = _tell(options, pose, meshes, run, insides, entry, output)
+        if options.hold and code == DONE:
+            # What the report said is then no longer so.
+            hold(board, status, lambda: options.json and write_report(options.json, {"verdict": "unknown"}))
+        return code
 
 
-def print_without_near_facets(insides: Enclosure, surfaces: str, names: tuple[str, str]) -> None:
-    """Print the verdict on A and B, so named, of which no facets are near, as ``surfaces`` says."""
-    for sentence in insides.told(names)[:_LISTED]:
-        print(f"NEAR: {surfaces}, but {sentence}")
-    if insides.state == State.OUTSIDE:
-        print(f"CLEAR: {surfaces}, and neither is inside the other")
-    if insides.state == State.NOT_ASKED:
-        print(f"CLEAR: {surfaces} (surfaces only: one may be inside the other)")
+def _on_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> tuple[SceneRun, Status]:
+    with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
+        engine = BoardEngine(board, meshes.a, meshes.b, options.mode, progress)
+        return engine.run((0, 0, 0), meshes.margin), engine.status
+
+
+def _insides(meshes: MeshPair) -> Enclosure:
+    """Return what is known of insides before the board runs; near facets leave nothing to ask."""
+    found = enclosure(meshes.a, meshes.b)
+    if found.state == State.OUTSIDE:
+        return found
+    engine = scene_engine(BULK, meshes.a, meshes.b, meshes.grid.width)
+    return NOT_ASKED if engine.run((0, 0, 0), meshes.margin, stop_at_first=True).near_count else found
 
 
 def _turn(axis: str, degrees: str) -> Turn:
@@ -114,12 +133,56 @@ def _turn(axis: str, degrees: str) -> Turn:
         raise InputError(f"--rotate {axis} {error}") from error
 
 
+def _board_entry(options: argparse.Namespace, board: Board) -> dict[str, Any]:
+    description = board.description
+    return {
+        "mode": options.mode.name.lower(),
+        "board": description,
+        "bitstream": {"known": not other_build(description), "any_allowed": options.any_bitstream},
+    }
+
+
+def _tell(
+    options: argparse.Namespace,
+    pose: Pose,
+    meshes: MeshPair,
+    run: SceneRun | None,
+    insides: Enclosure,
+    board: dict[str, Any] | None = None,
+    output: str = "",
+) -> int:
+    """Write the report, print, return the exit code; ``run``: None where the board was not asked.
+
+    Raises InputError where it is undecided whether one is inside the other.
+    """
+    near = run is not None and run.near_count > 0
+    if options.json is not None:
+        _write(options, pose, meshes, run, insides, board or {})
+    _print_scene(options, pose, meshes)
+    if board:
+        print(f"board: {about(board['board'])}")
+    if run is not None:
+        _print_run(options, pose, meshes, run)
+    if not near:
+        print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
+    if output:
+        print(f"output: {output}")
+    if not near:
+        insides.refuse_undecided((options.a, options.b))
+    return DONE if insides.verdict(near) == "clear" else NO
+
+
 def _write(
-    options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun, insides: Enclosure
+    options: argparse.Namespace,
+    pose: Pose,
+    meshes: MeshPair,
+    run: SceneRun | None,
+    insides: Enclosure,
+    board: dict[str, Any],
 ) -> None:
     turns = [{"axis": AXES[turn.axis], "degrees": turn.degrees} for turn in pose.turns]
     report = {
-        "verdict": insides.verdict(run.near_count > 0),
+        "verdict": insides.verdict(run is not None and run.near_count > 0),
         "a": {"file": options.a, "facets": len(meshes.a)},
         "b": {"file": options.b, "facets": len(meshes.b)},
         "pose": {"rotate": turns, "move": pose.move},
@@ -127,13 +190,14 @@ def _write(
         "grid": grid_entry(meshes.grid),
         "margin": meshes.margin,
         "engine": options.engine,
+        **board,
         **enclosure_entry(insides, options.surfaces_only),
-        **run_entry(run, len(meshes.a) * len(meshes.b)),
+        **({} if run is None else run_entry(run, len(meshes.a) * len(meshes.b))),
     }
     write_report(options.json, report)
 
 
-def _print(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
+def _print_scene(options: argparse.Namespace, pose: Pose, meshes: MeshPair) -> None:
     grid = meshes.grid
     offset = ", ".join(f"{float(x):g}" for x in grid.offset)
     print(f"A: {options.a}, {len(meshes.a)} facets; B: {options.b}, {len(meshes.b)} facets")
@@ -144,8 +208,11 @@ def _print(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: Scene
         f"grid: {grid.width} bits, resolution {float(grid.resolution):g}, offset ({offset}), rounding at "
         f"most {float(grid.rounding_bound):g}; margin {meshes.margin} steps"
     )
-    skipped = run.skipped_in_groups + run.skipped
-    print(f"facet pairs: {skipped + run.tested}; skipped by boxes: {skipped}; tested: {run.tested}")
+
+
+def _print_run(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
+    pairs, skipped = len(meshes.a) * len(meshes.b), run.skipped_in_groups + run.skipped
+    print(f"facet pairs: {pairs}; skipped by boxes: {skipped}; tested: {run.tested}")
     if run.cycles is not None:
         print(
             f"group pairs skipped: {run.group_pairs_skipped}; opened: {run.group_pairs_opened}; "
@@ -154,9 +221,20 @@ def _print(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: Scene
     if not run.near_count:
         return
     clearance = f"{float(options.clearance):g}"
-    print(f"NEAR: {run.near_count} facet pairs come within {clearance} (or within the rounding of it)")
+    count = "at least 1" if options.mode == Mode.FIRST else run.near_count
+    print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
     kind = "exact distance" if pose.exact else "distance as turned"
     for i, j in run.near[:_LISTED].tolist():
         print(f"  facet {i} of A, facet {j} of B: {kind} {float(exact_distance(meshes, i, j)):g}")
-    if run.near_count > _LISTED:
-        print(f"  .. and {run.near_count - _LISTED} more")
+    if len(run.near) > _LISTED:
+        print(f"  .. and {len(run.near) - _LISTED} more")
+
+
+def print_without_near_facets(insides: Enclosure, surfaces: str, names: tuple[str, str]) -> None:
+    """Print the verdict on A and B, so named, of which no facets are near, as ``surfaces`` says."""
+    for sentence in insides.told(names)[:_LISTED]:
+        print(f"NEAR: {surfaces}, but {sentence}")
+    if insides.state == State.OUTSIDE:
+        print(f"CLEAR: {surfaces}, and neither is inside the other")
+    if insides.state == State.NOT_ASKED:
+        print(f"CLEAR: {surfaces} (surfaces only: one may be inside the other)")

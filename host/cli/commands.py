@@ -34,7 +34,7 @@ class Command(NamedTuple):
     answers: Mapping[str, Answer] = {}
 
 
-_HERE = "triaxis.host.cli."
+_HERE, _VERIF, _BENCH = "triaxis.host.cli.", "triaxis.verif.commands.", "triaxis.bench.commands."
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
 
 COMMANDS = {
@@ -77,97 +77,99 @@ COMMANDS = {
         ("a width is advised", "none fits"),
         {"--json": Answer()},
     ),
-    "sim": Command("run one test on the simulated core or mesh engine", _HERE + "sim:add_arguments"),
-    "regress run": Command("run a regression on dvsim, or go on with it", _HERE + "regress:add_run"),
-    "regress forget": Command("forget the seeds that failed before", _HERE + "regress:add_forget", ("done",)),
+    "sim": Command("run one test on the simulated core or mesh engine", _VERIF + "sim:add_arguments"),
+    "regress run": Command("run a regression on dvsim, or go on with it", _VERIF + "regress:add_run"),
+    "regress forget": Command(
+        "forget the seeds that failed before", _VERIF + "regress:add_forget", ("done",)
+    ),
     "regress shrink": Command(
         "make failing pairs small, draw them, keep them as regression cases",
-        _HERE + "regress:add_shrink",
+        _VERIF + "regress:add_shrink",
         ("shrunk", "no pair fails on the bare core"),
     ),
     "prove formal": Command(
         "prove streams, axes, verdicts, widths, skipping and runs, for all inputs",
-        _HERE + "prove:add_formal",
+        _VERIF + "prove:add_formal",
         ("all hold", "one does not"),
     ),
     "prove exhaustive": Command(
-        "run every ordered pair of triangles on a small grid", _HERE + "prove:add_exhaustive"
+        "run every ordered pair of triangles on a small grid", _VERIF + "prove:add_exhaustive"
     ),
     "prove faults": Command(
         "put known faults into the design, and see each caught",
-        _HERE + "prove:add_faults",
+        _VERIF + "prove:add_faults",
         ("all caught", "not"),
     ),
     "prove mutate": Command(
         "put small faults into dut/, and see each found out or proved to change nothing",
-        _HERE + "prove:add_mutate",
+        _VERIF + "prove:add_mutate",
         ("every mutant killed or equivalent", "not"),
     ),
     "coverage plan": Command(
         "print the testplan and check that nothing is missing in it",
-        _HERE + "coverage:add_plan",
+        _VERIF + "coverage:add_plan",
         ("clean", "refused"),
     ),
     "coverage code": Command(
         "measure line, branch, expression and toggle coverage of dut/",
-        _HERE + "coverage:add_code",
+        _VERIF + "coverage:add_code",
         ("all covered", "not"),
     ),
     "coverage export": Command(
         "write stored coverage as an lcov tracefile and as UCIS XML",
-        _HERE + "coverage:add_export",
+        _VERIF + "coverage:add_export",
         ("written",),
         {"--lcov": Answer(), "--ucis": Answer()},
     ),
-    "signoff": Command("simulate, measure, prove, and give a verdict", _HERE + "signoff:add_arguments"),
+    "signoff": Command("simulate, measure, prove, and give a verdict", _VERIF + "signoff:add_arguments"),
     "bench error": Command(
         "measure run time against error, also of other packages",
-        _HERE + "bench_errors:add_error",
+        _BENCH + "errors:add_error",
         ("everything demanded is reached", "something is not"),
     ),
     "bench stress": Command(
         "turn inputs from easy to impossible, and count wrong answers",
-        _HERE + "bench_errors:add_stress",
+        _BENCH + "errors:add_stress",
         ("the core is right everywhere, and its no-miss mode within its band", "not"),
     ),
     "bench sim": Command(
         "measure the speed of the simulations",
-        _HERE + "bench_costs:add_sim",
+        _BENCH + "costs:add_sim",
         ("all ratios reach their bounds", "one does not"),
     ),
     "bench mesh": Command(
         "count what whole scenes cost the mesh engine",
-        _HERE + "bench_costs:add_mesh",
+        _BENCH + "costs:add_mesh",
         ("all bounds reached and all scenes right", "not"),
     ),
     "bench skipping": Command(
         "measure what skipping saves, and compare it with other broad phases",
-        _HERE + "bench_costs:add_skipping",
+        _BENCH + "costs:add_skipping",
         ("all bounds reached and all answers right", "not"),
     ),
     "fpga report": Command(
         "synthesise for the XC7A100T and compare with its budget",
-        _HERE + "fpga:add_report",
+        _VERIF + "fpga:add_report",
         ("within the limits", "beyond one"),
     ),
     "fpga timing": Command(
         "route the core on an ECP5: frequency and critical path",
-        _HERE + "fpga:add_timing",
+        _VERIF + "fpga:add_timing",
         ("fast enough", "too slow"),
     ),
     "fpga activity": Command(
         "count the toggles of all multipliers with and without operand gating",
-        _HERE + "fpga:add_activity",
+        _BENCH + "costs:add_activity",
         ("gating saves what it must", "it does not"),
     ),
     "fpga gate": Command(
         "say whether the stored sign-off allows a bitstream of this RTL",
-        _HERE + "fpga:add_gate",
+        _VERIF + "fpga:add_gate",
         ("allowed", "refused"),
     ),
     "fpga bitstream": Command(
         "build the board's bitstream with Vivado, if the sign-off allows it",
-        _HERE + "fpga:add_bitstream",
+        _VERIF + "fpga:add_bitstream",
         ("written", "refused: by the gate, or for timing, routing or critical warnings"),
     ),
 }

@@ -3,20 +3,22 @@
 import argparse
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import number
 from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
+from triaxis.host.cli.engine import about, add_engine, board_of, width_of
 from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.engines import BULK, SceneEngine, scene_engine
+from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
 from triaxis.host.motion.path_check import NAMES, Effort, NearPose, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.program import read_program
-from triaxis.host.motion.report import path_report
-from triaxis.host.scene_engines import ENGINES, RTL, SceneEngine, scene_engine
-from triaxis.host.scene_report import milliseconds, write_report
+from triaxis.host.report import enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
@@ -33,7 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "only samples; being inside the other is near. The program's position is where the origin of "
         "TOOL.stl is, in the frame of WORK.stl. G-code: G0 G1 G90 G91 G20 G21 X Y Z F, and words that do not "
         "change where the tool is; anything else is refused. G0 is taken for a straight line. Lengths in "
-        "millimetres."
+        "millimetres. A board that is asked says go at each clear pose, and stop at the end: no machine may "
+        "take its output for the verdict on a path."
     )
     parser.add_argument(
         "tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in the tool's frame"
@@ -75,10 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
     )
-    parser.add_argument(
-        "--engine", choices=ENGINES, default=RTL,
-        help="who decides: the simulated mesh engine, the bulk checker, the golden model (rtl)",
-    )  # fmt: skip
+    add_engine(parser)
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
@@ -94,23 +94,29 @@ def run(options: argparse.Namespace) -> int:
     _check_options(options)
     start = None if options.start is None else tuple(options.start)
     program = read_program(options.moves, start, options.block_delete)
-    step = _STEPS * options.resolution if options.step is None else options.step
-    wanted = Wanted(options.clearance, options.resolution, step, options.scale, options.width)
-    names = (str(options.tool), str(options.work))
-    scene = prepare_path(read_stl(options.tool), read_stl(options.work), names, program, wanted)
-    engine = scene_engine(options.engine, scene.a, scene.b, scene.grid.width)
-    with progress_bar("moves", len(program.moves)) as progress:
-        result = check_path(scene, engine, progress, options.surfaces_only)
-    profile, profiling = _profile(options, scene, engine)
+    tool, work, names = read_stl(options.tool), read_stl(options.work), (str(options.tool), str(options.work))
+    with board_of(options) as board:
+        step = _STEPS * options.resolution if options.step is None else options.step
+        width = width_of(options, board)
+        wanted = Wanted(options.clearance, options.resolution, step, options.scale, width)
+        scene = prepare_path(tool, work, names, program, wanted)
+        engine = BULK if board else options.engine
+        # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
+        others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
+        with progress_bar("moves", len(program.moves)) as progress:
+            asked = BoardEngine(board, scene.a, scene.b) if board else others
+            result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
+    profile, profiling = _profile(options, scene, others)
     if options.json is not None:
-        report = path_report(scene, options.engine, options.surfaces_only, result, profile, profiling)
-        write_report(options.json, report)
+        write_report(options.json, _report(scene, options, result, profile, profiling))
     if options.picture is not None:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
 
         draw_path(options.picture, scene, result, profile)
     _print_scene(options, scene)
+    if board is not None:
+        print(f"board: {about(board.description)}")
     _print_effort(result)
     _print_verdict(scene, result)
     if result.verdict == "unknown":
@@ -135,6 +141,70 @@ def _profile(
         return [], effort
     with progress_bar("places", len(places(scene, count))) as progress:
         return clearances(scene, engine, count, effort, progress), effort
+
+
+def _report(
+    scene: PathScene,
+    options: argparse.Namespace,
+    result: PathResult,
+    profile: list[Clearance],
+    profiling: Effort,
+) -> dict[str, Any]:
+    """Return everything that is known of a checked path; lengths of the path in millimetres."""
+    wanted, program = scene.wanted, scene.program
+    scale = wanted.scale
+    return {
+        "verdict": result.verdict,
+        "program": {
+            "file": program.path,
+            "moves": len(program.moves),
+            "length": float(lengths(scene).sum()),
+            "notes": program.notes,
+        },
+        "tool_facets": len(scene.a),
+        "work_facets": len(scene.b),
+        "clearance": wanted.clearance,
+        "step": wanted.step,
+        "false_alarm_band": scene.band,
+        "millimetres_per_file_unit": scale,
+        "grid_in_file_units": grid_entry(scene.grid),
+        "engine": options.engine,
+        **enclosure_entry(result.insides, options.surfaces_only),
+        "near": None if result.near is None else _near_entry(result.near),
+        "levels": result.levels,
+        "effort": _effort_entry(result.effort),
+        "profile": profile,
+        "profile_effort": _effort_entry(profiling),
+    }
+
+
+def _near_entry(near: NearPose) -> dict[str, Any]:
+    return {
+        "line": near.line,
+        "move": near.move,
+        "part_of_move": near.along,
+        "position": near.position,
+        "margin": near.margin,
+        "facet_pairs": near.near_count,
+        "within_clearance_for_certain": near.certain,
+        "facets": near.facets,
+    }
+
+
+def _effort_entry(effort: Effort) -> dict[str, Any]:
+    """Return what the engine did, summed over poses; runs stopped at a near pair left pairs out."""
+    return {
+        "poses": effort.poses,
+        "group_pairs_skipped": effort.group_pairs_skipped,
+        "group_pairs_opened": effort.group_pairs_opened,
+        "pairs_skipped_in_groups": effort.skipped_in_groups,
+        "pairs_skipped_by_their_boxes": effort.skipped,
+        "pairs_tested": effort.tested,
+        "pairs_within_the_margins_asked": effort.near,
+        "cycles": effort.cycles,
+        "milliseconds_at_100_MHz": milliseconds(effort.cycles),
+        "most_cycles_of_a_pose": effort.most_cycles,
+    }
 
 
 def _print_scene(options: argparse.Namespace, scene: PathScene) -> None:

@@ -12,20 +12,24 @@ from triaxis.fpga.board_build import BoardParameters
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.fpga.part import XC7A100T
 from triaxis.golden.errors import InputError
-from triaxis.host.advice.choosing import Advice, advise, all_rows
-from triaxis.host.advice.engine_work import EngineShape
+from triaxis.host.advice.choosing import Advice, advice_report, advise, all_rows
 from triaxis.host.advice.measuring import Measured, integers, positions_of, translation
-from triaxis.host.advice.report import advice_report
-from triaxis.host.advice.scene import AdviceScene, NamedMesh, Wanted, advice_scene
-from triaxis.host.advice.whole_board import known_resources, synthesised_resources, with_resources
-from triaxis.host.advice.widths import Board, WidthRow, length
+from triaxis.host.advice.wanted import AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.widths import (
+    Board,
+    EngineShape,
+    WidthRow,
+    known_resources,
+    length,
+    synthesised_resources,
+    with_resources,
+)
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import number, positive
 from triaxis.host.cli.terminal import progress_bar, table
-from triaxis.host.grid_choice import Steps
-from triaxis.host.quantise import Box, Vector
-from triaxis.host.scene_engines import BULK, RTL
-from triaxis.host.scene_report import milliseconds, write_report
+from triaxis.host.engines import BULK, RTL
+from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.report import milliseconds, write_report
 from triaxis.host.scenes import write_scenes
 from triaxis.host.stl import read_stl
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -224,7 +228,7 @@ def _vector(numbers: list[Fraction]) -> Vector:
 
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:
     """Return the cycles of the simulated engine at a position, against all other meshes."""
-    from triaxis.host.engine_scene import MeshEngineScene
+    from triaxis.host.engines import MeshEngineScene
 
     configuration = MeshConfiguration(
         width=row.width,

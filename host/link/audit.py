@@ -1,17 +1,169 @@
-"""Whether what the board says about a run is enough for a verdict.
+"""Whether what the board says can be, and whether it is enough for a verdict.
 
-The run must be the one that was asked for, and complete: a run that left pairs out cannot pass for clear.
+What it may never say, whatever it was asked, are fields of a reply against each other. A run must be the one
+that was asked for, and complete: one that left pairs out cannot pass for clear.
 """
 
-from dataclasses import astuple
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, replace
 from enum import Enum
 
 import numpy as np
+import numpy.typing as npt
 
-from triaxis.host.link.board import BoardRun
-from triaxis.host.link.codes import Mode, RunEnd, State
-from triaxis.host.link.contradictions import contradiction, must_be
-from triaxis.host.link.errors import LinkError
+from triaxis.host.link.exchange import LinkError
+from triaxis.host.link.messages import (
+    Description,
+    Flag,
+    Mode,
+    Pose,
+    Results,
+    RunEnd,
+    RunRequest,
+    State,
+    Status,
+)
+
+_FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED)
+# Ends of which the engine counts every pair that it was given.
+_WHOLE = (RunEnd.COMPLETE, RunEnd.FIRST)
+
+
+def contradiction(what: str) -> LinkError:
+    """Return the error of an answer that cannot be."""
+    return LinkError(f"the board's answer contradicts itself or us: {what}; verdict unknown")
+
+
+def must_be(what: str, found: object, wanted: object) -> None:
+    """Raise LinkError where the board says something else than it must."""
+    if found != wanted:
+        raise contradiction(f"{what}: {found}, must be {wanted}")
+
+
+def check_description(board: Description) -> None:
+    """Raise LinkError where no board can be so: the limits are those that the RTL elaborates with."""
+    sizes = (board.depth, board.group, board.lanes)
+    if not 8 <= board.width <= 32 or board.margin_bits > board.width:
+        raise contradiction(f"{board.width} bits, margin {board.margin_bits} bits")
+    if any(size == 0 or size & (size - 1) for size in sizes):
+        raise contradiction(f"depth, group, lanes {sizes}: must be powers of two")
+    if board.lanes > board.group or board.group * board.lanes > board.depth:
+        raise contradiction(f"depth, group, lanes {sizes}")
+    if board.watchdog_ms == 0:
+        raise contradiction("no watchdog")
+
+
+def check_status(status: Status, group: int) -> None:
+    """Raise LinkError where the fields of a status contradict each other; ``group``: triangles of one."""
+    for what, value, known in (("state", status.state, State), ("end", status.end, RunEnd),
+                               ("mode", status.mode, Mode)):  # fmt: skip
+        if value not in set(known):
+            raise contradiction(f"{what} {value}")
+    if status.flags & ~_FLAGS:
+        raise contradiction(f"flags {status.flags:#04x}")
+    if status.state != State.DONE:
+        _check_unfinished(status)
+    elif status.end == RunEnd.NONE:
+        raise contradiction("a run that is done and has no end")
+    elif status.end in _WHOLE:
+        _check_counters(status, group)
+    if status.flags & Flag.GO:
+        _check_go(status)
+
+
+def _check_unfinished(status: Status) -> None:
+    none = replace(
+        status,
+        end=RunEnd.NONE,
+        cycles=0,
+        groups_skipped=0,
+        groups_opened=0,
+        pairs_skipped=0,
+        tested=0,
+        near=0,
+    )
+    if status.state == State.IDLE:
+        none = replace(none, run=0, mode=0, x=0, y=0, z=0, margin=0)
+    if status != none:
+        raise contradiction(f"numbers of a run in state {State(status.state).name}")
+
+
+def _check_go(status: Status) -> None:
+    if (status.state, status.end, status.near) != (State.DONE, RunEnd.COMPLETE, 0):
+        raise contradiction("go, and no complete run that found nothing near")
+    if status.flags != Flag.GO:
+        raise contradiction("go, although near pairs wait or the watchdog has run out")
+
+
+def _check_counters(status: Status, group: int) -> None:
+    """Every pair was in a skipped group pair, skipped by its boxes, or tested; or the run stopped at one."""
+    if status.near > status.tested:
+        raise contradiction(f"{status.near} near pairs of {status.tested} tested")
+    # The core takes at most a pair a clock.
+    if status.tested >= status.cycles:
+        raise contradiction(f"{status.tested} pairs tested in {status.cycles} clocks")
+    if status.mode == Mode.COUNT and status.flags & Flag.NEAR_WAITING:
+        raise contradiction("near pairs wait of a run that only counts them")
+    if status.mode == Mode.FIRST or status.end == RunEnd.FIRST:
+        must_be("mode of a run that stopped", status.mode, Mode.FIRST)
+        must_be("near pairs of a run that stops at the first", status.near, int(status.end == RunEnd.FIRST))
+    sizes = _group_pairs(status.count_a, status.count_b, group)
+    group_pairs = sum(count for _, count in sizes)
+    seen, opened = status.groups_skipped + status.groups_opened, status.pairs_skipped + status.tested
+    if status.end == RunEnd.FIRST:
+        if seen > group_pairs or opened > _pairs(status.groups_opened, sizes[::-1]):
+            raise contradiction(f"{seen} group pairs of {group_pairs}, {opened} pairs skipped or tested")
+        return
+    must_be("group pairs", seen, group_pairs)
+    least, most = _pairs(status.groups_opened, sizes), _pairs(status.groups_opened, sizes[::-1])
+    if not least <= opened <= most:
+        raise contradiction(f"{opened} pairs skipped or tested, must be {least}..{most}")
+
+
+def _group_pairs(count_a: int, count_b: int, group: int) -> list[tuple[int, int]]:
+    """Return how many pairs a pair of groups has, and how many of those there are: the smallest first.
+
+    All groups but the last of a mesh are full.
+    """
+    (full_a, rest_a), (full_b, rest_b) = divmod(count_a, group), divmod(count_b, group)
+    some_a, some_b = int(rest_a > 0), int(rest_b > 0)
+    return sorted(
+        [
+            (group * group, full_a * full_b),
+            (group * rest_b, full_a * some_b),
+            (rest_a * group, some_a * full_b),
+            (rest_a * rest_b, some_a * some_b),
+        ]
+    )
+
+
+def _pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
+    """Return how many pairs so many pairs of groups have, taken in the order of ``sizes``."""
+    pairs = 0
+    for size, count in sizes:
+        taken = min(groups, count)
+        pairs += taken * size
+        groups -= taken
+    return pairs
+
+
+def check_results(results: Results, group: int) -> None:
+    """Raise LinkError where the status of an answer to RESULTS contradicts itself or its near pairs."""
+    check_status(results.status, group)
+    # What has been taken is freed, so that what waits is here.
+    must_be("near pairs wait", bool(results.status.flags & Flag.NEAR_WAITING), len(results.near) > 0)
+
+
+def check_later(before: Status, now: Status) -> None:
+    """Raise LinkError where a status is not that of a finished run again: but for what may happen since."""
+    if replace(now, flags=before.flags, errors=before.errors) != before:
+        raise contradiction("the status of another run")
+    if now.errors < before.errors:
+        raise contradiction(f"{now.errors} errors after {before.errors}")
+    begun, ended = now.flags & ~before.flags, before.flags & ~now.flags
+    if begun not in (0, Flag.WATCHDOG_EXPIRED) or ended & Flag.WATCHDOG_EXPIRED:
+        raise contradiction(f"flags {now.flags:#04x} after {before.flags:#04x}")
+
 
 _MEANING = {
     RunEnd.ABORTED: "the run was aborted",
@@ -19,6 +171,17 @@ _MEANING = {
     RunEnd.OVERFULL: "a mesh has more triangles than the board holds",
     RunEnd.BAD_MODE: "the board does not know the mode",
 }
+
+
+@dataclass(frozen=True)
+class BoardRun:
+    """What was asked for, and what came back. ``near``: (i in A, j in B) as loaded, shape (K, 2)."""
+
+    request: RunRequest
+    pose: Pose
+    number: int
+    status: Status
+    near: npt.NDArray[np.int64]
 
 
 class Verdict(Enum):

@@ -1,32 +1,34 @@
 """The board as an object: each method is one command, checked to have been done."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.host.link.codes import PROTOCOL, Code, Command, Mesh, Mode, State
-from triaxis.host.link.contradictions import check_description, check_later, check_results, check_status
-from triaxis.host.link.errors import LinkError, SessionLostError
-from triaxis.host.link.exchange import Exchange
-from triaxis.host.link.layout import LayoutError, Record
-from triaxis.host.link.line import Line
+from triaxis.host.link.audit import BoardRun, check_description, check_later, check_results, check_status
+from triaxis.host.link.exchange import Exchange, Line, LinkError, SessionLostError
 from triaxis.host.link.messages import (
+    PROTOCOL,
+    Code,
+    Command,
     Description,
     Loaded,
     LoadHead,
+    Mesh,
+    Mode,
     Pose,
     Results,
     ResultsRequest,
     RunNumber,
     RunRequest,
+    State,
     Status,
     once,
     pack_triangles,
     triangles_per_load,
 )
+from triaxis.host.link.wire import LayoutError, Record
 
 # A dead master's board is free once its watchdog has expired.
 _TAKEOVER_SECONDS = 1.0
@@ -38,17 +40,6 @@ _SILENT_SECONDS, _SECONDS_PER_PAIR = 30.0, 20e-6
 _LOST = (Code.BAD_SEQUENCE, Code.OUT_OF_PLACE, Code.COUNTS_DIFFER, Code.EMPTY_MESH, Code.BUSY)
 
 _Answer = TypeVar("_Answer", bound=Record | Results)
-
-
-@dataclass(frozen=True)
-class BoardRun:
-    """What was asked for, and what came back. ``near``: (i in A, j in B) as loaded, shape (K, 2)."""
-
-    request: RunRequest
-    pose: Pose
-    number: int
-    status: Status
-    near: npt.NDArray[np.int64]
 
 
 class Board:

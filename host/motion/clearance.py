@@ -12,10 +12,9 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.host.engines import SceneEngine, Translation
 from triaxis.host.motion.path_check import Effort
-from triaxis.host.motion.path_scene import PathScene
-from triaxis.host.motion.sampling import nearest
-from triaxis.host.scene_engines import SceneEngine, Translation
+from triaxis.host.motion.path_scene import PathScene, nearest
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
 _STEPS, _PART = 4, 32

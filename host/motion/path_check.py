@@ -12,13 +12,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from triaxis.host.enclosure import NOT_ASKED, Enclosure, enclosure
-from triaxis.host.meshcheck import distance_of
-from triaxis.host.motion.path_scene import PathScene
+from triaxis.golden.exact import Rational
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
+from triaxis.host.engines import BULK, SceneEngine, SceneRun, scene_engine
+from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
 from triaxis.host.motion.program import Move
-from triaxis.host.motion.sampling import Segment, nearest, upwards
 from triaxis.host.quantise import Vector
-from triaxis.host.scene_engines import SceneEngine, SceneRun
+from triaxis.host.scene import distance_of
 
 # What A and B are here.
 NAMES = ("the tool", "the workpiece")
@@ -118,9 +118,17 @@ def check_path(
     engine: SceneEngine,
     progress: Callable[[int], None] | None = None,
     surfaces_only: bool = False,
+    insides_first: bool = False,
 ) -> PathResult:
-    """Prove the path clear, move by move, or find its first near pose; ``progress`` is told of moves done."""
+    """Prove the path clear, move by move, or find its first near pose; ``progress`` is told of moves done.
+
+    ``insides_first``: where one is inside the other at the start, or may be, the engine is not asked at all.
+    """
     result = PathResult()
+    insides = _insides(scene) if insides_first and not surfaces_only else None
+    if insides is not None and insides.state != State.OUTSIDE and not _near_at_start(scene):
+        result.insides = insides
+        return result
     for index, move in enumerate(scene.program.moves):
         found = _first_near(scene, engine, scene.segment(move), result)
         if found is not None:
@@ -131,8 +139,16 @@ def check_path(
             progress(1)
     # Segments are proven in the order of the path: where any is, so is the start.
     if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
-        result.insides = _insides(scene)
+        result.insides = insides or _insides(scene)
     return result
+
+
+def _near_at_start(scene: PathScene) -> bool:
+    """Return whether facets are near at the start, as the bulk checker sees it."""
+    start = scene.segment(scene.program.moves[0]).start
+    segment = Segment(start, start, Rational(0), Rational(0))
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    return engine.run(segment.sample, scene.path.margin(segment), stop_at_first=True).near_count > 0
 
 
 def _insides(scene: PathScene) -> Enclosure:

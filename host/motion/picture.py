@@ -13,11 +13,10 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from triaxis.host.enclosure import State
-from triaxis.host.figure_style import GAP, LARGE, NORMAL, SMALL, A, B
+from triaxis.host.figures import GAP, LARGE, NORMAL, SMALL, A, B, write_figure
 from triaxis.host.motion.clearance import Clearance, lengths
 from triaxis.host.motion.path_check import NAMES, PathResult
 from triaxis.host.motion.path_scene import PathScene
-from triaxis.host.saved_figure import write_figure
 from triaxis.host.stl import Facets
 
 _INCHES = (13.5, 7.0)

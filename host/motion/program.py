@@ -13,8 +13,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import Place
-from triaxis.host.motion.gcode import AFTER_THE_END, Block, Word, read_blocks
-from triaxis.host.motion.refused_words import WHY_REFUSED
+from triaxis.host.motion.gcode import AFTER_THE_END, WHY_REFUSED, Block, Word, read_blocks
 from triaxis.host.quantise import Vector
 
 _AXES = "XYZ"

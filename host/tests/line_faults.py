@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from triaxis.host.link.framing import END
+from triaxis.host.link.wire import END
 
 _BOUNDARY = bytes([END])
 # Kept to be repeated later, from this session or an earlier one.

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.host.link.codes import PROTOCOL, REPLY, Code, Command, Flag
-from triaxis.host.link.framing import Deframer, encode
 from triaxis.host.link.messages import (
+    PROTOCOL,
+    REPLY,
+    Code,
+    Command,
     Description,
+    Flag,
     Loaded,
     LoadHead,
     Pose,
@@ -22,6 +25,7 @@ from triaxis.host.link.messages import (
     Status,
     twice,
 )
+from triaxis.host.link.wire import Deframer, encode
 
 BOARD = Description(PROTOCOL, 16, 16, 64, 4, 4, 0xCAFE, 100)
 # Two meshes of 6 and 5 triangles, in groups of 4: 4 group pairs, 30 pairs; half of the groups skipped.

@@ -9,21 +9,24 @@ from triaxis.fpga.dsp_count import DspCount
 from triaxis.fpga.part import Resources
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.host.advice import measuring, whole_board, widths
+from triaxis.host.advice import measuring, widths
 from triaxis.host.advice.choosing import Advice, advise, all_rows
-from triaxis.host.advice.engine_work import EngineShape, LoadedMesh, engine_work
-from triaxis.host.advice.exact_near import TooManyError, exact_near
-from triaxis.host.advice.measuring import measure, positions_of
-from triaxis.host.advice.scene import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
-from triaxis.host.advice.whole_board import with_resources
-from triaxis.host.advice.widths import Board, lanes_of_builds, width_row
+from triaxis.host.advice.measuring import (
+    EngineShape,
+    LoadedMesh,
+    TooManyError,
+    engine_work,
+    exact_near,
+    measure,
+    positions_of,
+)
+from triaxis.host.advice.wanted import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.widths import Board, lanes_of_builds, width_row, with_resources
 from triaxis.host.cli import main
-from triaxis.host.engine_scene import MeshEngineScene
-from triaxis.host.grid_choice import Steps
-from triaxis.host.mesh_data import mesh_data
-from triaxis.host.meshcheck import distance_of
-from triaxis.host.quantise import Box, Vector
-from triaxis.host.scenes import box, tool, vise, write_stl
+from triaxis.host.engines import MeshEngineScene
+from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.scene import distance_of
+from triaxis.host.scenes import box, mesh_data, tool, vise, write_stl
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import ROOT
@@ -86,6 +89,7 @@ def test_pairs_that_were_not_judged_are_told(rng: np.random.Generator):
 # --- What the engine does -----------------------------------------------------------------------------------
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize("margin", [0, 300, 4000])
 def test_work_of_the_engine_is_bounded_on_both_sides(rng: np.random.Generator, margin: int):
     """More facets than the engine holds: several parts."""
@@ -237,13 +241,13 @@ def test_a_synthesis_is_kept_for_its_own_build_only(tmp_path: Path, monkeypatch:
         made.append(parameters["W"])
         return Made()
 
-    monkeypatch.setattr(whole_board, "_FOLDER", tmp_path)
-    monkeypatch.setattr(whole_board, "synthesise", synthesise)
-    monkeypatch.setattr(whole_board, "yosys_version", lambda: "stand-in")
-    assert whole_board.known_resources(row) is None
-    assert whole_board.synthesised_resources(row) == used
-    assert whole_board.synthesised_resources(row) == used == whole_board.known_resources(row)
-    assert whole_board.known_resources(other) is None
+    monkeypatch.setattr(widths, "_FOLDER", tmp_path)
+    monkeypatch.setattr(widths, "synthesise", synthesise)
+    monkeypatch.setattr(widths, "yosys_version", lambda: "stand-in")
+    assert widths.known_resources(row) is None
+    assert widths.synthesised_resources(row) == used
+    assert widths.synthesised_resources(row) == used == widths.known_resources(row)
+    assert widths.known_resources(other) is None
     assert made == [16]
 
 
@@ -311,11 +315,7 @@ def test_lengths_are_millimetres_whatever_the_unit(files: list[str], capsys: pyt
     assert advised[0].split(",")[0] == advised[1].split(",")[0]
 
 
-def test_powers_of_two(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["scene", "advise", *files, "--clearance", "0.5", "--steps", "binary"]) == 0
-    assert "resolution 2^-" in capsys.readouterr().out
-
-
+@pytest.mark.simulator
 def test_the_simulated_engine_keeps_within_the_bounds(
     files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
@@ -367,11 +367,6 @@ def test_bad_options(files: list[str], capsys: pytest.CaptureFixture[str], words
     assert not caught.out
 
 
-def test_a_file_that_is_read_is_not_written_over(files: list[str], capsys: pytest.CaptureFixture[str]):
-    assert main(["scene", "advise", *files, "--clearance", "1", "--json", files[1]]) == 2
-    assert "is an input file" in capsys.readouterr().err
-
-
 def test_scenes_with_too_many_near_pairs_are_not_measured(
     files: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
@@ -380,6 +375,7 @@ def test_scenes_with_too_many_near_pairs_are_not_measured(
     assert "not measured on the scene" in capsys.readouterr().out
 
 
+@pytest.mark.regress
 @pytest.mark.skipif(mesh_data() is None, reason="no folder $TRIAXIS_DATA or ../shared/data")
 def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """Carousel and arm, in units of 10 mm, with the blocks of the real board."""
@@ -399,6 +395,7 @@ def test_a_machine(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert "do not fit the engine's 4,096" in capsys.readouterr().out
 
 
+@pytest.mark.regress
 def test_the_page_shows_what_the_command_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

@@ -6,6 +6,7 @@ import pytest
 
 from triaxis.host import scenes
 from triaxis.host.cli import main
+from triaxis.host.scenes import mesh_data
 
 
 @pytest.fixture
@@ -29,6 +30,7 @@ def check(meshes, capsys):
     return run
 
 
+@pytest.mark.simulator
 def test_check_reports(check, meshes, tmp_path):
     report = tmp_path / "new" / "report.json"
     found = {}
@@ -51,6 +53,7 @@ def test_check_reports(check, meshes, tmp_path):
     assert "is an input file" in check("--json", meshes[0], status=2)
 
 
+@pytest.mark.simulator
 def test_check_in_a_pose(check, meshes, tmp_path):
     # The gap of 2 mm along z is a gap along y, x for A turned about the origin.
     moved = check("--move", "0", "0", "-1.5", "--clearance", "3.4")
@@ -72,27 +75,6 @@ def test_check_in_a_pose(check, meshes, tmp_path):
     turns = json.loads(report.read_text())["pose"]["rotate"]
     assert turns == [{"axis": "z", "degrees": 45.0}, {"axis": "z", "degrees": -45.0}]
     check(*there, "--clearance", "1.99")
-
-
-def test_errors_leave_no_older_verdict(check, meshes, tmp_path):
-    report = tmp_path / "report.json"
-    for options in (
-        ("--rotate", "w", "90"),
-        ("--width", "40"),
-        ("--clearance", "-1"),
-        ("--width", "16", "--move", "0", "0", "90"),
-    ):
-        report.write_text('{"verdict": "clear"}')
-        check("--json", report, *options, status=2)
-        assert json.loads(report.read_text()) == {"verdict": "unknown"}
-
-
-def test_check_refuses_bad_poses(check, meshes):
-    assert "--rotate w: must be x, y or z" in check("--rotate", "w", "90", status=2)
-    assert "--rotate xy: must be x, y or z" in check("--rotate", "xy", "90", status=2)
-    assert "--rotate x inf: not a finite decimal number" in check("--rotate", "x", "inf", status=2)
-    assert "--move: up: not a finite decimal number" in check("--move", "0", "0", "up", status=2)
-    assert "does not fit 16 bits" in check("--width", "16", "--move", "0", "0", "90", status=2)
 
 
 @pytest.fixture
@@ -150,3 +132,66 @@ def test_inside_of_an_open_mesh_is_unknown(nested_check, nested):
         assert "CLEAR" not in said
     assert nested_check(0, 2, "--surfaces-only")[0] == 0
     assert nested_check(0, 2, "--move", "30", "0", "0")[0] == 0
+
+
+def test_check_never_misses_and_alarms_only_in_the_band(check):
+    # The gap is 2; at resolution 0.25 alarms may begin three steps early.
+    for clearance, status in (("2", 1), ("1.999", 1), ("1.2", 0), ("0", 0)):
+        check("--resolution", "0.25", "--clearance", clearance, "--engine", "bulk", status=status)
+
+
+@pytest.mark.simulator
+def test_check_says_the_same_with_every_engine(check):
+    out = check()
+    assert "CLEAR" in out
+    assert "facet pairs: 144; skipped by boxes: 144; tested: 0" in out
+    out = check("--clearance", "2", status=1)
+    assert "NEAR: " in out
+    assert "exact distance 2\n" in out
+    # Only the simulated engine knows groups and cycles.
+    lines = [line for line in out.splitlines(keepends=True) if "cycles" not in line]
+    assert len(lines) == len(out.splitlines()) - 1
+    for engine in ("golden", "bulk"):
+        assert check("--clearance", "2", "--engine", engine, status=1) == "".join(lines)
+
+
+def test_check_refuses_bad_input(check, meshes):
+    for clearance in ("-0.5", "-1e-3"):
+        assert "must not be negative" in check("--clearance", clearance, status=2)
+    line = check("--resolution", "0.0001", "--width", "16", status=2)
+    assert "facet" in line
+    assert "does not fit 16 bits at resolution 0.0001" in line
+    assert str(meshes[0]) in line or str(meshes[1]) in line
+    for options, why in (
+        (("--resolution", "0"), "resolution"),
+        (("--resolution", "nan"), "not a finite decimal number"),
+        (("--width", "5"), "8..32"),
+        (("--clearance", "99", "--width", "16"), "width 16 allows 65535"),
+        (("--rotate", "w", "90"), "--rotate w: must be x, y or z"),
+        (("--rotate", "xy", "90"), "--rotate xy: must be x, y or z"),
+        (("--rotate", "x", "inf"), "--rotate x inf: not a finite decimal number"),
+        (("--move", "0", "0", "up"), "--move: up: not a finite decimal number"),
+        (("--width", "16", "--move", "0", "0", "90"), "does not fit 16 bits"),
+        (("--engine", "board"), "--engine board: name its serial port with --port"),
+        (("--port", "/dev/ttyUSB1"), "--port and --any-bitstream go with --engine board"),
+    ):
+        assert why in check(*options, status=2)
+    whole = meshes[0].read_bytes()
+    for content, why in ((whole[:-10], f"{meshes[0]}: "), (b"", "empty file")):
+        meshes[0].write_bytes(content)
+        assert why in check(status=2)
+    meshes[0].unlink()
+    assert "cannot read" in check(status=2)
+
+
+@pytest.mark.simulator
+def test_real_meshes(capsys):
+    data = mesh_data()
+    if data is None:
+        pytest.skip("no real meshes here: set TRIAXIS_DATA to a folder with vmc/*.stl")
+    arm = str(data / "vmc/arm.stl")
+    assert main(["check", str(data / "vmc/carousel.stl"), arm, "--clearance", "0"]) == 1
+    assert "facet pairs: 1208024" in capsys.readouterr().out
+    # This binary file's header begins with "solid".
+    assert main(["check", str(data / "parts/unit_cube.STL"), arm]) == 0
+    assert "12 facets" in capsys.readouterr().out

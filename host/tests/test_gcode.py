@@ -5,12 +5,12 @@ import string
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
+from triaxis.host.motion.gcode import WHY_REFUSED
 from triaxis.host.motion.program import read_program
-from triaxis.host.motion.refused_words import WHY_REFUSED
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
 
@@ -179,6 +179,8 @@ def test_files_without_moves(read, tmp_path):
 DECIMALS = st.decimals(-9999, 9999, places=4)
 
 
+# A slow machine is no failure.
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.lists(st.tuples(DECIMALS, DECIMALS, DECIMALS), min_size=1, max_size=8), st.booleans(), st.booleans()
 )

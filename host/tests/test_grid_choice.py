@@ -5,15 +5,20 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.host.grid_choice import (
+from triaxis.host.quantise import (
+    Box,
+    Grid,
     Steps,
+    Vector,
     extent_of,
     false_alarm_band,
     finest_resolution,
+    fits,
+    grid_around,
     grown,
+    margin_for,
     widest_extent,
 )
-from triaxis.host.quantise import Box, Grid, Vector, fits, grid_around, margin_for
 
 WIDTHS = (8, 9, 13, 16, 24, 32)
 

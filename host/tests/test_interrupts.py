@@ -127,14 +127,3 @@ def test_a_full_disk_leaves_nothing_half_written(small_disk, meshes):
     assert "No space left on device" in refused(*command)
     assert json.loads(report.read_text()) == {"verdict": "unknown"}
     assert sorted(path.name for path in small_disk.iterdir()) == ["full", "report.json"]
-
-
-def test_a_folder_of_runs_that_cannot_be_written_is_told(tmp_path, monkeypatch, capsys):
-    from triaxis.host.cli import main
-    from triaxis.verif.testbench import simulation
-
-    (tmp_path / "runs").write_text("")
-    monkeypatch.setattr(simulation, "build_for", lambda *_: tmp_path)
-    monkeypatch.setattr("triaxis.verif.testbench.simulation.BUILD", tmp_path)
-    assert main(["sim", "RandomTest"]) == 2
-    assert "cannot make this folder: Not a directory" in capsys.readouterr().err

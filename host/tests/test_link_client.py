@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 import serial
 
+from triaxis.host.broadphase import spatial_order
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
-from triaxis.host.link.check import check_on_board
-from triaxis.host.link.codes import Code, Command, Flag, Mode
-from triaxis.host.link.errors import LinkError
-from triaxis.host.link.framing import Deframer, encode
-from triaxis.host.link.line import SerialLine
-from triaxis.host.link.messages import Pose, ReplyHead, Results, twice
-from triaxis.host.spatial_order import spatial_order
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.exchange import LinkError, SerialLine
+from triaxis.host.link.messages import Code, Command, Flag, Mode, Pose, ReplyHead, Results, twice
+from triaxis.host.link.wire import Deframer, encode
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
@@ -26,7 +24,7 @@ B = 100 + np.arange(5 * 9).reshape(5, 3, 3)
 def check(line, mode=Mode.ALL, pose=(0, 0, 0), margin=3, a=A, b=B):
     with Board(line) as board:
         board.hello()
-        return check_on_board(board, a, b, margin, Pose(*pose), mode)
+        return BoardEngine(board, a, b).check(Pose(*pose), margin, mode)
 
 
 def refused(line, **options):
@@ -202,7 +200,7 @@ def test_a_later_status_is_of_the_same_run(lie):
     line = ScriptedLine().lie(errors=3)
     board = Board(line)
     board.hello()
-    found = check_on_board(board, A, B, 3, Pose(0, 0, 0), Mode.ALL)
+    found = BoardEngine(board, A, B).check(Pose(0, 0, 0), 3, Mode.ALL)
     assert board.still(found.status) == found.status
     line.lie(errors=4, flags=Flag.WATCHDOG_EXPIRED)
     later = board.still(found.status)

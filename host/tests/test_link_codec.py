@@ -7,8 +7,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from triaxis.host.link.framing import END, ESC, LONGEST, Deframer, decode, encode
-from triaxis.host.link.layout import LayoutError
 from triaxis.host.link.messages import (
     MOST_NEAR,
     Description,
@@ -24,6 +22,7 @@ from triaxis.host.link.messages import (
     twice,
     unpack_triangles,
 )
+from triaxis.host.link.wire import END, ESC, LONGEST, Deframer, LayoutError, decode, encode
 
 # Bytes that matter to the framing, more often than by chance.
 special = st.sampled_from([END, ESC, 0xDC, 0xDD, 0x00, 0xFF])

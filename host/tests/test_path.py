@@ -14,17 +14,15 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.host import scenes
 from triaxis.host.cli import main
-from triaxis.host.engine_scene import MeshEngineScene
-from triaxis.host.motion import path_check, picture
+from triaxis.host.engines import MeshEngineScene, scene_engine
+from triaxis.host.motion import picture
 from triaxis.host.motion.clearance import clearances
 from triaxis.host.motion.path_check import Effort, check_path
-from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.path_scene import PathGrid, Wanted, prepare_path
 from triaxis.host.motion.program import Move, Program
-from triaxis.host.motion.sampling import PathGrid
-from triaxis.host.scene_engines import scene_engine
+from triaxis.host.scenes import mesh_data
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.verif.signoff.scene_checks import mesh_data
 
 RASTER = Path(__file__).with_name("data") / "raster_with_dive.nc"
 DIVE = 1 + next(k for k, line in enumerate(RASTER.read_text().splitlines()) if "the dive" in line)
@@ -117,16 +115,6 @@ def test_the_bound_is_tight(monkeypatch):
     assert checked(tight_scene()).near is None, "a smaller bound would do"
 
 
-@pytest.mark.parametrize("broken", ["margin", "boxes"])
-def test_either_proof_needs_its_bound(monkeypatch, broken):
-    if broken == "margin":
-        real = PathGrid.margin
-        monkeypatch.setattr(PathGrid, "margin", lambda grid, segment: real(grid, segment) - 1)
-    else:
-        monkeypatch.setattr(path_check, "_boxes_apart", lambda scene, segment: True)
-    assert checked(tight_scene()).near is None
-
-
 def vise_scene(corners, **options):
     return scene_of(scenes.tool(), scenes.vise(), corners, wanted_of(**options))
 
@@ -146,6 +134,7 @@ def summary(result):
 BESIDE = [(0, 76.5, 60), (0, 76.5, -20), (10, 76.2, -20), (40, 74, -20)]
 
 
+@pytest.mark.simulator
 def test_engines_agree():
     scene = vise_scene(BESIDE, clearance=1, resolution=Fraction(1, 100))
     answers = {name: checked(scene, name) for name in ("bulk", "golden", "rtl")}
@@ -161,15 +150,16 @@ def test_engines_agree():
     assert answers["bulk"].effort.cycles is None
 
 
+@pytest.mark.simulator
 def test_meshes_larger_than_the_engine_run_part_by_part(rng):
-    a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (50, 37))
-    small = MeshEngineScene(a, b, MeshConfiguration(8, 8, depth=16, group=4, lanes=4))
-    whole = scene_engine("bulk", a, b, 8)
+    a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (150, 70))
+    small = MeshEngineScene(a, b, MeshConfiguration(16, 16, depth=64, group=8, lanes=8))
+    whole = scene_engine("bulk", a, b, 16)
     for translation, margin in (((0, 0, 0), 3), ((5, -7, 2), 0), ((3, 3, 3), 20)):
         parts, wanted = small.run(translation, margin), whole.run(translation, margin)
         assert (parts.near == wanted.near).all()
         assert (parts.tested, parts.near_count) == (wanted.tested, wanted.near_count)
-        assert parts.skipped_in_groups + parts.skipped + parts.tested == 50 * 37
+        assert parts.skipped_in_groups + parts.skipped + parts.tested == 150 * 70
         assert parts.near_count
         first = small.run(translation, margin, stop_at_first=True)
         assert first.near_count == 1

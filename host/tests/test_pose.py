@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.host.pose import Pose, Turn, turned
+from triaxis.host.scene import Pose, Turn, turned
 from triaxis.host.stl import StlMesh
 
 # It says nothing of its types.

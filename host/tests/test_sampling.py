@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from triaxis.golden.exact import Rational
 from triaxis.golden.judge import judge
-from triaxis.host.motion.sampling import PathGrid, Segment, nearest
+from triaxis.host.motion.path_scene import PathGrid, Segment, nearest
 from triaxis.host.quantise import box_of, grid_around, quantise
 from triaxis.host.stl import StlMesh
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from triaxis.host.figure_style import SMALL
+from triaxis.host.figures import SMALL
 
 # Widths of a character and of a line, in units of the font size: a little more than they take.
 _CHARACTER, _LINE = 0.6, 1.25

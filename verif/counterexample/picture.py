@@ -14,8 +14,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from triaxis.golden.axes import claims
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.host.figure_style import LARGE, NORMAL
-from triaxis.host.saved_figure import write_figure
+from triaxis.host.figures import LARGE, NORMAL, write_figure
 from triaxis.sim.result import NEAR
 from triaxis.verif.counterexample.finding import Counterexample
 from triaxis.verif.counterexample.views import (

@@ -17,7 +17,7 @@ from triaxis.golden.axes import axis_name, axis_vector
 from triaxis.golden.exact import Triangle, Vector, dot, triangle_rank
 from triaxis.golden.pairs import Pairs
 from triaxis.golden.solver import NearestPoints
-from triaxis.host.figure_style import GAP, MARGIN, NORMAL, SMALL, STYLES, WITNESS, Style
+from triaxis.host.figures import GAP, MARGIN, NORMAL, SMALL, STYLES, WITNESS, Style
 from triaxis.verif.counterexample.labels import Label, place_labels
 
 # A decision narrower than this part of the picture is zoomed in on, until it takes this part of it.

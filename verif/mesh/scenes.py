@@ -11,11 +11,9 @@ from itertools import product
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.machine_scenes import machine_scenes
-from triaxis.host.mesh_data import mesh_data
+from triaxis.host.broadphase import spatial_order
 from triaxis.host.quantise import centred_grid, quantise
-from triaxis.host.scenes import scenes
-from triaxis.host.spatial_order import spatial_order
+from triaxis.host.scenes import machine_scenes, mesh_data, scenes
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
 from triaxis.verif.core.items import FULL_SPEED, Pace

@@ -8,7 +8,7 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.spatial_order import spatial_order
+from triaxis.host.broadphase import spatial_order
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import Mode
 from triaxis.verif.core.items import FULL_SPEED, Pace

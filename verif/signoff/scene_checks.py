@@ -10,9 +10,8 @@ import numpy.typing as npt
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
 from triaxis.host.enclosure import NOT_ASKED, enclosure
-from triaxis.host.mesh_data import mesh_data
-from triaxis.host.meshcheck import check_meshes, prepare
-from triaxis.host.scenes import box, write_scenes, write_stl
+from triaxis.host.scene import check_meshes, prepare
+from triaxis.host.scenes import box, mesh_data, write_scenes, write_stl
 from triaxis.host.stl import read_stl
 from triaxis.sim.core_engine import RtlEngine, configuration_for
 

@@ -14,14 +14,17 @@ import pytest
 from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.link.audit import Verdict
 from triaxis.host.link.board import Board
-from triaxis.host.link.check import check_on_board
-from triaxis.host.link.codes import REPLY, Code, Command, Flag, Mesh, Mode
-from triaxis.host.link.errors import LinkError
-from triaxis.host.link.exchange import Exchange
-from triaxis.host.link.layout import field_sizes
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.exchange import Exchange, LinkError
 from triaxis.host.link.messages import (
+    REPLY,
+    Code,
+    Command,
     Description,
+    Flag,
     Loaded,
+    Mesh,
+    Mode,
     Pose,
     Reply,
     ReplyHead,
@@ -30,6 +33,7 @@ from triaxis.host.link.messages import (
     RunNumber,
     Status,
 )
+from triaxis.host.link.wire import field_sizes
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
@@ -155,7 +159,7 @@ class Recorded:
         verdict = None
         try:
             board.hello()
-            found = check_on_board(board, A, CLEAR_B, MARGIN, HERE, self.mode)
+            found = BoardEngine(board, A, CLEAR_B).check(HERE, MARGIN, self.mode)
             verdict = found.verdict
             return verdict, bool(board.still(found.status).flags & Flag.GO)
         except LinkError:

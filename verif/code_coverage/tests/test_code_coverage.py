@@ -248,8 +248,8 @@ def test_the_exit_code_says_whether_all_is_covered(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     result = coverage(covered() if passed else replace(covered(), uncovered=[hole()] * 50))
-    monkeypatch.setattr("triaxis.host.cli.coverage.measure", lambda *_, **__: result)
-    monkeypatch.setattr("triaxis.host.cli.coverage.write_json", lambda *_: tmp_path / "code.json")
+    monkeypatch.setattr("triaxis.verif.commands.coverage.measure", lambda *_, **__: result)
+    monkeypatch.setattr("triaxis.verif.commands.coverage.write_json", lambda *_: tmp_path / "code.json")
     assert main(["coverage", "code"]) == code
     said = capsys.readouterr().out
     assert ("PASSED" in said) is passed

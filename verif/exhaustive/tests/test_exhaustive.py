@@ -13,9 +13,10 @@ from triaxis.golden.certificate import axis_proves_clear, claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.cli import main, prove
+from triaxis.host.cli import main
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.result import NEAR
+from triaxis.verif.commands import prove
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.families import mixed_pairs

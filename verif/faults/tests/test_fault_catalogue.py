@@ -13,12 +13,12 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.cli import main
-from triaxis.host.cli import prove as command
 from triaxis.sim.build import rtl_files
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.detector import WIDTH, detect
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT, ROOT
+from triaxis.verif.commands import prove as command
 from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS
 from triaxis.verif.core.stimulus.families import mixed_pairs

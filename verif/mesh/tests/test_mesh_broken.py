@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from triaxis.host.engine_scene import MeshEngineScene
+from triaxis.host.engines import MeshEngineScene
 from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration

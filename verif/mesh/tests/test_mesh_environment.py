@@ -6,7 +6,7 @@ import pytest
 
 from triaxis.coverage.counts import load
 from triaxis.golden.errors import InputError
-from triaxis.host.cli import sim
+from triaxis.verif.commands import sim
 from triaxis.verif.mesh.uvm_tests import SQUARE
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.testbench.settings import BURST, PIN

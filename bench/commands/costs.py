@@ -1,4 +1,4 @@
-"""``triaxis bench sim``, ``mesh`` and ``skipping``: how fast simulation, engine and skipping are."""
+"""``triaxis bench sim``, ``mesh``, ``skipping``, ``fpga activity``: what simulation, engine and core cost."""
 
 import argparse
 import time
@@ -7,6 +7,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene
+from triaxis.bench.activity.measuring import Row as GatingRow
+from triaxis.bench.activity.measuring import write_numbers as write_activity
+from triaxis.bench.activity.streams import streams
 from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, Row, bench_mesh, cases, write_rows
 from triaxis.bench.skipping.growth import Growth
 from triaxis.bench.skipping.plot import draw
@@ -16,7 +20,7 @@ from triaxis.bench.speed import BOUNDS, STEPS, SimSpeeds, bench_sim, write_speed
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
-from triaxis.host.mesh_data import mesh_data
+from triaxis.host.scenes import mesh_data
 
 
 def add_sim(parser: argparse.ArgumentParser) -> None:
@@ -229,3 +233,43 @@ def _growth(growth: Growth, result: SkippingResult) -> Table:
             *(seconds.get(name, "not asked") for name in present),
         )
     return rows
+
+
+def add_activity(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga activity``."""
+    parser.description = (
+        "Send the same pairs, one in a hundred undecided by its boxes, through the core with and without "
+        f"operand gating, which must leave at most {100 * BOUND:g} % of the toggles. Writes "
+        "build/fpga/activity.json, and build/fpga/activity.saif, the activity of the mesh engine on a "
+        "scene, for power reports."
+    )
+    add_seed(parser, "seed of the random pairs")
+    parser.set_defaults(run=_activity)
+
+
+def _activity(options: argparse.Namespace) -> int:
+    start = time.perf_counter()
+    wanted = streams(options.seed)
+    with progress_bar("activity", len(wanted) + 1) as progress:
+        rows = measure(wanted, progress=progress)
+        engine = trace_scene(SAIF_SCENE)
+        progress(1)
+    path = write_activity(rows, engine, options.seed, time.perf_counter() - start)
+    _print_toggles(rows)
+    print(f"written to {path} and {SAIF.name}")
+    return DONE if all(row.within_bound for row in rows) else NO
+
+
+def _print_toggles(rows: list[GatingRow]) -> None:
+    title = f"toggles of all {rows[0].gated.multipliers} multipliers, W = 16, M = 16"
+    toggles = table(title, ("pairs", "undecided", "ungated", "gated", "share", "at most"))
+    for row in rows:
+        toggles.add_row(
+            f"{row.pairs:,}: {row.name}",
+            f"{100 * row.undecided / row.pairs:.2f} %",
+            f"{row.ungated.total:,}",
+            f"{row.gated.total:,}",
+            f"{100 * row.ratio:.2f} %",
+            f"{100 * BOUND:g} %" if row.within_bound else f"{100 * BOUND:g} % EXCEEDED",
+        )
+    Console(width=110).print(toggles)

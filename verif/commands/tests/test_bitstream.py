@@ -12,10 +12,10 @@ from triaxis.fpga.bitstream import build_id, manifest_path
 from triaxis.fpga.board_build import BoardParameters, board_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.host.cli import fpga
-from triaxis.host.cli.board_check import checkout_id
+from triaxis.host.cli.engine import checkout_id
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
+from triaxis.verif.commands import fpga
 from triaxis.verif.signoff.gate import PARTS, SOURCES
 from triaxis.verif.signoff.tests.test_gate import signed
 
@@ -35,7 +35,7 @@ def bench(tmp_path, monkeypatch):
     monkeypatch.setattr(fpga, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
     monkeypatch.setattr(fpga, "REPORTS", tmp_path / "fpga" / "vivado")
     monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
-    monkeypatch.setattr(fpga.measuring, "RESULT", tmp_path / "activity.json")
+    monkeypatch.setattr(fpga, "ACTIVITY", tmp_path / "activity.json")
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     sign(tmp_path)
     return tmp_path

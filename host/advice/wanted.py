@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
-from triaxis.host.quantise import Box, Vector, box_of
+from triaxis.host.quantise import Box, Vector, around, box_of
 from triaxis.host.stl import StlMesh
 
 NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
@@ -106,7 +106,7 @@ def advice_scene(
     # The same file may stand in it twice.
     boxes = [*places.items(), *((mesh.name, box_of(mesh.mesh.facets)) for mesh in meshes[1:])]
     if volume is None:
-        volume = _around([box for _, box in boxes])
+        volume = around([box for _, box in boxes])
     for name, box in boxes:
         _check_inside(name, box, volume)
     return AdviceScene(tuple(meshes), move, travel, volume)
@@ -118,12 +118,6 @@ def _swept(mesh: StlMesh, move: Vector, travel: Box) -> Box:
     first = [a + min(t, Fraction(0)) for a, t in zip(low, travel[0], strict=True)]
     last = [b + max(t, Fraction(0)) for b, t in zip(high, travel[1], strict=True)]
     return (first[0], first[1], first[2]), (last[0], last[1], last[2])
-
-
-def _around(boxes: Sequence[Box]) -> Box:
-    low = [min(box[0][k] for box in boxes) for k in range(3)]
-    high = [max(box[1][k] for box in boxes) for k in range(3)]
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 def _check_inside(name: str, box: Box, volume: Box) -> None:

@@ -1,8 +1,7 @@
-"""``triaxis fpga``: resources, timing and activity of the design on its part; the gate before a bitstream."""
+"""``triaxis fpga``: resources and timing of the design on its part; the gate before a bitstream."""
 
 import argparse
 import sys
-import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,11 +9,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.bench.activity import measuring
-from triaxis.bench.activity.measuring import BOUND, SAIF, SAIF_SCENE, measure, trace_scene, write_numbers
-from triaxis.bench.activity.streams import streams
 from triaxis.fpga import ecp5_flow, vivado_run
 from triaxis.fpga.bitstream import (
+    ACTIVITY,
+    SAIF,
     Provenance,
     board_hash,
     build_id,
@@ -112,7 +110,7 @@ def _cell(used: float, available: float, limit: float | None) -> str:
 
 def _gating(rtl: str) -> str:
     """Return what the stored measurement of operand gating says, if it is of this RTL."""
-    measured = read_evidence(measuring.RESULT)
+    measured = read_evidence(ACTIVITY)
     if measured is None or measured["rtl_hash"] != rtl:
         return "operand gating: not measured on this RTL: run `make activity`"
     return f"operand gating: {measured['summary']}"
@@ -167,46 +165,6 @@ def _print_path(timing: Timing, absorbed: Absorbed) -> None:
     )
     verdict = "reached" if timing.reached else "MISSED"
     print(f"{timing.mhz:.1f} MHz, at least {TARGET_MHZ:g}: {verdict}")
-
-
-def add_activity(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fpga activity``."""
-    parser.description = (
-        "Send the same pairs, one in a hundred undecided by its boxes, through the core with and without "
-        f"operand gating, which must leave at most {100 * BOUND:g} % of the toggles. Writes "
-        "build/fpga/activity.json, and build/fpga/activity.saif, the activity of the mesh engine on a "
-        "scene, for power reports."
-    )
-    add_seed(parser, "seed of the random pairs")
-    parser.set_defaults(run=_activity)
-
-
-def _activity(options: argparse.Namespace) -> int:
-    start = time.perf_counter()
-    wanted = streams(options.seed)
-    with progress_bar("activity", len(wanted) + 1) as progress:
-        rows = measure(wanted, progress=progress)
-        engine = trace_scene(SAIF_SCENE)
-        progress(1)
-    path = write_numbers(rows, engine, options.seed, time.perf_counter() - start)
-    _print_toggles(rows)
-    print(f"written to {path} and {SAIF.name}")
-    return DONE if all(row.within_bound for row in rows) else NO
-
-
-def _print_toggles(rows: list[measuring.Row]) -> None:
-    title = f"toggles of all {rows[0].gated.multipliers} multipliers, W = 16, M = 16"
-    toggles = table(title, ("pairs", "undecided", "ungated", "gated", "share", "at most"))
-    for row in rows:
-        toggles.add_row(
-            f"{row.pairs:,}: {row.name}",
-            f"{100 * row.undecided / row.pairs:.2f} %",
-            f"{row.ungated.total:,}",
-            f"{row.gated.total:,}",
-            f"{100 * row.ratio:.2f} %",
-            f"{100 * BOUND:g} %" if row.within_bound else f"{100 * BOUND:g} % EXCEEDED",
-        )
-    Console(width=110).print(toggles)
 
 
 def add_gate(parser: argparse.ArgumentParser) -> None:
@@ -294,7 +252,7 @@ def _provenance(result: Path) -> Provenance | list[str]:
 
 def _saif(rtl: str) -> Path | None:
     """Return the simulated activity, where there is one of this RTL."""
-    evidence = read_evidence(measuring.RESULT)
+    evidence = read_evidence(ACTIVITY)
     return SAIF if SAIF.is_file() and evidence and evidence["rtl_hash"] == rtl else None
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from triaxis.golden.outputs import write_whole
 from triaxis.host.enclosure import Enclosure
+from triaxis.host.engines import SceneRun
 from triaxis.host.quantise import Grid
-from triaxis.host.scene_engines import SceneRun
 
 # The clock that times are given for.
 _CLOCK_HZ = 100_000_000

@@ -1,0 +1,1 @@
+"""Commands of the benchmarks: nothing of them imports these."""

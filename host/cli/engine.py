@@ -1,0 +1,142 @@
+"""Who decides a scene: ``--engine`` of the commands that ask one, and the board that it may name."""
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from triaxis.fpga.bitstream import board_hash, build_id
+from triaxis.golden.errors import InputError
+from triaxis.host.engines import ENGINES, RTL
+from triaxis.host.link.board import Board
+from triaxis.host.link.exchange import LinkError, SerialLine
+from triaxis.host.link.messages import Description, Flag, Status
+from triaxis.sim.build import rtl_hash
+
+BOARD = "board"
+
+# Between two signs of life: the board's watchdog waits 100 ms.
+_HOLD_SECONDS = 0.03
+
+
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """Add ``--engine``, and what the board needs to be one."""
+    parser.add_argument(
+        "--engine", choices=(*ENGINES, BOARD), default=RTL,
+        help="who decides: the simulated mesh engine, the bulk checker, the golden model, the board at "
+        "--port (rtl)",
+    )  # fmt: skip
+    add_port(parser, required=False)
+    add_any_bitstream(parser)
+
+
+def add_port(parser: argparse.ArgumentParser, required: bool = True) -> None:
+    """Add ``--port``."""
+    parser.add_argument(
+        "--port", required=required, metavar="DEV", help="the board's serial port, as /dev/ttyUSB1"
+    )
+
+
+def add_any_bitstream(parser: argparse.ArgumentParser) -> None:
+    """Add ``--any-bitstream``."""
+    parser.add_argument(
+        "--any-bitstream",
+        action="store_true",
+        help="take a board whose bitstream was not built of this checkout, which is refused otherwise",
+    )
+
+
+def checkout_id() -> int:
+    """Return what a board built of this checkout says: of its RTL, constraints and build script."""
+    return build_id(rtl_hash(), board_hash())
+
+
+def about(board: Description) -> str:
+    """Return what the board is, in a line."""
+    return (
+        f"{board.width} bits, margin {board.margin_bits} bits, {board.depth} facets a mesh, groups of "
+        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, build {board.build:08x}"
+    )
+
+
+def other_build(board: Description) -> str:
+    """Return in words that the board was not built of this checkout; empty where it was."""
+    ours = checkout_id()
+    return (
+        ""
+        if board.build == ours
+        else f"the board was built of {board.build:08x}, this checkout is {ours:08x}"
+    )
+
+
+@contextmanager
+def board_of(options: argparse.Namespace) -> Iterator[Board | None]:
+    """Take the board, if it is to decide; at the end it says stop at once, and not only by its watchdog.
+
+    Raises LinkError where its bitstream is unknown and not allowed.
+    """
+    if options.engine != BOARD:
+        if options.port is not None or options.any_bitstream:
+            raise InputError("--port and --any-bitstream go with --engine board, and only with it")
+        yield None
+        return
+    if options.port is None:
+        raise InputError("--engine board: name its serial port with --port")
+    with Board(SerialLine(options.port)) as board:
+        broken = False
+        description = board.hello()
+        try:
+            _check_build(description, options.any_bitstream)
+            yield board
+        except LinkError:
+            # Nobody may hear, or another master have the board: its watchdog, or that one, says stop.
+            broken = True
+            raise
+        finally:
+            if not broken:
+                with suppress(LinkError):
+                    board.abort()
+
+
+def _check_build(board: Description, any_bitstream: bool) -> None:
+    other = other_build(board)
+    if other and not any_bitstream:
+        raise LinkError(
+            f"{other}: load the bitstream of this checkout, or allow others with --any-bitstream; "
+            "verdict unknown"
+        )
+    if other:
+        print(f"warning: {other}; allowed by --any-bitstream")
+
+
+def width_of(options: argparse.Namespace, board: Board | None) -> int | None:
+    """Return the width that is asked for, which the board has, or must have; None: whatever suits."""
+    if board is None:
+        return options.width
+    width = board.description.width
+    if options.width not in (None, width):
+        raise InputError(f"width {options.width}: the board has {width} bits: leave --width out")
+    return width
+
+
+def output_of(board: Board, run: Status, hold: bool) -> str:
+    """Return what the board's output says after a run; where it says stop although all is clear, why."""
+    flags, watchdog = board.still(run).flags, board.description.watchdog_ms
+    if flags & Flag.GO:
+        return "go until interrupted" if hold else "go; stop when this command ends (see board check --hold)"
+    if run.near:
+        return "stop"
+    if flags & Flag.WATCHDOG_EXPIRED:
+        return f"stop: this program was silent for {watchdog} ms after the run: check again"
+    return f"stop: the line was disturbed, or silent for {watchdog} ms before the run: check again"
+
+
+def hold(board: Board, run: Status, broken: Callable[[], object]) -> None:
+    """Keep the link alive until interrupted; raises LinkError when the output says stop, after ``broken``."""
+    try:
+        while board.still(run).flags & Flag.GO:
+            time.sleep(_HOLD_SECONDS)
+        raise LinkError("the board's output says stop: the link was disturbed; check again")
+    except LinkError:
+        broken()
+        raise

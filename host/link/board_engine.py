@@ -1,0 +1,125 @@
+"""The board as an engine: two meshes, from facets in the files' order to near pairs in the same."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from triaxis.golden.pairs import coordinate_range
+from triaxis.host.broadphase import spatial_order
+from triaxis.host.engines import SceneRun, Translation
+from triaxis.host.link.audit import BoardRun, Verdict, audit
+from triaxis.host.link.board import Board
+from triaxis.host.link.exchange import LinkError, SessionLostError
+from triaxis.host.link.messages import Mesh, Mode, Pose, RunEnd, Status
+
+# Frames that come late may undo a session; so many in a row are no accident.
+_ATTEMPTS = 3
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class BoardCheck:
+    """A verdict, and the audited status behind it. ``near``: facet numbers (i of A, j of B), sorted."""
+
+    verdict: Verdict
+    status: Status
+    near: Integers
+
+
+class BoardEngine:
+    """A board that is asked about two meshes again and again. ``status``: of the last run, audited.
+
+    A clear run makes the board's output say go, until the next run or command.
+    """
+
+    status: Status
+
+    def __init__(
+        self,
+        board: Board,
+        a: Integers,
+        b: Integers,
+        mode: Mode = Mode.ALL,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        """Take facets (N, 3, 3) on the board's grid, which are loaded when they are first asked about.
+
+        ``board``: after `Board.hello`. ``mode``: of runs that do not stop at the first near pair.
+        ``progress`` is told of facets loaded.
+        """
+        self._board, self._a, self._b, self._mode, self._progress = board, a, b, mode, progress
+        group = board.description.group
+        self._order_a, self._order_b = spatial_order(a, group), spatial_order(b, group)
+        self._loaded = False
+
+    def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
+        """Decide all pairs, or go on to the first near one only; raises LinkError as `check` does."""
+        found = self.check(Pose(*translation), margin, Mode.FIRST if stop_at_first else self._mode)
+        status = self.status = found.status
+        opened = status.pairs_skipped + status.tested
+        return SceneRun(
+            # What a run that stopped early has left out was not skipped.
+            len(self._a) * len(self._b) - opened if status.end == RunEnd.COMPLETE else 0,
+            status.pairs_skipped,
+            status.tested,
+            status.near,
+            found.near,
+            status.groups_skipped,
+            status.groups_opened,
+            status.cycles,
+        )
+
+    def check(self, pose: Pose, margin: int, mode: Mode) -> BoardCheck:
+        """Decide A, moved by ``pose``, against B.
+
+        Raises LinkError where the meshes do not fit the board, or no verdict can be had.
+        """
+        self._check_fit(pose, margin)
+        run = self._run(pose, margin, mode)
+        verdict = audit(run)
+        near = np.stack([self._order_a[run.near[:, 0]], self._order_b[run.near[:, 1]]], 1)
+        return BoardCheck(verdict, run.status, near[np.lexsort((near[:, 1], near[:, 0]))])
+
+    def _run(self, pose: Pose, margin: int, mode: Mode) -> BoardRun:
+        """Load and run, in a new session where the first one or two were lost."""
+        attempt = 1
+        while True:
+            try:
+                if not self._loaded:
+                    self._board.load(Mesh.A, self._a[self._order_a], self._progress)
+                    self._board.load(Mesh.B, self._b[self._order_b], self._progress)
+                self._loaded = True
+                self._board.move(pose)
+                return self._board.run(mode, margin)
+            except SessionLostError:
+                self._loaded = False
+                if attempt == _ATTEMPTS:
+                    raise
+            attempt += 1
+            self._board.hello()
+
+    def _check_fit(self, pose: Pose, margin: int) -> None:
+        """Raise LinkError where the board is too small for the meshes, the margin or the move."""
+        board = self._board.description
+        for name, mesh in (("A", self._a), ("B", self._b)):
+            if len(mesh) > board.depth:
+                raise LinkError(
+                    f"{name}: {len(mesh)} facets: the board holds {board.depth} a mesh; split or simplify it"
+                )
+        if margin >= 1 << board.margin_bits:
+            most = (1 << board.margin_bits) - 1
+            raise LinkError(
+                f"margin {margin}: the board's has {board.margin_bits} bits, at most {most}; use a coarser "
+                "resolution or a smaller clearance"
+            )
+        low, high = coordinate_range(board.width)
+        moved = self._a + np.array([pose.x, pose.y, pose.z])
+        for name, mesh in (("A", self._a), ("B", self._b), ("A when moved", moved)):
+            if mesh.min() < low or mesh.max() > high:
+                raise LinkError(
+                    f"{name}: coordinates {mesh.min()}..{mesh.max()}: the board's have {board.width} bits, "
+                    f"{low}..{high}; use a coarser resolution"
+                )

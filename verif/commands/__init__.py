@@ -1,0 +1,1 @@
+"""Commands of the environment and its methods: nothing of it imports them."""

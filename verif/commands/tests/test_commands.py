@@ -1,0 +1,62 @@
+"""Commands of the environment as their users meet them: results, exit codes, one-line errors."""
+
+import os
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import main
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.core.failing_pairs import read_failing
+from triaxis.verif.core.kept_cases import read_case
+from triaxis.verif.regress.definition import read_definition
+from triaxis.verif.signoff.gate import refusals
+from triaxis.verif.testbench import simulation
+
+READERS = {
+    "failing pairs": lambda path: read_failing(path, Configuration(16, 0)),
+    "definition of regressions": read_definition,
+    "regression case": read_case,
+    "sign-off": lambda path: refusals(path, "", ""),
+}
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_only_ordinary_files_are_read(tmp_path, reader):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match=rf"^{tmp_path}/pipe: is a pipe[^\n]*: name an ordinary file$"):
+        READERS[reader](tmp_path / "pipe")
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (("NoTest",), "unknown; one of: SeedVectorsTest"),
+        (("RandomTest", "--config", "w99"), "must read w<width>_m<margin bits>"),
+        (("RandomTest", "--config", "w99_m0"), "8..32"),
+        (("RandomTest", "--pairs", "0"), "at least 1"),
+        (("ReplayTest",), "goes with ReplayTest"),
+        (("ReplayTest", "--replay", "no.npz"), "no.npz: cannot read"),
+    ],
+)
+def test_sim_refuses_bad_arguments(capsys, words, why):
+    assert main(["sim", *words]) == 2
+    out, error = capsys.readouterr()
+    assert (out, error.count("\n")) == ("", 1)
+    assert why in error
+
+
+@pytest.mark.simulator
+def test_sim_runs_a_test_by_name(seed, capsys):
+    assert main(["sim", "SeedVectorsTest", "--config", "w16_m16", "--seed", str(seed)]) == 0
+    out = capsys.readouterr().out
+    assert "passed: SeedVectorsTest" in out
+    assert "15 pairs checked" in out
+
+
+def test_a_folder_of_runs_that_cannot_be_written_is_told(tmp_path, monkeypatch, capsys):
+    (tmp_path / "runs").write_text("")
+    monkeypatch.setattr(simulation, "build_for", lambda *_: tmp_path)
+    monkeypatch.setattr("triaxis.verif.testbench.simulation.BUILD", tmp_path)
+    assert main(["sim", "RandomTest"]) == 2
+    assert "cannot make this folder: Not a directory" in capsys.readouterr().err
