@@ -10,7 +10,7 @@ import pytest
 from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
-from triaxis.fpga.board_build import BoardParameters, board_sources
+from triaxis.fpga.board_build import SIGNED_OFF, bitstream_sources, generics
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli import fpga
@@ -32,7 +32,7 @@ def bench(tmp_path, monkeypatch):
     """Lay out a board of one file, a good sign-off, and results in a folder of the test's own."""
     source = tmp_path / "top.sv"
     source.write_text("module nexys4ddr_top; endmodule\n")
-    monkeypatch.setattr(fpga, "board_sources", lambda _: [source])
+    monkeypatch.setattr(fpga, "bitstream_sources", lambda _: [source])
     monkeypatch.setattr(fpga, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
     monkeypatch.setattr(fpga, "REPORTS", tmp_path / "fpga" / "vivado")
     monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
@@ -197,11 +197,11 @@ def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
     copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
     monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
     assert checkout_id() != before
-    assert BoardParameters().generics(0x0000CAFE)["BuildId"] == "32'h0000cafe"
+    assert generics(SIGNED_OFF, 0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 
 def test_sources_of_the_board():
-    names = [path.name for path in board_sources(DUT)]
+    names = [path.name for path in bitstream_sources(DUT)]
     assert names[0] == "triaxis_pkg.sv"
     assert names[-1] == "nexys4ddr_top.sv"
     assert len(names) == len(set(names))
@@ -213,4 +213,4 @@ def test_a_list_of_files_that_are_not_there(tmp_path, content, says):
     (tmp_path / "core").mkdir()
     (tmp_path / "core" / "triaxis.f").write_text(content)
     with pytest.raises(InputError, match=says):
-        board_sources(tmp_path)
+        bitstream_sources(tmp_path)

@@ -8,14 +8,22 @@ from pathlib import Path
 
 import pytest
 
-from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, VIVADO, BoardParameters, Inputs
-from triaxis.fpga.vivado_run import STAGES, RefusedError, run_vivado
+from triaxis.fpga.bitstream import STAGES, RefusedError, run_vivado
+from triaxis.fpga.board_build import (
+    BUILD_SCRIPT,
+    CONSTRAINTS,
+    PART,
+    SIGNED_OFF,
+    TOP,
+    VIVADO,
+    Inputs,
+    generics,
+)
 from triaxis.golden.errors import InputError
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
-from triaxis.fpga.tests.tcl_stand_in import Recorder
-from triaxis.fpga.tests.vivado_stand_in import Behaviour, calls, make_vivado
+from triaxis.fpga.tests.vivado_stand_in import Behaviour, Recorder, calls, make_vivado
 
 REPORTS = (
     "timing",
@@ -32,8 +40,7 @@ REPORTS = (
 def build(tmp_path, behaviour=None, activity=False, progress=None):
     source, saif = tmp_path / "a.sv", tmp_path / "activity.saif"
     source.write_text("module a; endmodule\n")
-    generics = BoardParameters().generics(0xDEADBEEF)
-    inputs = Inputs((source,), (tmp_path,), generics, saif if activity else None)
+    inputs = Inputs((source,), (tmp_path,), generics(SIGNED_OFF, 0xDEADBEEF), saif if activity else None)
     vivado = make_vivado(tmp_path / "bin", behaviour or Behaviour())
     return run_vivado(vivado, inputs, tmp_path / "out", progress)
 
@@ -65,8 +72,8 @@ def test_a_build_that_is_in_time(tmp_path):
 def test_synthesis_is_given_the_parameters_the_part_and_the_constraints(tmp_path):
     build(tmp_path)
     synthesis = call_of(tmp_path, "synth_design")
-    generics = {value for option, value in pairwise(synthesis) if option == "-generic"}
-    assert generics == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
+    given = {value for option, value in pairwise(synthesis) if option == "-generic"}
+    assert given == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
     assert synthesis[synthesis.index("-part") + 1] == PART
     assert synthesis[synthesis.index("-top") + 1] == TOP
     assert call_of(tmp_path, "read_xdc")[-1] == str(CONSTRAINTS)

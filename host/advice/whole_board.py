@@ -9,9 +9,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from triaxis.fpga.board_build import TOP, board_sources
-from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
-from triaxis.fpga.synthesis import synthesise
+from triaxis.fpga.board_build import TOP, WHOLE_PART, XC7A100T, Resources, bitstream_sources
+from triaxis.fpga.resources import synthesise
 from triaxis.golden.outputs import write_whole
 from triaxis.host.advice.widths import WidthRow
 from triaxis.sim.build import content_hash
@@ -29,7 +28,7 @@ def _parameters(row: WidthRow) -> Mapping[str, int]:
 
 def _key(row: WidthRow) -> str:
     values = [f"{name}={value}" for name, value in _parameters(row).items()]
-    return content_hash([*board_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
+    return content_hash([*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
 
 
 def _kept(row: WidthRow) -> Path:
@@ -53,7 +52,7 @@ def synthesised_resources(row: WidthRow) -> Resources:
     if known is not None:
         return known
     kept = _kept(row)
-    made = synthesise(board_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
+    made = synthesise(bitstream_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
     content = {"tool": yosys_version(), "parameters": _parameters(row), "used": asdict(made.used)}
     write_whole(kept, json.dumps(content, indent=2) + "\n")
     return made.used

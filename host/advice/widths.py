@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from triaxis.fpga.board_build import TOP
-from triaxis.fpga.part import Resources
-from triaxis.fpga.report import BUILDS
+from triaxis.fpga.board_build import TOP, Resources
+from triaxis.fpga.resources import BUILDS
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.host.advice.engine_work import EngineShape
