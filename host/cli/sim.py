@@ -14,10 +14,10 @@ from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import fault_of
+from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN
-from triaxis.verif.testbench.simulation import run_settings
+from triaxis.verif.testbench.simulation import RunResult, run_settings
 from triaxis.verif.testbench.testnames import MESH_TESTS, REPLAY, TESTS, check_test_fits, check_test_name
 
 
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
     )
     parser.add_argument(
-        "--fault", metavar="NAME", help="break the core by a fault of `triaxis prove faults --list`"
+        "--fault", metavar="NAME", help="break the RTL by a fault of `triaxis prove faults --list`"
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.set_defaults(run=run)
@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
         judged_one_in=options.judged,
         soak=options.soak,
     )
-    result = run_and_explain(settings, DUT if options.fault is None else faulty_rtl(fault_of(options.fault)))
+    result = run_and_explain(settings, _rtl(options.fault, Kind.CORE))
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
@@ -99,23 +99,36 @@ def run(options: argparse.Namespace) -> int:
             f"{result.seconds:.1f} s"
         )
         return DONE
+    return _failed(result, options.fault)
+
+
+def _rtl(name: str | None, *kinds: Kind) -> Path:
+    """Return the RTL, with the fault in it if one is named; InputError where the test runs nothing of its kind."""
+    if name is None:
+        return DUT
+    fault = fault_of(name)
+    if fault.patch is not None and fault.kind not in kinds:
+        raise InputError(f"fault {name}: of the {fault.kind.name.lower()}, which this test does not run")
+    return faulty_rtl(fault)
+
+
+def _failed(result: RunResult, fault: str | None) -> int:
     # The last line is the command that repeats the run.
-    print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
+    print(result.explain() + ("" if fault is None else f" --fault {fault}"), file=sys.stderr)
     return NO
 
 
 def _run_mesh(options: argparse.Namespace) -> int:
     """Run a test of the mesh engine."""
-    if options.replay is not None or options.fault is not None or options.soak:
-        raise InputError("--replay, --fault and --soak go with tests of the core")
+    if options.replay is not None or options.soak:
+        raise InputError("--replay and --soak go with tests of the core")
     name = f"mesh_{parse_mesh_configuration(options.config).name}"
     settings = run_settings(
         options.test, name, options.seed, options.pairs, agent=options.agent, judged_one_in=options.judged
     )
-    result = run_and_explain(settings)
+    result = run_and_explain(settings, _rtl(options.fault, Kind.CORE, Kind.ENGINE))
     if not result.passed or not result.counts:
-        print(result.explain(), file=sys.stderr)
-        return NO
+        return _failed(result, options.fault)
     counts = result.counts
     print(
         f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "

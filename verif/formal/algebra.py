@@ -24,10 +24,19 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
-from triaxis.verif.formal.definition import FIRST_PLANE_AXIS, Axis, axes, normals, orientations
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError
-from triaxis.verif.formal.package import Package
-from triaxis.verif.formal.polynomial import MARGIN, ZERO, Polynomial, at_corners, variable
+from triaxis.verif.formal.definition import (
+    FIRST_PLANE_AXIS,
+    MARGIN,
+    ZERO,
+    Axis,
+    Polynomial,
+    at_corners,
+    axes,
+    normals,
+    orientations,
+    variable,
+)
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package
 
 CLOSED = (
     "triaxis_mul", "triaxis_threshold", "triaxis_interval", "triaxis_box", "triaxis_flags", "triaxis_verdict",

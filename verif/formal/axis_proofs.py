@@ -10,9 +10,8 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.formal.algebra import CLOSED, AxisProof, Core, Inputs
-from triaxis.verif.formal.netlist import Bit, Netlist, NetlistError, elaborate
-from triaxis.verif.formal.package import Package
-from triaxis.verif.formal.polynomial import MARGIN, VARIABLES
+from triaxis.verif.formal.definition import MARGIN, VARIABLES
+from triaxis.verif.formal.netlist import Bit, Netlist, NetlistError, Package, elaborate
 from triaxis.verif.formal.proof import Finding
 
 _VERDICT_BITS = 9

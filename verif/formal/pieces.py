@@ -13,10 +13,17 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, read_netlist, run_yosys
-from triaxis.verif.formal.package import Package
+from triaxis.verif.formal.netlist import (
+    Bit,
+    Cell,
+    Netlist,
+    NetlistError,
+    Package,
+    read_command,
+    read_netlist,
+    run_yosys,
+)
 from triaxis.verif.formal.proof import Finding
-from triaxis.verif.formal.tools import read_command
 
 _TOP = "triaxis_mul"
 

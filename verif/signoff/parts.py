@@ -11,8 +11,8 @@ from triaxis.sim.evidence import read_evidence
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, run_grid
-from triaxis.verif.faults import run as faults
-from triaxis.verif.formal import run as formal
+from triaxis.verif.faults import catching as faults
+from triaxis.verif.formal import proving as formal
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, grouped, stored_result

@@ -9,8 +9,8 @@ from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
-from triaxis.verif.faults.run import signed_off_names
-from triaxis.verif.formal.run import proof_names
+from triaxis.verif.faults.catching import signed_off_names
+from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.mesh_plan import mesh_plan

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from triaxis.coverage.report import ModelReport
 from triaxis.sim.provenance import provenance
 from triaxis.verif.code_coverage.run import CORES
-from triaxis.verif.faults.run import signed_off_names
-from triaxis.verif.formal.run import proof_names
+from triaxis.verif.faults.catching import signed_off_names
+from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.signoff import simulation_part
 from triaxis.verif.signoff.folder import PAGE, RESULT
 from triaxis.verif.signoff.gate import PARTS

@@ -15,12 +15,10 @@ from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import EndedError
-from triaxis.verif.formal import run
 from triaxis.verif.formal.axis_proofs import AxesProof
-from triaxis.verif.formal.catalogue import proofs
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
-from triaxis.verif.formal.sby_proof import SbyProof
-from triaxis.verif.formal.tools import require_tools
+from triaxis.verif.formal.netlist import require_tools
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, SbyProof
+from triaxis.verif.formal.proofs import proofs
 from triaxis.verif.formal.widths import WidthsProof
 
 
