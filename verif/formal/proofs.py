@@ -1,6 +1,7 @@
-"""All proofs, by name."""
+"""All proofs, by name: of the core, and of the mesh engine, its queues, what it skips, how its runs end."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -12,100 +13,80 @@ from triaxis.verif.formal.proof import Method, Proof, SbyProof
 from triaxis.verif.formal.widths import WidthsProof
 
 _WIDTH = 16
+_RESET = "a reset holds at the first clock, and from then on is asserted and released at any clocks"
 
 
-def _core(*names: str) -> tuple[str, ...]:
-    return tuple(f"core/triaxis_{name}.sv" for name in names)
+def _assertions(
+    name: str,
+    claim: str,
+    modules: tuple[str, ...],
+    parameters: Mapping[str, int],
+    cover_depth: int,
+    assumptions: tuple[str, ...] = (),
+    *,
+    window: int | None = None,
+    beside: tuple[str, ...] = (),
+) -> SbyProof:
+    """Return a proof of the first module, in its formal harness: by induction, or over a window of clocks.
+
+    ``beside``: files of rtl/ that the harness needs.
+    """
+    top = f"{Path(modules[0]).name}_formal"
+    packages = ["core/triaxis_pkg"] if any("core/" in module for module in modules) else []
+    packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith("mesh/") else []
+    return SbyProof(
+        name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
+        dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
+        formal_files=(*(f"{file}.sv" for file in beside), f"{top}.sv"), parameters=parameters,
+        assumptions=(_RESET, *assumptions) if window is None else assumptions,
+        depth=window or 1, cover_depth=cover_depth,
+    )  # fmt: skip
 
 
-_LEAVES = _core("pkg", "delay", "sum", "mul")
+# The multiplier and what it is made of.
+_MULTIPLIER = ("core/triaxis_mul", "core/triaxis_sum", "core/triaxis_delay")
 
 
 def _streams(margin: int) -> SbyProof:
-    return SbyProof(
-        name=f"streams_m{margin}",
-        claim="For all time and under every pattern of stalls and resets: results are stable while they "
-        "wait; none is lost, duplicated or out of order, each carries its own tag and verdict; the "
-        "latency is the documented one exactly; one pair per clock while results are taken; a reset "
-        "discards everything, and one clock after it the core is ready; never more pairs in flight "
-        "than the queue has places.",
-        method=Method.INDUCTION,
-        top="triaxis_core_formal",
-        dut_files=(
-            "core/triaxis_pkg.sv",
-            "core/triaxis_delay.sv",
-            "core/triaxis_fifo.sv",
-            "core/triaxis_core.sv",
-        ),
-        formal_files=("triaxis_datapath.sv", "triaxis_core_rules.sv", "triaxis_core_formal.sv"),
-        parameters={"W": _WIDTH, "M": margin, "TAG": 16},
-        assumptions=(
+    return _assertions(
+        f"streams_m{margin}",
+        "For all time and under every pattern of stalls and resets: results are stable while they wait; none "
+        "is lost, duplicated or out of order, each carries its own tag and verdict; the latency is the "
+        "documented one exactly; one pair per clock while results are taken; a reset discards everything, "
+        "and one clock after it the core is ready; never more pairs in flight than the queue has places.",
+        ("core/triaxis_core", "core/triaxis_fifo", "core/triaxis_delay"),
+        {"W": _WIDTH, "M": margin, "TAG": 16},
+        48,
+        (
             "the verdict of a pair is any nine bits, documented latency after it: the streams carry "
             "verdicts and never look at them; the proofs `axes_*` show that the data path has that latency",
-            "a reset holds at the first clock, and from then on is asserted and released at any clocks",
         ),
-        depth=1,
-        cover_depth=48,
+        beside=("triaxis_datapath", "triaxis_core_rules"),
     )
 
 
 def _intervals(margin: int) -> SbyProof:
-    return SbyProof(
-        name=f"interval_m{margin}",
-        claim="An interval test separates exactly where all points lie beyond 0 and the triangle's own "
-        "other end by more than the threshold, on one side, strictly, for free projections and "
-        "thresholds.",
-        method=Method.WINDOW,
-        top="triaxis_interval_formal",
-        dut_files=_core("pkg", "interval"),
-        formal_files=("triaxis_interval_check.sv", "triaxis_interval_formal.sv"),
-        parameters={"W": _WIDTH, "M": margin},
-        assumptions=("the end moved by the threshold fits: shown by the proofs `axes_*`",),
-        depth=4 if margin else 3,
-        cover_depth=5,
+    return _assertions(
+        f"interval_m{margin}",
+        "An interval test separates exactly where all points lie beyond 0 and the triangle's own other end "
+        "by more than the threshold, on one side, strictly, for free projections and thresholds.",
+        ("core/triaxis_interval",),
+        {"W": _WIDTH, "M": margin},
+        5,
+        ("the end moved by the threshold fits: shown by the proofs `axes_*`",),
+        window=4 if margin else 3,
     )
 
 
 def _box(margin: int) -> SbyProof:
-    return SbyProof(
-        name=f"box_m{margin}",
-        claim="A box test separates exactly where all gaps of the nine pairs of vertices, one way or the "
-        "other, exceed the margin, for free coordinates and margins.",
-        method=Method.WINDOW,
-        top="triaxis_box_formal",
-        dut_files=(
-            "core/triaxis_pkg.sv",
-            "core/triaxis_delay.sv",
-            "core/triaxis_extent.sv",
-            "core/triaxis_box.sv",
-        ),
-        formal_files=("triaxis_box_formal.sv",),
-        parameters={"W": _WIDTH, "M": margin},
-        assumptions=(),
-        depth=5,
-        cover_depth=6,
-    )
-
-
-def _verdict(name: str, normal_wait: int, det_wait: int) -> SbyProof:
-    return SbyProof(
-        name=name,
-        claim="Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one "
-        "set; degenerate and coplanar exactly where the normal and all ten free triple products are "
-        "zero; no flag of a masked pair.",
-        method=Method.WINDOW,
-        top="triaxis_verdict_formal",
-        dut_files=(
-            "core/triaxis_pkg.sv",
-            "core/triaxis_delay.sv",
-            "core/triaxis_flags.sv",
-            "core/triaxis_verdict.sv",
-        ),
-        formal_files=("triaxis_verdict_formal.sv",),
-        parameters={"W": _WIDTH, "NormalWait": normal_wait, "DetWait": det_wait},
-        assumptions=(),
-        depth=normal_wait + 3,
-        cover_depth=normal_wait + 4,
+    return _assertions(
+        f"box_m{margin}",
+        "A box test separates exactly where all gaps of the nine pairs of vertices, one way or the other, "
+        "exceed the margin, for free coordinates and margins.",
+        ("core/triaxis_box", "core/triaxis_extent", "core/triaxis_delay"),
+        {"W": _WIDTH, "M": margin},
+        6,
+        window=5,
     )
 
 
@@ -113,131 +94,46 @@ def _threshold(name: str, components: int, size: int, margin: int, depth: int, e
     product = (
         "the threshold is their product" if exact else "the threshold is what the multiplier makes of them"
     )
-    return SbyProof(
-        name=name,
-        claim="The sum of the absolutes of free components and the free margin reach the multiplier exactly,"
-        " at one clock, "
-        f"and {product}.",
-        method=Method.WINDOW,
-        top="triaxis_threshold_formal",
-        dut_files=(*_LEAVES, *_core("threshold")),
-        formal_files=("triaxis_threshold_formal.sv",),
-        parameters={"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
-        assumptions=("the sum of absolutes fits: shown by the proofs `axes_*`",),
-        depth=depth,
-        cover_depth=depth + 1,
+    return _assertions(
+        name,
+        "The sum of the absolutes of free components and the free margin reach the multiplier exactly, at "
+        f"one clock, and {product}.",
+        ("core/triaxis_threshold", *_MULTIPLIER),
+        {"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
+        depth + 1,
+        ("the sum of absolutes fits: shown by the proofs `axes_*`",),
+        window=depth,
     )
 
 
-_MULTIPLY = SbyProof(
-    name="multiply_small",
-    claim="The multiplier gives the product of its operands at the documented latency, whole and split into"
-    " three or four pieces, straight and swapped.",
-    method=Method.WINDOW,
-    top="triaxis_mul_formal",
-    dut_files=_LEAVES,
-    formal_files=("triaxis_mul_check.sv", "triaxis_mul_formal.sv"),
-    parameters={},
-    assumptions=(
-        "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
-        "split",
-    ),
-    depth=5,
-    cover_depth=6,
-    edits={"core/triaxis_pkg.sv": (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))},
-)
-
-_CROSS = SbyProof(
-    name="cross_w2",
-    claim="Cross and triple products of four vertices, multipliers included, are the determinants of the "
-    "definition.",
-    method=Method.WINDOW,
-    top="triaxis_cross_formal",
-    dut_files=(*_LEAVES, *_core("cross", "dot")),
-    formal_files=("triaxis_cross_formal.sv",),
-    parameters={"W": 2},
-    assumptions=(),
-    depth=1,
-    cover_depth=1,
-)
-
-
-def _axes_with_margins() -> tuple[Configuration, ...]:
-    return tuple(Configuration(width, width) for width in range(MIN_WIDTH, MAX_WIDTH + 1))
-
-
-def _axes_without_margins() -> tuple[Configuration, ...]:
-    widths = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
-    return (
-        *widths,
-        Configuration(16, 8),
-        Configuration(24, 10),
-        Configuration(16, 0, edge_box=False),
-        Configuration(16, 0, gating=False),
+def _multiply() -> SbyProof:
+    proof = _assertions(
+        "multiply_small",
+        "The multiplier gives the product of its operands at the documented latency, whole and split into "
+        "three or four pieces, straight and swapped.",
+        _MULTIPLIER,
+        {},
+        6,
+        (
+            "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
+            "split",
+        ),
+        window=5,
     )
-
-
-@cache
-def proofs() -> tuple[Proof, ...]:
-    """Return all proofs, the longest first, so that two at a time end together."""
-    return (
-        AxesProof("axes_margins", _axes_with_margins()),
-        AxesProof("axes_other", _axes_without_margins(), detectors=(8, 16, 32)),
-        _streams(0),
-        _streams(_WIDTH),
-        _intervals(_WIDTH),
-        _MULTIPLY,
-        _intervals(0),
-        _box(_WIDTH),
-        _box(0),
-        _threshold("threshold_space", 3, 34, _WIDTH, 7, exact=False),
-        _threshold("threshold_plane", 2, 17, _WIDTH, 5, exact=False),
-        _threshold("threshold_small", 3, 5, 3, 6, exact=True),
-        *engine_proofs(),
-        _verdict("verdict_m0", 9, 6),
-        _CROSS,
-        PiecesProof(),
-        WidthsProof(),
-    )
-
-
-_WIDTH = 16
-_PACKAGE = "mesh/triaxis_mesh_pkg.sv"
-_RESET = "a reset holds at the first clock, and from then on is asserted and released at any clocks"
-
-
-def _engine(
-    name: str,
-    claim: str,
-    modules: tuple[str, ...],
-    parameters: Mapping[str, int],
-    cover_depth: int,
-    assumptions: tuple[str, ...] = (),
-    window: int | None = None,
-) -> SbyProof:
-    """Return a proof of the first module, in its formal harness: by induction, or over a window."""
-    top = f"{Path(modules[0]).name}_formal"
-    return SbyProof(
-        name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
-        dut_files=(_PACKAGE, *(f"{module}.sv" for module in reversed(modules))),
-        formal_files=(f"{top}.sv",), parameters=parameters,
-        assumptions=(_RESET, *assumptions) if window is None else assumptions,
-        depth=window or 1, cover_depth=cover_depth,
-    )  # fmt: skip
+    ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
+    return replace(proof, edits={"core/triaxis_pkg.sv": ports})
 
 
 def _skip(name: str, width: int, whole: bool) -> SbyProof:
-    steps = (
-        "A box of A, moved, is skipped exactly where one axis separates it from the box of B by more than "
-        "the margin, and boxes around two boxes only where these are"
-    )
     claim = (
-        f"{steps}, for all boxes, translations and margins of few bits."
+        "A box of A, moved, is skipped exactly where one axis separates it from the box of B by more than "
+        "the margin, and boxes around two boxes only where these are, for all boxes, translations and "
+        "margins of few bits."
         if whole
         else "Every sum and every comparison behind a skip is that of whole numbers; boxes around two boxes "
         "are skipped only where these are; a run is refused exactly where A moved leaves the range."
     )
-    return _engine(
+    return _assertions(
         name,
         claim,
         ("mesh/triaxis_overlap", "mesh/triaxis_grow", "mesh/triaxis_run_control"),
@@ -253,25 +149,25 @@ def engine_proofs() -> tuple[SbyProof, ...]:
     return (
         _skip("engine_skip", _WIDTH, whole=False),
         _skip("engine_skip_small", 4, whole=True),
-        _engine(
+        _assertions(
             "engine_boxes",
             "The box of a group, and that of the mesh, is the smallest around its triangles' boxes, by "
             "induction over the triangles.",
-            ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "triaxis_extent", "triaxis_delay", "triaxis_pkg"),
+            ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "core/triaxis_extent", "core/triaxis_delay"),
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
             window=2,
         ),
-        _engine(
+        _assertions(
             "engine_queue",
             "For all time and under every pattern of stalls and resets: a queue between two streams loses, "
             "duplicates and reorders nothing; a word that waits stays; it is ready exactly where it "
             "has room, one clock after a reset.",
-            ("mesh/triaxis_stream_fifo", "triaxis_fifo"),
+            ("mesh/triaxis_stream_fifo", "core/triaxis_fifo"),
             {"Width": 8, "Depth": 4},
             12,
         ),
-        _engine(
+        _assertions(
             "engine_pick",
             "For all time: of each mask every lane comes once, the lowest first, with its word and without "
             "gaps; draining leaves nothing.",
@@ -280,7 +176,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             12,
             ("masks are not zero: words without a lane are not valid where they come from",),
         ),
-        _engine(
+        _assertions(
             "engine_control",
             "For all time: a summary waits unchanged, and stays until the next run; it says complete only of "
             "a run that was neither aborted nor ended early and in whose last clock nothing was left to do; "
@@ -291,7 +187,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             24,
             ("once a run has ended at its first near pair it keeps saying so: shown by `engine_near`",),
         ),
-        _engine(
+        _assertions(
             "engine_near",
             "For all time: each near pair is offered once, in order, unchanged until it is taken; none after "
             "the first where one was asked for, none where only counts were; the counts are those of the "
@@ -305,4 +201,54 @@ def engine_proofs() -> tuple[SbyProof, ...]:
                 "a run starts when the last one is over, so when all is idle",
             ),
         ),
+    )
+
+
+@cache
+def proofs() -> tuple[Proof, ...]:
+    """Return all proofs, the longest first, so that two at a time end together."""
+    widths = range(MIN_WIDTH, MAX_WIDTH + 1)
+    without_margins = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
+    other = (
+        *without_margins,
+        Configuration(16, 8),
+        Configuration(24, 10),
+        Configuration(16, 0, edge_box=False),
+        Configuration(16, 0, gating=False),
+    )
+    return (
+        AxesProof("axes_margins", tuple(Configuration(width, width) for width in widths)),
+        AxesProof("axes_other", other, detectors=(8, 16, 32)),
+        _streams(0),
+        _streams(_WIDTH),
+        _intervals(_WIDTH),
+        _multiply(),
+        _intervals(0),
+        _box(_WIDTH),
+        _box(0),
+        _threshold("threshold_space", 3, 34, _WIDTH, 7, exact=False),
+        _threshold("threshold_plane", 2, 17, _WIDTH, 5, exact=False),
+        _threshold("threshold_small", 3, 5, 3, 6, exact=True),
+        *engine_proofs(),
+        _assertions(
+            "verdict_m0",
+            "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
+            "degenerate and coplanar exactly where the normal and all ten free triple products are zero; no "
+            "flag of a masked pair.",
+            ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
+            {"W": _WIDTH, "NormalWait": 9, "DetWait": 6},
+            13,
+            window=12,
+        ),
+        _assertions(
+            "cross_w2",
+            "Cross and triple products of four vertices, multipliers included, are the determinants of the "
+            "definition.",
+            ("core/triaxis_cross", "core/triaxis_dot", *_MULTIPLIER),
+            {"W": 2},
+            1,
+            window=1,
+        ),
+        PiecesProof(),
+        WidthsProof(),
     )

@@ -13,8 +13,7 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.file_lock import locked
 from triaxis.sim.paths import BUILD, DUT, ROOT
-from triaxis.verif.formal.netlist import require_tools
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, require_tools
 from triaxis.verif.formal.proofs import proofs
 
 FOLDER = BUILD / "formal"
