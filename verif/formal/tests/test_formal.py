@@ -19,7 +19,6 @@ from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import AxesProof
 from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, SbyProof, require_tools
 from triaxis.verif.formal.proofs import proofs
-from triaxis.verif.formal.widths import WidthsProof
 
 
 @dataclass(frozen=True)
@@ -354,12 +353,6 @@ def test_a_prover_that_comes_to_no_end_decides_nothing(tmp_path, monkeypatch, pr
     assert not result.passed
     assert all(problem.startswith("not decided: ") for problem in result.problems)
     assert f"{len(names)} not decided" in result.summary
-
-
-def test_widths_hold(tmp_path):
-    finding = WidthsProof().prove(DUT, tmp_path)
-    assert not finding.problems
-    assert "orientation of four vertices: at most 2 L^3" in (tmp_path / "bounds.txt").read_text()
 
 
 def test_names():
