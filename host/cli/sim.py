@@ -103,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _rtl(name: str | None, *kinds: Kind) -> Path:
-    """Return the RTL, with the fault in it if one is named; InputError where the test does not run its kind."""
+    """Return the RTL, with the fault in it if one is named; InputError where the test runs no such part."""
     if name is None:
         return DUT
     fault = fault_of(name)

@@ -1,10 +1,11 @@
 """The data path of an elaborated netlist, read as polynomials and ages.
 
-Every word is given two things, from the inputs on: the polynomial that it holds in the 18 coordinates and the
-margin, and its age, the clocks since those came in. Adders, subtractors and multipliers act on polynomials;
-registers add a clock. All that meets in a cell must have one age, so that no pair is mixed with another.
-Where a word is sign-extended, multiplied or compared, its polynomial must fit its bits, at every corner of the
-coordinates and so for all of them; elsewhere two's complement is exact modulo its width.
+Every word is given two things, from the inputs on: the polynomial that it holds in the 18 coordinates and
+the margin, and its age, the clocks since those came in. Adders, subtractors and multipliers act on
+polynomials; registers add a clock. All that meets in a cell must have one age, so that no pair is mixed
+with another. Where a word is sign-extended, multiplied or compared, its polynomial must fit its bits, at
+every corner of the coordinates and so for all of them; elsewhere two's complement is exact modulo its
+width.
 """
 
 from collections.abc import Callable, Mapping, Sequence
