@@ -1,13 +1,17 @@
-"""A bitstream and its manifest: what it was built from, on whose sign-off, and what Vivado measured."""
+"""A bitstream by Vivado, and its manifest: what it was built from, on whose sign-off, what was measured."""
 
 import hashlib
 import json
-from collections.abc import Mapping
+import os
+import re
+import shutil
+import signal
+import subprocess
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.fpga.board_build import PART, TOP, TOP_RTL, VIVADO, Inputs
-from triaxis.fpga.vivado_run import VivadoResult
+from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, TOP_RTL, VIVADO, Inputs
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import BUILD
@@ -15,6 +19,126 @@ from triaxis.sim.paths import BUILD
 # The switching activity that `triaxis fpga activity` measures, and what power reports read of it.
 ACTIVITY = BUILD / "fpga" / "activity.json"
 SAIF = BUILD / "fpga" / "activity.saif"
+
+# What build.tcl announces, without the stages that are not always there.
+STAGES = ("synthesis", "optimisation", "placement", "routing", "reports", "bitstream", "done")
+
+_REFUSED = 3
+_SAYS = re.compile(r"triaxis: (stage|refused|figure): (.*)")
+
+
+class RefusedError(RuntimeError):
+    """Vivado worked, and the result must not be used: timing, routing, critical warnings."""
+
+
+@dataclass(frozen=True)
+class VivadoResult:
+    """A bitstream, and the figures of build.tcl by name."""
+
+    bitstream: Path
+    figures: Mapping[str, float]
+
+
+def find_vivado() -> Path:
+    """Return Vivado's executable; raise InputError where there is none."""
+    found = shutil.which("vivado")
+    if found is None:
+        raise InputError(
+            "vivado: not on PATH: install Vivado (2020.1 or newer; the free edition builds for XC7A100T) "
+            "and source its settings64.sh"
+        )
+    return Path(found)
+
+
+def _options(inputs: Inputs, out: Path) -> str:
+    """Return the options of build.tcl, a line each: a list of arguments would not survive all launchers."""
+    options = [
+        ("part", PART),
+        ("top", TOP),
+        *(("source", path) for path in inputs.sources),
+        *(("include", path) for path in inputs.include),
+        ("xdc", CONSTRAINTS),
+        *(("generic", f"{name}={value}") for name, value in inputs.generics.items()),
+        ("out", out),
+    ]
+    if inputs.activity:
+        options += [("saif", inputs.activity), ("saif_strip", TOP)]
+    return "".join(f"{name}={value}\n" for name, value in options)
+
+
+def run_vivado(
+    vivado: Path, inputs: Inputs, out: Path, progress: Callable[[int], None] | None = None
+) -> VivadoResult:
+    """Build a bitstream into ``out``; ``progress`` is told of each of `STAGES` that begins.
+
+    Raises RefusedError where the result is refused, InputError where Vivado fails or leaves no bitstream.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    log, bitstream = out / "vivado.log", out / f"{TOP}.bit"
+    bitstream.unlink(missing_ok=True)
+    options = write_whole(out / "options.txt", _options(inputs, out))
+    command = [
+        str(vivado), "-mode", "batch", "-notrace", "-nojournal", "-log", str(out / "vivado_session.log"),
+        "-source", str(BUILD_SCRIPT), "-tclargs", str(options),
+    ]  # fmt: skip
+    refused, figures, status = _watch(command, out, log, progress)
+    if status == _REFUSED:
+        raise RefusedError(refused or f"refused without a reason (log: {log})")
+    if status or not bitstream.is_file() or not bitstream.stat().st_size:
+        raise InputError(f"vivado: {_reason(log, status)} (log: {log})")
+    return VivadoResult(bitstream, figures)
+
+
+def _watch(
+    command: list[str], out: Path, log: Path, progress: Callable[[int], None] | None
+) -> tuple[str | None, dict[str, float], int]:
+    """Run Vivado with its output in ``log``; return why build.tcl refused, its figures, the exit status."""
+    refused: str | None = None
+    figures: dict[str, float] = {}
+    environment = {**os.environ, "LC_ALL": "C"}
+    with (
+        log.open("w", encoding="utf-8") as output,
+        subprocess.Popen(
+            command, cwd=out, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL, text=True, errors="replace", start_new_session=True,
+        ) as process,
+    ):  # fmt: skip
+        assert process.stdout
+        try:
+            for line in process.stdout:
+                output.write(line)
+                said = _SAYS.match(line)
+                if said is None:
+                    continue
+                if said[1] == "refused":
+                    refused = said[2]
+                elif said[1] == "figure":
+                    name, _, value = said[2].partition(" ")
+                    figures[name] = _number(name, value)
+                elif said[2] in STAGES and progress:
+                    progress(1)
+        except BaseException:
+            # Vivado is a script that starts others: all of them, or they go on for hours.
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+    return refused, figures, process.returncode
+
+
+def _number(name: str, value: str) -> float:
+    try:
+        return float(value)
+    except ValueError as error:
+        raise InputError(f"vivado: {name}: {value!r} is no number") from error
+
+
+def _reason(log: Path, status: int) -> str:
+    """Return the first error in the log."""
+    text = log.read_text(encoding="utf-8", errors="replace")
+    error = re.search(r"^(?:ERROR|CRITICAL WARNING: \[Common).*$", text, re.MULTILINE)
+    if error:
+        return error[0].strip()
+    return f"no bitstream, exit status {status}"
+
 
 _SUFFIXES = (".xdc", ".tcl")
 

@@ -1,10 +1,12 @@
-"""What a bitstream of the board is built from: part, top module, sources, parameters."""
+"""The board: what its part offers, its pins as its maker publishes them, what a bitstream is built from."""
 
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.board_parameters import BoardParameters
 
 FPGA = Path(__file__).resolve().parent
 TOP_RTL = FPGA / "nexys4ddr_top.sv"
@@ -14,33 +16,107 @@ CONSTRAINTS = VIVADO / "nexys4ddr.xdc"
 
 PART = "xc7a100tcsg324-1"
 TOP = "nexys4ddr_top"
+CORE = "triaxis_core"
 # The mesh engine in the top.
 ENGINE_INSTANCE = "u_mesh"
 
 # The drop-in wrapper is no part of the board.
 _ELSEWHERE = "CollisionDetector.sv"
 
+PINS = FPGA / "nexys4ddr_pins.toml"
+
+# The build that is signed off for the board; the times are the top's own.
+SIGNED_OFF = BoardParameters(depth=4096)
+
 
 @dataclass(frozen=True)
-class BoardParameters:
-    """Parameters of the top; see its header. The default is the build that is signed off for the board."""
+class Resources:
+    """DSP blocks, look-up tables, flip-flops, and block RAMs of 36 kbit; one of 18 kbit counts as half."""
 
-    width: int = 16
-    margin_bits: int = 16
-    depth: int = 4096
-    group: int = 8
-    lanes: int = 8
+    dsps: int
+    luts: int
+    ffs: int
+    brams: float = 0
 
-    def generics(self, build_id: int = 0) -> dict[str, str]:
-        """Return the top's parameters as Verilog constants; ``build_id`` has 32 bits."""
-        return {
-            "W": str(self.width),
-            "M": str(self.margin_bits),
-            "Depth": str(self.depth),
-            "Group": str(self.group),
-            "Lanes": str(self.lanes),
-            "BuildId": f"32'h{build_id:08x}",
-        }
+
+@dataclass(frozen=True)
+class Limits:
+    """The most that a build may take of each; None: no limit of its own."""
+
+    dsps: int | None = None
+    luts: int | None = None
+    ffs: int | None = None
+    brams: float | None = None
+
+    def exceeded(self, used: Resources) -> list[str]:
+        """Return the names of the resources of which more is used."""
+        bounds = vars(self)
+        return [name for name, bound in bounds.items() if bound is not None and getattr(used, name) > bound]
+
+
+# XC7A100T, from the 7 Series FPGAs Overview (DS180).
+XC7A100T = Resources(dsps=240, luts=63_400, ffs=126_800, brams=135)
+
+NO_LIMITS = Limits()
+# Room for routing, and for what comes later.
+BOARD_LIMITS = Limits(dsps=200, luts=XC7A100T.luts * 70 // 100, brams=XC7A100T.brams * 0.8)
+WHOLE_PART = Limits(**vars(XC7A100T))
+
+
+@dataclass(frozen=True)
+class BoardPins:
+    """The board's data: part, source, I/O standard, and the package pin of each port's bits by name.
+
+    ``ports``: ``{"go_o": "C17", "led_o[0]": "H17", ..}``. ``pins``: the package pin of every pin of the
+    board that is listed, ``{"JA1": "C17", "LED[0]": "H17", ..}``.
+    """
+
+    part: str
+    source: str
+    io_standard: str
+    clock_mhz: float
+    pins: dict[str, str]
+    ports: dict[str, str]
+
+
+def read_pins(path: Path = PINS) -> BoardPins:
+    """Read the board's data; raise InputError where two names share a pin, or a port uses none of them."""
+    content = tomllib.loads(path.read_text(encoding="utf-8"))
+    pins: dict[str, str] = {}
+    for name, places in content["pins"].items():
+        pins.update(_bits(name, places))
+    shared = sorted(pin for pin in pins.values() if list(pins.values()).count(pin) > 1)
+    if shared:
+        raise InputError(f"{path}: {shared[0]}: given to more than one name")
+    ports: dict[str, str] = {}
+    for port, names in content["ports"].items():
+        if isinstance(names, str) and names not in pins:
+            # A whole vector of the board.
+            names = [name for name in pins if name.startswith(f"{names}[")]
+        for bit, name in _bits(port, names).items():
+            if name not in pins:
+                raise InputError(f"{path}: port {bit}: no pin called {name}")
+            ports[bit] = pins[name]
+        if not names:
+            raise InputError(f"{path}: port {port}: no such pin")
+    return BoardPins(
+        content["part"], content["source"], content["io_standard"], content["clock_mhz"], pins, ports
+    )
+
+
+def _bits(name: str, values: str | list[str]) -> dict[str, str]:
+    """Return the values by bit: ``name`` alone for a single one."""
+    if isinstance(values, str):
+        return {name: values}
+    return {f"{name}[{bit}]": value for bit, value in enumerate(values)}
+
+
+def generics(parameters: BoardParameters, build_id: int = 0) -> dict[str, str]:
+    """Return the top's sizes as Verilog constants; ``build_id`` has 32 bits."""
+    return {
+        **{name: str(value) for name, value in parameters.sizes.items()},
+        "BuildId": f"32'h{build_id:08x}",
+    }
 
 
 @dataclass(frozen=True)
@@ -53,7 +129,7 @@ class Inputs:
     activity: Path | None = None
 
 
-def board_sources(dut: Path) -> list[Path]:
+def bitstream_sources(dut: Path) -> list[Path]:
     """Return the files of the whole top in the order in which they compile.
 
     Raises InputError where a list of files is missing or empty.

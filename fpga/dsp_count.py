@@ -20,11 +20,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.fpga.board_build import TOP, board_sources
+from triaxis.fpga.board_build import CORE, TOP, bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-
-CORE = "triaxis_core"
 
 _MULTIPLIER = "triaxis_mul"
 # The multiplier whose second operand is a margin with a leading 0, and how much of its product is not used.
@@ -201,7 +199,7 @@ class DspCounts:
     def __init__(self, dut: Path, kept: Path | None = None) -> None:
         """Count the RTL in ``dut``; ``kept``: the file, which holds for these very sources only."""
         self._dut, self._kept = dut, kept
-        self._board = board_sources(dut)
+        self._board = bitstream_sources(dut)
         digest = hashlib.sha256(Path(__file__).read_bytes())
         for source in (*self._board, *sorted((dut / "core").glob("*.svh"))):
             digest.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
@@ -221,7 +219,7 @@ class DspCounts:
         name = " ".join([top, *(f"{key}={value}" for key, value in sorted(parameters.items()))])
         if name not in self._counts:
             # The files of the core come first in the board's list, and know nothing of what follows.
-            self._counts[name] = count_dsps(self._board, self._dut, top, parameters)
+            self._counts[name] = count_dsps(self._board, self._dut / "core", top, parameters)
             self._write()
         return self._counts[name]
 

@@ -41,14 +41,21 @@ class BoardParameters:
         return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}"
 
     @property
-    def rtl(self) -> dict[str, int]:
-        """Return the RTL's parameters."""
+    def sizes(self) -> dict[str, int]:
+        """Return the RTL's parameters but for times and the build's number."""
         return {
             "W": self.width,
             "M": self.margin_bits,
             "Depth": self.depth,
             "Group": self.group,
             "Lanes": self.lanes,
+        }
+
+    @property
+    def rtl(self) -> dict[str, int]:
+        """Return the RTL's parameters."""
+        return {
+            **self.sizes,
             "ClocksPerBit": self.clocks_per_bit,
             "WatchdogClocks": self.watchdog_clocks,
             "BuildId": self.build_id,

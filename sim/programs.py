@@ -6,6 +6,7 @@ takes a minute, and keeps it in a folder of the user; it does not ask whether an
 
 import argparse
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -148,6 +149,30 @@ def run_limited(
     if status in (-signal.SIGKILL, -signal.SIGTERM):
         raise _ended(what, f"killed from outside by {signal.Signals(-status).name}", log)
     return status
+
+
+def run_to_result(command: Sequence[str], result: Path, log: Path, folder: Path) -> None:
+    """Run a program in ``folder`` that is to write ``result``; its output to ``log``.
+
+    Raises InputError with the first error of the log where it fails, or ends well and without a result, as
+    WebAssembly has been seen to.
+    """
+    result.unlink(missing_ok=True)
+    status = run_limited(command, log, folder)
+    if status or not result.exists():
+        text = log.read_text(encoding="utf-8", errors="replace")
+        error = re.search(r"^.*ERROR.*$", text, re.MULTILINE)
+        reason = error[0] if error else f"no result, exit status {status}"
+        name = Path(command[0]).name.removeprefix("yowasp-")
+        raise InputError(f"{name}: {reason} (log: {log})")
+
+
+def read_slang(
+    files: Sequence[Path | str], top: str, parameters: Mapping[str, int], options: str = ""
+) -> str:
+    """Return yosys's command that reads SystemVerilog. One thread: WebAssembly has no more."""
+    values = " ".join(f"-G {name}={value}" for name, value in parameters.items())
+    return f"read_slang --threads 1 {options} {values} --top {top} {' '.join(map(str, files))}"
 
 
 def _ended(what: str, how: str, log: Path) -> EndedError:

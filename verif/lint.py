@@ -7,8 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from triaxis.fpga.ecp5_flow import HARNESS as TIMING_HARNESS
-from triaxis.fpga.ecp5_flow import TOP as TIMING_TOP
+from triaxis.fpga.ecp5_timing import HARNESS as TIMING_HARNESS
+from triaxis.fpga.ecp5_timing import TOP as TIMING_TOP
 from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from triaxis.bench import harness
 from triaxis.bench.error.points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS, Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.fpga.part import XC7A100T
+from triaxis.fpga.board_build import XC7A100T
 from triaxis.host.figures import BLACK, BLUE, GREEN, SMALL, VERMILION, chart, write_figures
 
 PICTURE = harness.FOLDER / "error"

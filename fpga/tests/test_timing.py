@@ -2,10 +2,17 @@ import json
 
 import pytest
 
-from triaxis.fpga import ecp5_flow
-from triaxis.fpga.ecp5_flow import TARGET_MHZ, TOP, route
-from triaxis.fpga.ecp5_registers import Absorbed, absorb_registers
-from triaxis.fpga.timing import read_timing, register_name, write_timing
+from triaxis.fpga import ecp5_timing
+from triaxis.fpga.ecp5_timing import (
+    TARGET_MHZ,
+    TOP,
+    Absorbed,
+    absorb_registers,
+    read_timing,
+    register_name,
+    route,
+    write_timing,
+)
 from triaxis.golden.errors import InputError
 
 # --- Registers of multiplier blocks -------------------------------------------------------------------
@@ -155,7 +162,7 @@ def _stand_in(tmp_path, monkeypatch, name, script):
     tool = tmp_path / name
     tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
     tool.chmod(0o755)
-    monkeypatch.setattr(ecp5_flow, name, lambda: tool)
+    monkeypatch.setattr(ecp5_timing, name, lambda: tool)
 
 
 _SYNTHESISE = f"""
@@ -175,7 +182,7 @@ def test_the_flow_hands_on_what_each_tool_leaves(tmp_path, monkeypatch):
     routed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
     assert routed.report.read_text() == "{}"
     assert routed.absorbed == Absorbed(0, 0, 0)
-    assert len(done) == len(ecp5_flow.STAGES)
+    assert len(done) == len(ecp5_timing.STAGES)
 
 
 @pytest.mark.parametrize(

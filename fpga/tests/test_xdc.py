@@ -1,18 +1,46 @@
-"""The constraints, run as Tcl: every port once, on the pin that the board's maker publishes."""
+"""The pins as the board's maker publishes them; the constraints, run as Tcl: every port once, on its pin."""
 
 import re
 from collections import Counter
 
 import pytest
 
-from triaxis.fpga.board_build import CONSTRAINTS, PART, TOP_RTL
-from triaxis.fpga.pins import read_pins
+from triaxis.fpga.board_build import CONSTRAINTS, PART, PINS, TOP_RTL, read_pins
+from triaxis.golden.errors import InputError
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
-from triaxis.fpga.tests.tcl_stand_in import Recorder
+from triaxis.fpga.tests.vivado_stand_in import Recorder
 
 BOARD = read_pins()
+
+
+def test_what_is_published():
+    board = read_pins()
+    assert board.source.startswith("https://github.com/Digilent/")
+    assert board.pins["CLK100MHZ"] == "E3"
+    assert board.pins["LED[15]"] == "V11"
+    assert board.ports["seg_no[7]"] == board.pins["DP"]
+    assert {"led_o[15]", "an_no[7]", "go_o", "stop_o", "beat_o"} <= board.ports.keys()
+    assert len(board.ports) == 1 + 1 + 2 + 16 + 8 + 8 + 3
+    assert all(re.fullmatch(r"[A-HJ-NPRT-V]\d{1,2}", pin) for pin in board.pins.values())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('JA2 = "D18"', 'JA2 = "C17"', "C17: given to more than one name"),
+        ('go_o = "JA1"', 'go_o = "JZ1"', "go_o: no such pin"),
+        ('"CF", "CG", "DP"]', '"CF", "CG", "DQ"]', r"port seg_no\[7\]: no pin called DQ"),
+    ],
+)
+def test_wrong_data_is_one_clear_error(tmp_path, old, new, says):
+    text = PINS.read_text()
+    assert text.count(old) == 1
+    path = tmp_path / "pins.toml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=says):
+        read_pins(path)
 
 
 def constrained(path=CONSTRAINTS):
@@ -90,12 +118,9 @@ def test_a_wrong_pin_is_seen(tmp_path, old, new):
 
 
 def test_the_constraints_name_the_ports_of_the_top():
-    top = TOP_RTL
-    if not top.exists():
-        pytest.skip(f"{top} is not there")
     declared = re.findall(
         r"^\s*(?:input|output)\s+(?:logic\s+)?(?:\[(\d+):0\]\s*)?(\w+)\s*,?\s*(?://.*)?$",
-        top.read_text(),
+        TOP_RTL.read_text(),
         re.MULTILINE,
     )
     bits = {

@@ -10,10 +10,8 @@ from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
-from triaxis.fpga.board_build import TOP, board_sources
-from triaxis.fpga.part import WHOLE_PART, XC7A100T, Resources
-from triaxis.fpga.report import BUILDS
-from triaxis.fpga.synthesis import synthesise
+from triaxis.fpga.board_build import TOP, WHOLE_PART, XC7A100T, Resources, bitstream_sources
+from triaxis.fpga.resources import BUILDS, synthesise
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
@@ -134,7 +132,7 @@ def _parameters(row: WidthRow) -> Mapping[str, int]:
 
 def _key(row: WidthRow) -> str:
     values = [f"{name}={value}" for name, value in _parameters(row).items()]
-    return content_hash([*board_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
+    return content_hash([*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
 
 
 def _kept(row: WidthRow) -> Path:
@@ -158,7 +156,7 @@ def synthesised_resources(row: WidthRow) -> Resources:
     if known is not None:
         return known
     kept = _kept(row)
-    made = synthesise(board_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
+    made = synthesise(bitstream_sources(DUT), DUT / "core", TOP, _parameters(row), kept.with_suffix(""))
     content = {"tool": yosys_version(), "parameters": _parameters(row), "used": asdict(made.used)}
     write_whole(kept, json.dumps(content, indent=2) + "\n")
     return made.used

@@ -8,9 +8,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.fpga.board_build import BoardParameters
+from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T
 from triaxis.fpga.dsp_count import DspCounts
-from triaxis.fpga.part import XC7A100T
 from triaxis.golden.errors import InputError
 from triaxis.host.advice.choosing import Advice, advice_report, advise, all_rows
 from triaxis.host.advice.measuring import Measured, integers, positions_of, translation
@@ -96,7 +95,7 @@ def add_advise(parser: argparse.ArgumentParser) -> None:
         "--steps", type=Steps, choices=tuple(Steps), default=Steps.DECIMAL,
         help="resolutions of three decimal digits, or powers of two, in millimetres (decimal)",
     )  # fmt: skip
-    board = BoardParameters()
+    board = SIGNED_OFF
     parser.add_argument(
         "--dsps", type=positive, default=XC7A100T.dsps, metavar="N",
         help=f"DSP blocks that the whole board may take ({XC7A100T.dsps}, all of an XC7A100T)",
@@ -178,7 +177,7 @@ def _wanted(options: argparse.Namespace) -> Wanted:
 
 
 def _board(options: argparse.Namespace) -> Board:
-    group = BoardParameters().group
+    group = SIGNED_OFF.group
     # The engine's own limits, said as it says them.
     lanes, bits = options.lanes, options.margin_bits
     MeshConfiguration(

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from triaxis.fpga.board_build import Resources
 from triaxis.fpga.dsp_count import DspCount
-from triaxis.fpga.part import Resources
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.host.advice import measuring, widths

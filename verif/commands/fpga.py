@@ -9,27 +9,34 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.fpga import ecp5_flow, vivado_run
+from triaxis.fpga import bitstream, ecp5_timing
 from triaxis.fpga.bitstream import (
     ACTIVITY,
     SAIF,
     Provenance,
+    RefusedError,
     board_hash,
     build_id,
     file_hash,
+    find_vivado,
     manifest_path,
     remove_bitstream,
+    run_vivado,
     write_bitstream,
 )
-from triaxis.fpga.board_build import BoardParameters, Inputs, board_sources
-from triaxis.fpga.ecp5_flow import PART, TARGET_MHZ, nextpnr_version, route
-from triaxis.fpga.ecp5_registers import Absorbed
+from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T, Inputs, bitstream_sources, generics
+from triaxis.fpga.ecp5_timing import (
+    PART,
+    TARGET_MHZ,
+    Absorbed,
+    Timing,
+    nextpnr_version,
+    read_timing,
+    route,
+    write_timing,
+)
 from triaxis.fpga.logic_depth import logic_depth
-from triaxis.fpga.part import XC7A100T
-from triaxis.fpga.report import BUILDS, CORE, Build, Row, write_report
-from triaxis.fpga.synthesis import synthesise
-from triaxis.fpga.timing import Timing, read_timing, write_timing
-from triaxis.fpga.vivado_run import RefusedError, find_vivado, run_vivado
+from triaxis.fpga.resources import BUILDS, CORE, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
@@ -63,7 +70,7 @@ def _report(_options: argparse.Namespace) -> int:
     tool, rtl = yosys_version(), rtl_hash()
     core = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
     sources: dict[str, list[Path]] = {
-        build.top: core if build.top == CORE else board_sources(DUT) for build in BUILDS
+        build.top: core if build.top == CORE else bitstream_sources(DUT) for build in BUILDS
     }
 
     with progress_bar("synthesis", len(BUILDS)) as progress:
@@ -130,7 +137,7 @@ def _timing(options: argparse.Namespace) -> int:
     tool = f"{yosys_version().split('(')[0].strip()}, {nextpnr_version()}"
     parameters = {"W": _WIDTH, "M": 0}
     sources = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
-    with progress_bar("timing", len(ecp5_flow.STAGES)) as progress:
+    with progress_bar("timing", len(ecp5_timing.STAGES)) as progress:
         routed = route(sources, parameters, _TIMING, progress, seed=options.seed)
     timing = read_timing(routed.report)
     path = BUILD / "fpga" / "timing.json"
@@ -217,13 +224,13 @@ def _bitstream(options: argparse.Namespace) -> int:
         return _refused(before)
     vivado = find_vivado()
     inputs = Inputs(
-        tuple(board_sources(DUT)),
+        tuple(bitstream_sources(DUT)),
         (DUT / "core", DUT / "mesh", DUT / "board"),
-        BoardParameters().generics(build_id(before.rtl_hash, before.board_hash)),
+        generics(SIGNED_OFF, build_id(before.rtl_hash, before.board_hash)),
         _saif(before.rtl_hash),
     )
     try:
-        with progress_bar("Vivado", len(vivado_run.STAGES)) as progress:
+        with progress_bar("Vivado", len(bitstream.STAGES)) as progress:
             built = run_vivado(vivado, inputs, REPORTS, progress)
     except RefusedError as error:
         print(f"bitstream: refused: {error}", file=sys.stderr)

@@ -25,10 +25,10 @@ from triaxis.verif.exhaustive.run import (
 )
 from triaxis.verif.exhaustive.run import Outcome as GridOutcome
 from triaxis.verif.exhaustive.state import load, other_states
-from triaxis.verif.faults.catalogue import FAULTS, Fault, faults_of
+from triaxis.verif.faults.catching import catch_all
+from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
-from triaxis.verif.faults.run import catch_all
-from triaxis.verif.formal import run as proving
+from triaxis.verif.formal import proving as proving
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally

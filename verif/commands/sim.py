@@ -14,7 +14,7 @@ from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import Kind, fault_of
+from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import RunResult, run_settings
@@ -114,7 +114,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
     # The last line is the command that repeats the run.
-    print(result.explain() + ("" if options.fault is None else f" --fault {options.fault}"), file=sys.stderr)
+    fault = "" if options.fault is None else f" --fault {options.fault}"
+    print(result.explain() + fault, file=sys.stderr)
     return NO
 
 

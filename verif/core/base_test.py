@@ -7,6 +7,7 @@ from triaxis.verif.core.burst_agents import BurstBfm, use_bursts
 from triaxis.verif.core.env import CoreEnv
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create
+from triaxis.verif.testbench.failures import HungError
 
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
 _PATIENCE_CYCLES = 5000
@@ -61,7 +62,7 @@ class CoreTest(EnvironmentTest):
         while (moved := sum(monitor.moved for monitor in monitors)) != before:
             before = moved
             await self.clocks(_PATIENCE_CYCLES)
-        raise AssertionError(f"no beat moved in {_PATIENCE_CYCLES} clocks: the core hangs")
+        raise HungError(f"no beat moved in {_PATIENCE_CYCLES} clocks: the core hangs")
 
     async def drain(self) -> None:
         """Wait for the last result, without stalls; what is missing then is for the scoreboard."""

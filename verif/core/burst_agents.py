@@ -18,6 +18,7 @@ from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.core.pin_agents import ReadyDriver, SinkMonitor, SourceDriver, SourceMonitor, check_margins
 from triaxis.verif.testbench.environment import bfm_of, settings_of
+from triaxis.verif.testbench.failures import HungError
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048
@@ -26,10 +27,6 @@ _BUDGET_FACTOR = 4
 _BUDGET_CYCLES = 10_000
 
 Array = npt.NDArray[Any]
-
-
-class HungBurstError(AssertionError):
-    """The core did not accept a burst within its budget of clocks."""
 
 
 def _address(array: Array) -> ctypes.c_void_p:
@@ -58,7 +55,7 @@ class BurstBfm:
     ) -> None:
         """Offer pairs (N, 2, 3, 3) at margins (N,) with tags (N,) until the last is accepted.
 
-        Raises HungBurstError where that takes far longer than the paces of both sides explain.
+        Raises HungError where that takes far longer than the paces of both sides explain.
         """
         count = len(pairs)
         if pairs.shape != (count, 2, 3, 3) or margins.shape != (count,) or tags.shape != (count,):
@@ -88,7 +85,7 @@ class BurstBfm:
             await self.wake
         accepted = self._library.triaxis_burst_accepted()
         if accepted < count:
-            raise HungBurstError(
+            raise HungError(
                 f"{accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"
             )
@@ -134,7 +131,7 @@ class BurstSourceDriver(SourceDriver):
         check_margins(item, self.settings.configuration.max_margin)
 
     async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
-        """Offer the pairs until the last is accepted; HungBurstError where that never comes."""
+        """Offer the pairs until the last is accepted; HungError where that never comes."""
         await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
 
 

@@ -6,6 +6,7 @@ judged by the golden model too, which shares nothing with the bulk checker.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
+from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
 # Failures described in full; beyond that they are only counted.
@@ -39,6 +41,11 @@ class Failure:
     margin: int = 0
     context: Integers = field(default_factory=lambda: np.zeros((0, 2, 3, 3), np.int64))
     context_margins: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    blame: Blame = Blame.DESIGN
+
+    def record(self) -> dict[str, Any]:
+        """Return it as it stands among the counts of a run."""
+        return {"blame": self.blame, "message": self.message, "of_pair": self.pair is not None}
 
 
 class Checker:
@@ -109,13 +116,13 @@ class Checker:
         try:
             verdicts = judge_pairs(some, margins)
         except CertificateError as error:
-            self._fail(f"golden model: {error}", pairs, int(chosen[0]))
+            self._fail(f"golden model: {error}", pairs, int(chosen[0]), Blame.JUDGES)
             return
         self.judged_axes |= set(verdicts["axis"].tolist())
         for i in chosen[verdicts != facts[chosen].verdicts].tolist():
-            self._fail("bulk checker and golden model disagree", pairs, i)
+            self._fail("bulk checker and golden model disagree", pairs, i, Blame.JUDGES)
 
-    def _fail(self, message: str, pairs: PairBatch, i: int) -> None:
+    def _fail(self, message: str, pairs: PairBatch, i: int, blame: Blame = Blame.DESIGN) -> None:
         self.failed += 1
         # Each batch is gone through several times.
         until = self.checked + i + 1
@@ -123,7 +130,7 @@ class Checker:
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)
-        self.failures.append(Failure(message, pairs.pairs[i], int(pairs.margins[i]), context, margins))
+        self.failures.append(Failure(message, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame))
 
     def _until(self, pairs: PairBatch, i: int) -> tuple[Integers, Integers]:
         """Return the last pairs and margins before pair ``i`` of a batch, also of the batch before it."""

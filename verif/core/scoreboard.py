@@ -15,6 +15,7 @@ from triaxis.verif.core.checking import DESCRIBED, Checker, Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.core.items import PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import WORKER, CountingScoreboard, Export, settings_of
+from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import failure_file
 
 
@@ -85,7 +86,7 @@ class Matcher:
             if missing:
                 self._fail(Failure(f"{missing} pairs accepted and never answered"), missing)
         if not self.matched:
-            self._fail(Failure("nothing was checked"))
+            self._fail(Failure("nothing was checked", blame=Blame.TEST))
 
     def _open_epoch(self) -> None:
         if self._epochs[-1].pairs_closed or self._epochs[-1].results_closed:
@@ -183,6 +184,7 @@ class Scoreboard(CountingScoreboard):
     def check_phase(self) -> None:
         """Write the counts, and fail where anything did."""
         matcher, checker, folder = self.matcher, self.checker, Path(self.settings.folder)
+        failures = matcher.failures + checker.failures
         counts = {
             "sent": self.sent,
             "accepted": matcher.accepted,
@@ -197,9 +199,9 @@ class Scoreboard(CountingScoreboard):
             "discarded_by_reset": matcher.discarded,
             "resets": matcher.resets,
             "failed": self.failed,
+            "failures": [failure.record() for failure in failures],
         }
         self.write_counts(counts)
-        failures = matcher.failures + checker.failures
         for failure in failures:
             at = "" if failure.pair is None else f": margin {failure.margin}, {failure.pair.tolist()}"
             self.logger.error(f"{failure.message}{at}")

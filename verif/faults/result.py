@@ -1,5 +1,6 @@
-"""What became of the faults of the catalogue, and the file that says so."""
+"""What trying a fault gave, what became of all that were tried, and the file that says so."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -8,12 +9,12 @@ from typing import Any
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.validity import Sources
 from triaxis.verif.faults.broken_rtl import FOLDER
-from triaxis.verif.faults.catalogue import FAULTS, Fault
+from triaxis.verif.faults.known_faults import FAULTS, Fault
 from triaxis.verif.testbench.settings import TEST_MODULES
 
 RESULT = FOLDER / "faults.json"
 SOURCES = Sources(
-    ("triaxis.verif.faults.run", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
+    ("triaxis.verif.faults.catching", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
     ("verif/faults/patches/*.patch",),
 )
 
@@ -163,3 +164,21 @@ def write_json(result: FaultsResult, path: Path | None = None) -> Path:
         "faults": [outcome.record() for outcome in result.outcomes],
     }
     return write_evidence(path or RESULT, content, SOURCES)
+
+
+def _no_example() -> None:
+    return None
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """``catch`` is None where nothing caught the fault, and ``reason`` says why.
+
+    ``clean``: all that was tried ended well, and passed. ``example`` makes the counterexample, in the main
+    thread; None where there is none.
+    """
+
+    catch: Catch | None
+    reason: str | None = None
+    clean: bool = False
+    example: Callable[[], Example | None] = _no_example

@@ -12,8 +12,7 @@ from triaxis.golden.pairs import Pairs
 from triaxis.sim.detector import detect
 from triaxis.verif.core.detector_check import wrapper_questions
 from triaxis.verif.counterexample.shrinking import Predicate, shrink
-from triaxis.verif.faults.attempt import Attempt
-from triaxis.verif.faults.result import Catch, Example
+from triaxis.verif.faults.result import Attempt, Catch, Example
 
 CHECK = "CollisionDetector"
 

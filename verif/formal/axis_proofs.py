@@ -1,21 +1,324 @@
-"""The proofs by algebra: the core, and the combinational wrapper, each elaborated and compared."""
+"""Proves, on the elaborated netlist, that the core tests the 32 axes of the definition, for all coordinates.
+
+Words are read as `triaxis.verif.formal.algebra` says. Then, with the ports of the modules left closed:
+
+- the interval test of axis n compares exactly the projections, by definition, of the six vertices on the
+  axis, and its threshold is made of the components of that axis, up to signs, and of the margin;
+- flags come from the normals and the ten orientations of the definition;
+- axis n arrives at bit n of the verdict, all 32 at one age, and the verdict at the queue at the age
+  that the package documents, with the tag of its own pair;
+- operands are taken exactly where the pair is valid and (with gating) its boxes do not decide it, and the
+  flags are masked exactly where they do.
+
+The closed modules (products of two numbers, thresholds, interval and box tests, flags, claim) have proofs of
+their own, at the latencies that are used here.
+"""
 
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.packing import COORDINATES
-from triaxis.verif.formal.algebra import CLOSED, AxisProof, Core, Inputs
-from triaxis.verif.formal.netlist import Bit, Netlist, NetlistError, elaborate
-from triaxis.verif.formal.package import Package
-from triaxis.verif.formal.polynomial import MARGIN, VARIABLES
+from triaxis.verif.formal.algebra import DataPath, Inputs, Word
+from triaxis.verif.formal.definition import (
+    FIRST_PLANE_AXIS,
+    MARGIN,
+    VARIABLES,
+    ZERO,
+    Axis,
+    Polynomial,
+    at_corners,
+    axes,
+    normals,
+    orientations,
+    variable,
+)
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package, elaborate
 from triaxis.verif.formal.proof import Finding
 
+CLOSED = (
+    "triaxis_mul", "triaxis_threshold", "triaxis_interval", "triaxis_box", "triaxis_flags", "triaxis_verdict",
+)  # fmt: skip
+
+_BOXES = 3
 _VERDICT_BITS = 9
+
+
+class AxisProof:
+    """Compares the closed modules' inputs with the definition. Raises NetlistError where they differ."""
+
+    def __init__(self, netlist: Netlist, inputs: Inputs, core: Configuration, dut: Path) -> None:
+        """Take an elaborated core."""
+        self._netlist, self._inputs, self._core = netlist, inputs, core
+        self._path = DataPath(netlist, inputs, Package(dut), core.width, core.margin_bits)
+
+    def origin(self, bit: Bit) -> tuple[Bit, int]:
+        """Return the net that a bit comes from through registers, and the clocks since."""
+        return self._path.origin(bit)
+
+    def verdict_age(self) -> int:
+        """Prove everything up to the verdict; return its age."""
+        self._parameters()
+        cell = self._only("triaxis_verdict")
+        bits = cell.ports["separated_i"]
+        last = len(axes()) if self._core.edge_box else FIRST_PLANE_AXIS
+        ages = {self._axis(number, bits[number]) for number in range(last)}
+        if set(bits[last:]) - {"0"}:
+            raise NetlistError("the edge x box axes are left out, and yet arrive")
+        ages.add(self._flags(cell))
+        ages |= self._mask(cell)
+        self._gates()
+        if len(ages) != 1:
+            raise NetlistError(f"{cell.name}: axes and flags of several clocks meet, {sorted(ages)}")
+        return ages.pop() + self._path.latency("VerdictLatency")
+
+    def _parameters(self) -> None:
+        """Prove that the closed modules are built for the core's width and margin, registered all or none."""
+        wanted = {"W": self._core.width, "M": self._core.margin_bits}
+        closed = [cell for cell in self._netlist.cells if cell.kind in CLOSED]
+        for cell in closed:
+            for name, value in wanted.items():
+                if cell.parameters.get(name, value) != value:
+                    raise NetlistError(f"{cell.name}: its {name} is not the core's, {value}")
+        if len({cell.parameters["Comb"] for cell in closed if "Comb" in cell.parameters}) != 1:
+            raise NetlistError(f"{self._netlist.top}: modules with registers and without")
+
+    def _only(self, kind: str) -> Cell:
+        found = [cell for cell in self._netlist.cells if cell.kind == kind]
+        if len(found) != 1:
+            raise NetlistError(f"{self._netlist.top}: {len(found)} modules {kind} instead of one")
+        return found[0]
+
+    # --- Axes ---------------------------------------------------------------------------------------
+
+    def _axis(self, number: int, bit: Bit) -> int:
+        """Prove that a bit tests the axis of that number; return its age."""
+        source, age = self._path.origin(bit)
+        driver = self._netlist.drivers.get(source)
+        kind = "triaxis_box" if number < _BOXES else "triaxis_interval"
+        if driver is None or driver[0].kind != kind:
+            raise NetlistError(f"axis {number}: its bit comes from no {kind}")
+        test = self._box if number < _BOXES else self._interval
+        return age + test(driver[0], axes()[number])
+
+    def _box(self, cell: Cell, axis: Axis) -> int:
+        points = [self._elements(cell, port, 3) for port in ("a_i", "b_i")]
+        for found, wanted in zip(points, (axis.on_a, axis.on_b), strict=True):
+            if {word.polynomial for word in found} != set(wanted):
+                raise NetlistError(f"{cell.name}: not the coordinates of its axis")
+        margin = self._margin(cell.ports["margin_i"], cell.name)
+        age = self._path.common_age(cell.name, *points[0], *points[1], margin)
+        return age + self._path.latency("BoxLatency")
+
+    def _interval(self, cell: Cell, axis: Axis) -> int:
+        own = self._path.exact(cell.ports["own_i"], cell.name)
+        points = self._elements(cell, "points_i", cell.parameters["Points"])
+        if not _is_test_of(axis, own.polynomial, [word.polynomial for word in points]):
+            raise NetlistError(f"{cell.name}: what it compares are not the projections on its axis")
+        age = self._path.common_age(cell.name, own, *points)
+        self._threshold(cell, axis, own, points, age)
+        return age + self._path.latency("interval_latency", self._core.margin_bits)
+
+    def _elements(self, cell: Cell, port: str, count: int) -> list[Word]:
+        """Return the elements of an array, in an order that does not matter."""
+        bits = cell.ports[port]
+        size = len(bits) // count
+        return [
+            self._path.exact(bits[place * size : (place + 1) * size], f"{cell.name}.{port}")
+            for place in range(count)
+        ]
+
+    def _margin(self, bits: Sequence[Bit], where: str) -> Word:
+        found = self._path.word(bits, where)
+        wanted = variable(MARGIN) if self._core.margin_bits else ZERO
+        if found.polynomial != wanted or found.bits != max(1, self._core.margin_bits):
+            raise NetlistError(f"{where}: not the margin")
+        return found
+
+    def _threshold(self, cell: Cell, axis: Axis, own: Word, points: Sequence[Word], age: int) -> None:
+        """Prove that a threshold is margin * |axis|1, due when it is needed, and that nothing overflows."""
+        bits = cell.ports["threshold_i"]
+        if not self._core.margin_bits:
+            if set(bits) - {"0", "x"}:
+                raise NetlistError(f"{cell.name}: a threshold without margins")
+            return
+        origins = [self._path.origin(bit) for bit in bits]
+        drivers = [self._netlist.drivers.get(source) for source, _ in origins]
+        source = drivers[0][0] if drivers[0] else None
+        whole = len(source.ports.get("threshold_o", ())) if source else 0
+        expected = [(source, "threshold_o", place) for place in range(whole)]
+        late = {clocks for _, clocks in origins}
+        if source is None or source.kind != "triaxis_threshold" or drivers != expected or len(late) != 1:
+            raise NetlistError(f"{cell.name}: its threshold is not one of triaxis_threshold")
+        components = self._elements(source, "axis_i", source.parameters["Components"])
+        margin = self._margin(source.ports["margin_i"], source.name)
+        if not _same_up_to_signs([word.polynomial for word in components], axis.vector):
+            raise NetlistError(f"{source.name}: not the components of the axis of {cell.name}")
+        size = source.parameters["CWidth"]
+        start = self._path.common_age(source.name, *components, margin)
+        due = start + self._path.latency("threshold_latency", len(components), size, self._core.margin_bits)
+        # One register before the threshold is added: with registers, it is due a clock after the points.
+        if due + late.pop() != age + self._path.latency("DiffLatency"):
+            raise NetlistError(f"{cell.name}: its threshold comes at another clock than its points")
+        self._room(cell, source, own, points, axis)
+
+    def _room(self, cell: Cell, source: Cell, own: Word, points: Sequence[Word], axis: Axis) -> None:
+        """Prove that the sum of absolutes and the moved bounds fit, by their largest values at corners."""
+        side = (1 << self._core.width) - 1
+        margin = (1 << self._core.margin_bits) - 1
+        norm, reach, degree = _extremes(axis, own.polynomial, tuple(word.polynomial for word in points))
+        if norm * side ** (degree - 1) >= 1 << source.parameters["CWidth"]:
+            raise NetlistError(f"{source.name}: the sum of absolutes does not fit")
+        if reach * side ** (degree - 1) * max(side, margin) >= 1 << (cell.parameters["Width"] - 1):
+            raise NetlistError(f"{cell.name}: a bound moved by its threshold does not fit")
+
+    # --- Flags and gates ------------------------------------------------------------------------------
+
+    def _flags(self, verdict: Cell) -> int:
+        cell = self._only("triaxis_flags")
+        for name in ("degenerate_a", "degenerate_b", "coplanar"):
+            if verdict.ports[f"{name}_i"] != cell.ports[f"{name}_o"]:
+                raise NetlistError(f"{verdict.name}: {name} is not that of {cell.name}")
+        found = [self._elements(cell, f"normal_{name}_i", 3) for name in ("a", "b")]
+        for words, normal in zip(found, normals(), strict=True):
+            if not _same_up_to_signs([word.polynomial for word in words], normal):
+                raise NetlistError(f"{cell.name}: not the normal")
+        ten = [word for name in ("pqr_i", "pf_i", "qf_i") for word in self._elements(cell, name, 3)]
+        ten += self._elements(cell, "rst_i", 1)
+        _check_plane([word.polynomial for word in ten], cell.name)
+        waits = [cell.parameters[name] for name in ("NormalWait", "DetWait")]
+        ages = {
+            self._path.common_age(cell.name, *found[0], *found[1]) + waits[0],
+            self._path.common_age(cell.name, *ten) + waits[1],
+        }
+        if len(ages) != 1:
+            raise NetlistError(f"{cell.name}: flags of several clocks")
+        return ages.pop()
+
+    def _box_bits(self, leaves: Iterable[Bit]) -> dict[Bit, tuple[str, int]]:
+        """Return what each net of a condition is, and its age: a box axis by name, or "valid"."""
+        known: dict[Bit, tuple[str, int]] = {}
+        boxes = self._only("triaxis_verdict").ports["separated_i"][:_BOXES]
+        names = {self._path.origin(bit)[0]: f"box {number}" for number, bit in enumerate(boxes)}
+        names[self._inputs.valid] = "valid"
+        for leaf in leaves:
+            source, age = self._path.origin(leaf)
+            if source not in names:
+                raise NetlistError(f"{self._netlist.top}: net {leaf} decides on operands or flags")
+            driver = self._netlist.drivers.get(source)
+            if driver is not None and driver[0].kind == "triaxis_box":
+                number = int(names[source].split()[1])
+                age += self._box(driver[0], axes()[number])
+            known[leaf] = names[source], age
+        return known
+
+    def _mask(self, verdict: Cell) -> set[int]:
+        """Prove that flags are masked where the boxes decide; return the ages of what says so."""
+        bit = verdict.ports["gated_i"][0]
+        if not self._core.gating or self._path.latency("VerdictLatency") == 0:
+            if bit != "0":
+                raise NetlistError(f"{verdict.name}: flags are masked without operand gating")
+            return set()
+        return self._condition(bit, {"box 0", "box 1", "box 2"}, lambda on: any(on.values()))
+
+    def _gates(self) -> None:
+        """Prove that operands are taken where they are wanted, and at the pair's own clock."""
+        names = {"valid"} | ({"box 0", "box 1", "box 2"} if self._core.gating else set())
+
+        def wanted(on: Mapping[str, bool]) -> bool:
+            return on["valid"] and not any(value for name, value in on.items() if name != "valid")
+
+        for bit, age in sorted(self._path.gates, key=str):
+            if self._condition(bit, names, wanted) != {age}:
+                raise NetlistError(f"{self._netlist.top}: operands are gated at another clock than their own")
+        if self._path.latency("GateLatency") and not self._path.gates:
+            raise NetlistError(f"{self._netlist.top}: no operand gate")
+
+    def _condition(self, bit: Bit, names: set[str], wanted: Callable[[Mapping[str, bool]], bool]) -> set[int]:
+        """Prove that a condition is the wanted function of those names; return its ages."""
+        leaves, function = self._path.condition(bit)
+        known = self._box_bits(leaves)
+        if {name for name, _ in known.values()} != names:
+            raise NetlistError(f"{self._netlist.top}: a gate depends on {sorted(known.values())}")
+        for values in product((False, True), repeat=len(names)):
+            on = dict(zip(sorted(names), values, strict=True))
+            if function({leaf: on[name] for leaf, (name, _) in known.items()}) != wanted(on):
+                raise NetlistError(f"{self._netlist.top}: a gate opens wrongly at {on}")
+        return {age for _, age in known.values()}
+
+
+def _is_test_of(axis: Axis, own: Polynomial, points: Sequence[Polynomial]) -> bool:
+    """Return whether {0, own} and the points are the projections of one triangle and of the other.
+
+    The axis may serve with either sign, and any vertex of the first triangle may be the origin.
+    """
+    for first, second in ((axis.on_a, axis.on_b), (axis.on_b, axis.on_a)):
+        for start in first:
+            for flip in (False, True):
+                interval = {_flipped(value - start, flip) for value in first}
+                others = {_flipped(value - start, flip) for value in second}
+                if interval == {ZERO, own} and others == set(points):
+                    return True
+    return False
+
+
+def _flipped(polynomial: Polynomial, flip: bool) -> Polynomial:
+    return -polynomial if flip else polynomial
+
+
+def _unsigned(polynomial: Polynomial) -> frozenset[Polynomial]:
+    return frozenset({polynomial, -polynomial})
+
+
+def _same_up_to_signs(found: Sequence[Polynomial], wanted: Sequence[Polynomial]) -> bool:
+    """Return whether the nonzero polynomials of both are the same, each up to its sign."""
+
+    def nonzero(polynomials: Sequence[Polynomial]) -> list[frozenset[Polynomial]]:
+        return sorted((_unsigned(one) for one in polynomials if one != ZERO), key=hash)
+
+    return nonzero(found) == nonzero(wanted)
+
+
+def _check_plane(ten: Sequence[Polynomial], where: str) -> None:
+    """Prove that all six vertices lie in a plane where these ten orientations are zero."""
+    known = {one for polynomial in ten for one in _unsigned(polynomial)}
+    for numbers, orientation in orientations().items():
+        if numbers[0] == 0:
+            if orientation not in known:
+                raise NetlistError(f"{where}: the orientation of vertices {numbers} is missing")
+        else:
+            total = ZERO
+            for place in range(4):
+                face = (0, *(number for at, number in enumerate(numbers) if at != place))
+                total += _flipped(orientations()[face], bool(place % 2))
+            if total != orientation:
+                raise NetlistError(f"the orientation of vertices {numbers} does not follow from the others")
+
+
+_EXTREMES: dict[tuple[Axis, Polynomial, tuple[Polynomial, ...]], tuple[int, int, int]] = {}
+
+
+def _extremes(axis: Axis, own: Polynomial, points: tuple[Polynomial, ...]) -> tuple[int, int, int]:
+    """Return the largest |axis|1 and the largest reach of an interval test, in powers of L, and the degree.
+
+    The reach is that of 0 and own moved by a margin of L, and of the points. Absolutes of what is affine in
+    each variable are convex in it, so their sums are largest at corners too.
+    """
+    key = (axis, own, points)
+    if key not in _EXTREMES:
+        every = (*axis.vector, own, *points)
+        variables = sorted({number for polynomial in every for number in polynomial.variables})
+        values = abs(at_corners(every, variables))
+        norms = values[:3].sum(0)
+        reach = max(int((values[3] + norms).max()), int(values[4:].max()))
+        degree = next(polynomial.degree for polynomial in points if polynomial != ZERO)
+        _EXTREMES[key] = int(norms.max()), reach, degree or 0
+    return _EXTREMES[key]
 
 
 def prove_core(configuration: Configuration, dut: Path, folder: Path) -> None:
@@ -30,8 +333,7 @@ def prove_core(configuration: Configuration, dut: Path, folder: Path) -> None:
     }
     bits |= {bit: (MARGIN, place) for place, bit in enumerate(user[:margin])}
     inputs = Inputs(bits, netlist.nets["accept"][0])
-    core = Core(width, margin, configuration.edge_box, configuration.gating)
-    proof = AxisProof(netlist, inputs, core, dut)
+    proof = AxisProof(netlist, inputs, configuration, dut)
     age = proof.verdict_age()
     documented = Package(dut).call("datapath_latency", width, margin)
     if age != documented:
@@ -60,8 +362,7 @@ def prove_detector(width: int, dut: Path, folder: Path) -> None:
         for number, name in zip(range(VARIABLES), names, strict=True)
         for place, bit in enumerate(netlist.inputs[name])
     }
-    core = Core(width, 0, edge_box=True, gating=True)
-    AxisProof(netlist, Inputs(bits, "1"), core, dut).verdict_age()
+    AxisProof(netlist, Inputs(bits, "1"), Configuration(width), dut).verdict_age()
     verdict = next(cell for cell in netlist.cells if cell.kind == "triaxis_verdict")
     if netlist.outputs["CollisionOccurs"] != verdict.ports["verdict_o"][:1]:
         raise NetlistError("CollisionDetector: it does not put out whether the two are near")

@@ -1,13 +1,126 @@
 """What the core is to compute, as polynomials: the 32 axes, and the vertices projected on them.
 
-Straight from the contract: no product or sum of the core is taken over.
+Straight from the contract: no product or sum of the core is taken over. The polynomials have integer
+coefficients in the coordinates of a pair of triangles and its margin, and just what the algebra of the core
+needs: sums, products, and exact bounds over all coordinates of W bits.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from itertools import combinations
+from functools import cache, cached_property
+from itertools import chain, combinations
 
-from triaxis.verif.formal.polynomial import ONE, ZERO, Polynomial, variable
+import numpy as np
+import numpy.typing as npt
+
+# Variables: 9 t + 3 v + k is coordinate k of vertex v of triangle t (0: A, 1: B).
+VARIABLES = 18
+MARGIN = 18
+
+_Monomial = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """A polynomial: the coefficient of each monomial, none of them 0; a monomial is its variables, sorted."""
+
+    terms: frozenset[tuple[_Monomial, int]]
+
+    def __add__(self, other: "Polynomial") -> "Polynomial":
+        """Return the sum."""
+        return _collect(chain(self.terms, other.terms))
+
+    def __neg__(self) -> "Polynomial":
+        """Return the negative."""
+        return Polynomial(frozenset((monomial, -factor) for monomial, factor in self.terms))
+
+    def __sub__(self, other: "Polynomial") -> "Polynomial":
+        """Return the difference."""
+        return self + -other
+
+    def __mul__(self, other: "Polynomial") -> "Polynomial":
+        """Return the product."""
+        return _collect(
+            (tuple(sorted(left + right)), a * b) for left, a in self.terms for right, b in other.terms
+        )
+
+    @cached_property
+    def variables(self) -> tuple[int, ...]:
+        """Return the variables that occur."""
+        return tuple(sorted({variable for monomial, _ in self.terms for variable in monomial}))
+
+    @cached_property
+    def degree(self) -> int | None:
+        """Return the degree, 0 for the zero polynomial; None where its monomials are of several degrees."""
+        degrees = {len(monomial) for monomial, _ in self.terms} or {0}
+        return degrees.pop() if len(degrees) == 1 else None
+
+    @cached_property
+    def corner_bound(self) -> int | None:
+        """Return b such that the absolute is at most b L^degree, and that somewhere, for coordinates of any
+        W bits, where L = 2^W - 1; None where the argument does not hold.
+
+        It holds for a polynomial that is affine in each variable (so it is largest at a corner of the box),
+        of one degree (so the corners of the box of side 1 tell), and the same wherever the origin lies.
+        """
+        affine = all(len(set(monomial)) == len(monomial) for monomial, _ in self.terms)
+        if not affine or self.degree is None or MARGIN in self.variables or not self._is_translatable:
+            return None
+        return int(np.abs(at_corners([self], self.variables)).max(initial=0))
+
+    @property
+    def _is_translatable(self) -> bool:
+        """Return whether moving all six vertices by the same vector changes nothing."""
+        return not any(
+            _collect(
+                (tuple(other for other in monomial if other != variable), factor)
+                for monomial, factor in self.terms
+                for variable in monomial
+                if variable % 3 == k
+            ).terms
+            for k in range(3)
+        )
+
+    def largest(self, width: int) -> int | None:
+        """Return the largest absolute for coordinates of ``width`` bits; None where it is not known."""
+        if len(self.terms) == 1 and self.degree == 1 and MARGIN not in self.variables:
+            return 1 << (width - 1)
+        bound = self.corner_bound
+        return None if bound is None or self.degree is None else bound * ((1 << width) - 1) ** self.degree
+
+
+def _collect(terms: Iterable[tuple[_Monomial, int]]) -> Polynomial:
+    total: dict[_Monomial, int] = {}
+    for monomial, factor in terms:
+        total[monomial] = total.get(monomial, 0) + factor
+    return Polynomial(frozenset((monomial, factor) for monomial, factor in total.items() if factor))
+
+
+ZERO = Polynomial(frozenset())
+ONE = Polynomial(frozenset({((), 1)}))
+
+
+def variable(number: int) -> Polynomial:
+    """Return one variable."""
+    return Polynomial(frozenset({((number,), 1)}))
+
+
+def at_corners(polynomials: Sequence[Polynomial], variables: Sequence[int]) -> npt.NDArray[np.int32]:
+    """Return the values (N, 2^K) of N polynomials at all corners {0, 1}^K of their K variables.
+
+    A monomial is 1 where all of its variables are, so sums of the coefficients, small numbers, tell.
+    """
+    corners = np.arange(1 << len(variables))
+    bits = {number: ((corners >> place) & 1).astype(np.bool_) for place, number in enumerate(variables)}
+    values = np.zeros((len(polynomials), len(corners)), np.int32)
+    for row, polynomial in zip(values, polynomials, strict=True):
+        for monomial, factor in polynomial.terms:
+            at = np.ones(len(corners), np.bool_)
+            for number in monomial:
+                at &= bits[number]
+            row[at] += factor
+    return values
+
 
 AXES = 32
 FIRST_PLANE_AXIS = 14

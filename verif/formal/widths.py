@@ -14,7 +14,9 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.verif.formal.definition import (
     FIRST_PLANE_AXIS,
+    Polynomial,
     Vector,
+    at_corners,
     axes,
     edge,
     inner,
@@ -23,8 +25,7 @@ from triaxis.verif.formal.definition import (
     outer,
     vertex,
 )  # fmt: skip
-from triaxis.verif.formal.package import Package
-from triaxis.verif.formal.polynomial import Polynomial, at_corners
+from triaxis.verif.formal.netlist import Package
 from triaxis.verif.formal.proof import Finding
 
 _FIRST_SPACE_AXIS = 3

@@ -18,6 +18,7 @@ from triaxis.sim.mesh_engine import Mode, Status
 from triaxis.verif.mesh.expectation import begins, difference, expected_status, first_of, moved
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
+from triaxis.verif.testbench.failures import Blame
 
 # Failures described in full; beyond that they are only counted.
 DESCRIBED = 10
@@ -31,6 +32,7 @@ class SceneFailure:
 
     message: str
     run: ObservedRun
+    blame: Blame = Blame.DESIGN
 
 
 class SceneChecker:
@@ -64,10 +66,13 @@ class SceneChecker:
         if due == Status.COMPLETE:
             a = moved(run.a, run.request.translation)
             answer = scene_answer(a, run.b, run.request.margin, self.configuration.group)
-        for message in self._problems(run, summary, due, answer):
+        found = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, answer)]
+        if answer is not None:
+            found += [(message, Blame.JUDGES) for message in self._judge(run, answer)]
+        for message, blame in found:
             self.failed += 1
             if len(self.failures) < DESCRIBED:
-                self.failures.append(SceneFailure(message, run))
+                self.failures.append(SceneFailure(message, run, blame))
         self.runs += 1
         if summary.status == Status.COMPLETE and answer is not None:
             self.complete_runs += 1
@@ -93,7 +98,7 @@ class SceneChecker:
             found += self._account_problems(summary, answer)
         else:
             found += self._partial_problems(run, summary, answer)
-        return found + self._judge(run, answer)
+        return found
 
     def _status_problems(
         self, run: ObservedRun, summary: Summary, due: Status, answer: SceneAnswer | None

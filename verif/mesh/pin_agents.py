@@ -32,6 +32,7 @@ from triaxis.verif.mesh.items import (
     unpack_triangle,
 )
 from triaxis.verif.testbench.environment import StimulusAgent, create, dut_of, settings_of
+from triaxis.verif.testbench.failures import HungError
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
 
@@ -143,10 +144,6 @@ class LoadAgent(StimulusAgent):
 _CLOCKS_A_PAIR, _LEAST_CLOCKS = 100, 20_000
 
 
-class HungRunError(AssertionError):
-    """The engine did not end a run within its budget of clocks."""
-
-
 class RunDriver(uvm_driver):
     """Offers runs, aborts them where the item says so, and waits for their summaries."""
 
@@ -199,7 +196,7 @@ class RunDriver(uvm_driver):
             if taken or not int(dut.rst_ni.value):
                 dut.abort_i.value = 0
                 return clock + 1
-        raise HungRunError(f"no summary in {limit} clocks: the engine hangs")
+        raise HungError(f"no summary in {limit} clocks: the engine hangs")
 
 
 class RunMonitor(PinMonitor):

@@ -18,6 +18,7 @@ from triaxis.verif.mesh.items import (
     Summary,
 )
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
+from triaxis.verif.testbench.failures import Blame
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
 
@@ -157,6 +158,10 @@ class MeshScoreboard(CountingScoreboard):
             "near": checker.near,
             "judged_by_golden_model": checker.judged,
             "failed": failed,
+            "failures": [
+                *({"blame": one.blame, "message": one.message} for one in checker.failures),
+                *({"blame": Blame.TEST, "message": stray} for stray in matcher.stray[:_SHOWN]),
+            ],
         }
         self.write_counts(counts)
         messages = [*map(_described, checker.failures), *matcher.stray[:_SHOWN]]

@@ -35,7 +35,7 @@ from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.code_coverage.stimulus import flowing
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
-from triaxis.verif.formal.engine_proofs import engine_proofs
+from triaxis.verif.formal.proofs import engine_proofs
 from triaxis.verif.mutation.builds import FAST, ElaborationError, elaboration_hash, with_mutant_library
 from triaxis.verif.mutation.elaborated import core_latencies
 from triaxis.verif.mutation.folder import FOLDER, temporary

@@ -11,8 +11,9 @@ from triaxis.sim.evidence import read_evidence
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, result_file, run_grid
-from triaxis.verif.faults import run as faults
-from triaxis.verif.formal import run as formal
+from triaxis.verif.faults import catching as faults
+from triaxis.verif.faults.result import write_json
+from triaxis.verif.formal import proving as formal
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, grouped, stored_result
@@ -61,7 +62,7 @@ def exhaustive_part(seed: int) -> Evidence | None:
 
 def faults_part(seed: int, progress: Progress) -> Evidence | None:
     """Let every fault of the catalogue be caught."""
-    return read_evidence(faults.write_json(faults.catch_all(progress, seed)))
+    return read_evidence(write_json(faults.catch_all(progress, seed)))
 
 
 def proofs_part(progress: Progress) -> Evidence | None:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from triaxis.coverage.report import ModelReport
 from triaxis.sim.validity import provenance
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
-from triaxis.verif.faults.run import signed_off_names
-from triaxis.verif.formal.run import proof_names
+from triaxis.verif.faults.catching import signed_off_names
+from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.signoff import simulation
 from triaxis.verif.signoff.gate import PARTS, SOURCES
 from triaxis.verif.signoff.parts import (

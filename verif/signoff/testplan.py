@@ -15,8 +15,8 @@ from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, st
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import ROOT
 from triaxis.verif.core.detector_check import SEED_VECTORS
-from triaxis.verif.faults.run import signed_off_names
-from triaxis.verif.formal.run import proof_names
+from triaxis.verif.faults.catching import signed_off_names
+from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.parts import Evidence, Part

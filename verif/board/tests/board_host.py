@@ -6,17 +6,18 @@ Written from the protocol alone, so that a mistake that board and host program s
 import struct
 import zlib
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.simulated_board import SimulatedTop
 
-HELLO, LOAD, MOVE, RUN, RESULTS, STATUS, ABORT = range(1, 8)
-OK, UNKNOWN, LENGTH, SESSION, SEQUENCE, BUSY, VALUE, PLACE, COUNTS, EMPTY, OVERFULL = range(11)
-FIRST, ALL, COUNT = range(3)
-NEVER, RUNNING, DONE = range(3)
-COMPLETE, STOPPED, ABORTED, OVERFLOW = range(1, 5)
+Command = IntEnum("Command", "HELLO LOAD MOVE RUN RESULTS STATUS ABORT")
+Code = IntEnum("Code", "OK UNKNOWN LENGTH SESSION SEQUENCE BUSY VALUE PLACE COUNTS EMPTY OVERFULL", start=0)
+Mode = IntEnum("Mode", "FIRST ALL COUNT", start=0)
+State = IntEnum("State", "NEVER RUNNING DONE", start=0)
+End = IntEnum("End", "COMPLETE STOPPED ABORTED OVERFLOW")
 
 BUSY_LED, RING_FULL_LED = 1 << 2, 1 << 5
 
@@ -46,7 +47,7 @@ def unstuffed(data: bytes) -> bytes:
 
 def halved(command: int, payload: bytes) -> bytes:
     """Return a reply's payload without its inverted copy, which must be there and fit."""
-    size = STATUS_LAYOUT.size + 5 if command == RESULTS | 0x80 and payload else len(payload) // 2
+    size = STATUS_LAYOUT.size + 5 if command == Command.RESULTS | 0x80 and payload else len(payload) // 2
     once, inverted, pairs = payload[:size], payload[size : 2 * size], payload[2 * size :]
     assert bytes(byte ^ 0xFF for byte in once) == inverted
     return once + pairs
@@ -150,20 +151,20 @@ class BoardHost:
         (number,) = struct.unpack_from("<I", body, 1)
         assert (reply.command, reply.sequence) == (command | 0x80, number)
         assert reply.session == (self.session if session is None else session)
-        if reply.code == OK:
+        if reply.code == Code.OK:
             self.sequence = number
         return reply
 
     def hello(self) -> bytes:
-        return self.good(HELLO)
+        return self.good(Command.HELLO)
 
     def good(self, command: int, payload: bytes = b"") -> bytes:
         reply = self.ask(command, payload)
-        assert reply.code == OK
+        assert reply.code == Code.OK
         return reply.payload
 
     def status(self) -> StatusBlock:
-        payload = self.good(STATUS)
+        payload = self.good(Command.STATUS)
         assert len(payload) == STATUS_LAYOUT.size
         return status_of(payload)
 
@@ -171,23 +172,28 @@ class BoardHost:
         """Replace a mesh by triangles (N, 3, 3)."""
         step = min(12, 239 // len(packed(triangles[:1], self.top.parameters.width)))
         for first in range(0, len(triangles), step):
-            count = self.good(LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
+            count = self.good(Command.LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
             assert count == struct.pack("<H", min(first + step, len(triangles)))
+
+    def load_both(self, triangles: np.ndarray) -> None:
+        """Replace both meshes by the same triangles."""
+        self.load(0, triangles)
+        self.load(1, triangles)
 
     def load_payload(self, mesh: int, first: int, triangles: np.ndarray) -> bytes:
         head = struct.pack("<BHB", mesh, first, len(triangles))
         return head + packed(triangles, self.top.parameters.width)
 
     def move(self, x: int, y: int, z: int) -> None:
-        assert self.good(MOVE, struct.pack("<3i", x, y, z)) == struct.pack("<3i", x, y, z)
+        assert self.good(Command.MOVE, struct.pack("<3i", x, y, z)) == struct.pack("<3i", x, y, z)
 
     def run_payload(self, mode: int, margin: int = 0) -> bytes:
         status = self.status()
-        return struct.pack("<BIHH", mode, margin, status.count_a, status.count_b)
+        return run_asked(mode, margin, status.count_a, status.count_b)
 
     def start(self, mode: int, margin: int = 0) -> int:
         """Start a run and return its number."""
-        return self.good(RUN, self.run_payload(mode, margin))[0]
+        return self.good(Command.RUN, self.run_payload(mode, margin))[0]
 
     def finish(self) -> None:
         """Let the board run until its run has ended."""
@@ -201,12 +207,12 @@ class BoardHost:
         number = self.start(mode, margin)
         self.finish()
         status = self.status()
-        assert (status.run, status.state, status.mode) == (number, DONE, mode)
+        assert (status.run, status.state, status.mode) == (number, State.DONE, mode)
         return status
 
     def results(self, start: int) -> tuple[StatusBlock, np.ndarray]:
         """Return the status and the near pairs (K, 2) from number ``start`` on."""
-        payload = self.good(RESULTS, struct.pack("<I", start))
+        payload = self.good(Command.RESULTS, struct.pack("<I", start))
         return read_results(payload, start)
 
     def all_results(self) -> tuple[StatusBlock, np.ndarray]:
@@ -217,7 +223,7 @@ class BoardHost:
             status, near = self.results(count)
             parts.append(near)
             count += len(near)
-            if not len(near) and status.state == DONE:
+            if not len(near) and status.state == State.DONE:
                 return status, np.concatenate(parts)
 
 
@@ -234,6 +240,11 @@ def packed(triangles: np.ndarray, width: int) -> bytes:
     """Return triangles (N, 3, 3) in coordinates of whole bytes."""
     size = (width + 7) // 8
     return b"".join(int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+
+
+def run_asked(mode: int, margin: int, count_a: int, count_b: int) -> bytes:
+    """Return the payload of a RUN."""
+    return struct.pack("<BIHH", mode, margin, count_a, count_b)
 
 
 def flat(z: int, count: int = 1) -> np.ndarray:
@@ -254,7 +265,7 @@ def long_clear_scene(host: "BoardHost") -> None:
 
 def start_at_once(host: "BoardHost", mode: int) -> None:
     """Send a run, and return in the clock in which the board begins it, before its reply."""
-    host.top.send(on_line(host.frame(RUN, host.run_payload(mode))))
+    host.top.send(on_line(host.frame(Command.RUN, host.run_payload(mode))))
     host.sequence += 1
     while not host.top.leds & BUSY_LED:
         host.top.step(1)
@@ -275,8 +286,8 @@ def clear_scene(host: BoardHost) -> None:
 
 def clear_run(host: BoardHost) -> None:
     """Run the scene to go."""
-    status = host.run(ALL)
-    assert (status.end, status.near) == (COMPLETE, 0)
+    status = host.run(Mode.ALL)
+    assert (status.end, status.near) == (End.COMPLETE, 0)
     assert says_go(host.top)
 
 

@@ -8,28 +8,23 @@ import pytest
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.verif.board.tests.board_host import (
-    ABORT,
-    ALL,
     BUSY_LED,
-    COUNT,
-    FIRST,
-    HELLO,
-    LOAD,
-    MOVE,
     PARAMETERS,
-    RESULTS,
-    RUN,
-    STATUS,
     BoardHost,
+    Command,
+    Mode,
     clear_run,
     clear_scene,
     flat,
     long_clear_scene,
     on_line,
     powered,
+    run_asked,
     says_go,
     start_at_once,
 )
+
+pytestmark = pytest.mark.simulator
 
 
 @pytest.fixture
@@ -42,7 +37,7 @@ def host():
 
 
 def bad_crc(host: BoardHost) -> None:
-    line = bytearray(on_line(host.frame(STATUS)))
+    line = bytearray(on_line(host.frame(Command.STATUS)))
     line[1] ^= 1
     host.silent(bytes(line))
 
@@ -76,7 +71,7 @@ def reset(host: BoardHost) -> None:
 
 def overrun(host: BoardHost) -> None:
     for number in range(3):
-        host.top.send(on_line(host.frame(STATUS, sequence=host.sequence + 1 + number)))
+        host.top.send(on_line(host.frame(Command.STATUS, sequence=host.sequence + 1 + number)))
     assert len(host.replies(20_000)) == 2
     host.sequence += 2
 
@@ -85,7 +80,7 @@ def overrun(host: BoardHost) -> None:
 ENDS: dict[str, Callable[[BoardHost], object]] = {
     "LOAD": reload,
     "MOVE": lambda host: host.move(0, 0, 0),
-    "ABORT": lambda host: host.good(ABORT),
+    "ABORT": lambda host: host.good(Command.ABORT),
     "HELLO": hello,
     "reset": reset,
     "bad CRC": bad_crc,
@@ -96,15 +91,15 @@ ENDS: dict[str, Callable[[BoardHost], object]] = {
     "noise": one_bit,
     "frame too early": overrun,
     "unknown command": lambda host: host.ask(0x20),
-    "bad length": lambda host: host.ask(STATUS, b"\0"),
-    "other session": lambda host: host.ask(STATUS, session=1),
-    "other session's HELLO": lambda host: host.ask(HELLO, session=1),
-    "session 0": lambda host: host.ask(HELLO, session=0),
-    "bad sequence": lambda host: host.ask(STATUS, sequence=host.sequence + 2),
-    "bad value": lambda host: host.ask(RUN, struct.pack("<BIHH", 3, 0, 1, 1)),
-    "busy or bad value": lambda host: host.ask(MOVE, struct.pack("<3i", 1 << 17, 0, 0)),
-    "out of place": lambda host: host.ask(LOAD, host.load_payload(0, 9, flat(0))),
-    "counts differ": lambda host: host.ask(RUN, struct.pack("<BIHH", ALL, 0, 2, 1)),
+    "bad length": lambda host: host.ask(Command.STATUS, b"\0"),
+    "other session": lambda host: host.ask(Command.STATUS, session=1),
+    "other session's HELLO": lambda host: host.ask(Command.HELLO, session=1),
+    "session 0": lambda host: host.ask(Command.HELLO, session=0),
+    "bad sequence": lambda host: host.ask(Command.STATUS, sequence=host.sequence + 2),
+    "bad value": lambda host: host.ask(Command.RUN, run_asked(3, 0, 1, 1)),
+    "busy or bad value": lambda host: host.ask(Command.MOVE, struct.pack("<3i", 1 << 17, 0, 0)),
+    "out of place": lambda host: host.ask(Command.LOAD, host.load_payload(0, 9, flat(0))),
+    "counts differ": lambda host: host.ask(Command.RUN, run_asked(Mode.ALL, 0, 2, 1)),
     "watchdog": lambda host: host.top.step(PARAMETERS.watchdog_clocks),
 }
 
@@ -135,7 +130,7 @@ def test_the_long_run_is_clear(host):
 @pytest.mark.parametrize("end", IN_RUN)
 def test_what_comes_during_a_run_spoils_it(host, end):
     long_clear_scene(host)
-    start_at_once(host, ALL)
+    start_at_once(host, Mode.ALL)
     host.replies(2000, 1)
     assert host.top.leds & BUSY_LED
     go_clocks = host.top.go_clocks
@@ -149,7 +144,7 @@ def test_what_comes_during_a_run_spoils_it(host, end):
 def test_no_go_while_a_clear_run_goes_on(host):
     long_clear_scene(host)
     clear_run(host)
-    start_at_once(host, ALL)
+    start_at_once(host, Mode.ALL)
     assert not says_go(host.top)
     go_clocks = host.top.go_clocks
     host.replies(2000, 1)
@@ -160,7 +155,7 @@ def test_no_go_while_a_clear_run_goes_on(host):
     assert says_go(host.top)
 
 
-@pytest.mark.parametrize("mode", [FIRST, ALL, COUNT])
+@pytest.mark.parametrize("mode", [Mode.FIRST, Mode.ALL, Mode.COUNT])
 def test_go_in_every_mode_and_only_without_near_pairs(host, mode):
     for height, is_go in ((0, True), (5, False), (6, True), (-1, True), (4, True)):
         host.move(0, 0, height)
@@ -174,16 +169,16 @@ def test_go_in_every_mode_and_only_without_near_pairs(host, mode):
 
 def test_no_go_after_an_overflow(host):
     host.move(1 << 15, 0, 0)
-    assert not host.run(ALL).go
+    assert not host.run(Mode.ALL).go
     assert not says_go(host.top)
 
 
 def test_what_does_not_end_go(host):
-    payload = host.run_payload(ALL)
-    host.good(RUN, payload)
+    payload = host.run_payload(Mode.ALL)
+    host.good(Command.RUN, payload)
     host.finish()
     go_clocks, clocks = host.top.go_clocks, host.top.clocks
-    host.exchange(on_line(host.frame(RUN, payload, host.sequence)))
+    host.exchange(on_line(host.frame(Command.RUN, payload, host.sequence)))
     host.status()
     host.results(0)
     host.silent(b"\xc0\xc0")
@@ -210,7 +205,7 @@ def test_another_master_keeps_no_watchdog_alive(host):
     clear_run(host)
     other = BoardHost(host.top, 99)
     for _ in range(PARAMETERS.watchdog_clocks // 5000 + 1):
-        other.ask(STATUS)
+        other.ask(Command.STATUS)
         host.top.step(4000)
     assert host.status().expired
 
@@ -228,7 +223,7 @@ def sent_for_ever(host: BoardHost, frame: bytes) -> None:
 def test_a_line_that_repeats_one_frame_keeps_no_go(host):
     clear_run(host)
     host.status()
-    sent_for_ever(host, host.frame(STATUS, sequence=host.sequence))
+    sent_for_ever(host, host.frame(Command.STATUS, sequence=host.sequence))
     assert not says_go(host.top)
     assert not host.top.leds & ALIVE_LED
 
@@ -236,13 +231,13 @@ def test_a_line_that_repeats_one_frame_keeps_no_go(host):
 @pytest.mark.parametrize(
     ("command", "payload", "ahead"),
     [
-        (STATUS, b"", 77),
-        (STATUS, b"\0", 1),
-        (RUN, struct.pack("<BIHH", ALL, 0, 9, 9), 1),
-        (LOAD, struct.pack("<BHB", 0, 9, 1) + bytes(18), 1),
+        (Command.STATUS, b"", 77),
+        (Command.STATUS, b"\0", 1),
+        (Command.RUN, run_asked(Mode.ALL, 0, 9, 9), 1),
+        (Command.LOAD, struct.pack("<BHB", 0, 9, 1) + bytes(18), 1),
         # Older ones of the board's own master: its HELLO, too, must not keep the board from others.
-        (STATUS, b"", -1),
-        (HELLO, b"", -5),
+        (Command.STATUS, b"", -1),
+        (Command.HELLO, b"", -5),
     ],
 )
 def test_what_is_not_executed_keeps_no_watchdog_alive(host, command, payload, ahead):
@@ -256,7 +251,7 @@ def test_what_is_not_executed_keeps_no_watchdog_alive(host, command, payload, ah
 def test_a_load_of_bad_coordinates_keeps_no_watchdog_alive():
     host = BoardHost(SimulatedTop(BoardParameters(width=20, margin_bits=12, watchdog_clocks=100_000)))
     host.hello()
-    sent_for_ever(host, host.frame(LOAD, struct.pack("<BHB", 0, 0, 1) + b"\xff\xff\x0f" * 9))
+    sent_for_ever(host, host.frame(Command.LOAD, struct.pack("<BHB", 0, 0, 1) + b"\xff\xff\x0f" * 9))
     assert not host.top.leds & ALIVE_LED
 
 
@@ -267,7 +262,7 @@ def test_the_beat_is_there_while_go_is_and_no_longer(host):
     beats = host.top.beats
     host.top.step(10 * PARAMETERS.beat_clocks)
     assert host.top.beats == beats + 10
-    host.good(ABORT)
+    host.good(Command.ABORT)
     beats = host.top.beats
     host.top.step(10 * PARAMETERS.beat_clocks)
     assert host.top.beats == beats
@@ -287,7 +282,7 @@ def test_stop_from_power_up():
 # What a step of the soak leaves go as it is: nothing that changes or fails.
 KEEPS: list[Callable[[BoardHost], object]] = [
     lambda host: host.status(),
-    lambda host: host.good(RESULTS, struct.pack("<I", 0)),
+    lambda host: host.good(Command.RESULTS, struct.pack("<I", 0)),
     lambda host: host.top.step(5000),
     lambda host: host.silent(b"\xc0\xc0\xc0"),
 ]

@@ -37,6 +37,8 @@ from triaxis.host.link.wire import field_sizes
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
+pytestmark = pytest.mark.simulator
+
 CLOCKS_PER_SECOND = 300_000
 HERE, MARGIN = Pose(1, 0, -1), 2
 # Nine of A and ten of B, so that the last groups are not full; the first of each are near.

@@ -1,46 +1,33 @@
 """Runs on the board: every mode, stalls, aborts, against the golden model."""
 
-import struct
-
 import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.verif.board.tests.board_host import (
-    ABORT,
-    ABORTED,
-    ALL,
     BUSY_LED,
-    COMPLETE,
-    COUNT,
-    DONE,
-    FIRST,
-    NEVER,
-    OVERFLOW,
     PARAMETERS,
     RING_FULL_LED,
-    RUN,
-    RUNNING,
-    STOPPED,
     BoardHost,
+    Command,
+    End,
+    Mode,
+    State,
     clear_run,
     clear_scene,
     flat,
     long_clear_scene,
     on_line,
-    powered,
+    run_asked,
     says_go,
     start_at_once,
     status_of,
 )
 
+pytestmark = pytest.mark.simulator
+
 DEPTH = PARAMETERS.depth
 RING = 1024
-
-
-@pytest.fixture
-def host():
-    return powered()
 
 
 def scene(rng, count_a, count_b):
@@ -80,67 +67,63 @@ def test_every_mode_against_the_golden_model(host, rng, count_a, count_b, margin
         host.move(*move)
         expected = golden_near(a, b, move, margin)
 
-        host.start(ALL, margin)
+        host.start(Mode.ALL, margin)
         status, near = host.all_results()
         assert as_set(near) == as_set(expected)
         assert len(near) == len(expected) == status.near
-        assert (status.end, [status.x, status.y, status.z], status.margin) == (COMPLETE, move, margin)
+        assert (status.end, [status.x, status.y, status.z], status.margin) == (End.COMPLETE, move, margin)
         accounted(status)
 
-        status = host.run(COUNT, margin)
-        assert (status.end, status.near, status.waiting) == (COMPLETE, len(expected), False)
+        status = host.run(Mode.COUNT, margin)
+        assert (status.end, status.near, status.waiting) == (End.COMPLETE, len(expected), False)
         accounted(status)
 
-        status = host.run(FIRST, margin)
-        assert status.end == (STOPPED if len(expected) else COMPLETE)
+        status = host.run(Mode.FIRST, margin)
+        assert status.end == (End.STOPPED if len(expected) else End.COMPLETE)
         _, near = host.all_results()
         assert len(near) == min(1, len(expected))
         assert as_set(near) <= as_set(expected)
 
 
 def test_a_full_ring_stalls_and_loses_nothing(host):
-    host.load(0, flat(0, DEPTH))
-    host.load(1, flat(0, DEPTH))
-    host.start(ALL)
+    host.load_both(flat(0, DEPTH))
+    host.start(Mode.ALL)
     host.top.step(20_000)
     assert host.top.leds & BUSY_LED
     assert host.top.leds & RING_FULL_LED
     status = host.status()
-    assert (status.state, status.end, status.near, status.waiting) == (RUNNING, 0, 0, True)
+    assert (status.state, status.end, status.near, status.waiting) == (State.RUNNING, 0, 0, True)
     status, near = host.all_results()
-    assert (status.end, status.near) == (COMPLETE, DEPTH**2)
+    assert (status.end, status.near) == (End.COMPLETE, DEPTH**2)
     assert len(as_set(near)) == len(near) == DEPTH**2
     assert not host.top.leds & RING_FULL_LED
 
 
 def test_near_pairs_of_the_last_run_can_be_left(host):
-    host.load(0, flat(0, 20))
-    host.load(1, flat(0, 20))
-    assert host.run(ALL).near == 400
-    assert host.run(FIRST).near == 1
+    host.load_both(flat(0, 20))
+    assert host.run(Mode.ALL).near == 400
+    assert host.run(Mode.FIRST).near == 1
     status, near = host.all_results()
     assert (status.near, near.tolist()) == (1, [[0, 0]])
     host.move(0, 0, 9)
-    status = host.run(ALL)
+    status = host.run(Mode.ALL)
     assert (status.near, status.waiting) == (0, False)
 
 
 def test_a_ring_that_is_just_full_does_not_stall(host):
-    host.load(0, flat(0, 32))
-    host.load(1, flat(0, 32))
-    status = host.run(ALL)
-    assert (status.near, status.end) == (RING, COMPLETE)
+    host.load_both(flat(0, 32))
+    status = host.run(Mode.ALL)
+    assert (status.near, status.end) == (RING, End.COMPLETE)
     assert host.top.leds & RING_FULL_LED
     status, near = host.all_results()
     assert len(as_set(near)) == RING
 
 
 def test_moved_out_of_range(host):
-    host.load(0, flat(0))
-    host.load(1, flat(0))
+    host.load_both(flat(0))
     host.move(1 << 15, 0, 0)
-    status = host.run(ALL)
-    assert (status.end, status.near, status.tested) == (OVERFLOW, 0, 0)
+    status = host.run(Mode.ALL)
+    assert (status.end, status.near, status.tested) == (End.OVERFLOW, 0, 0)
     assert not says_go(host.top)
     host.move(0, 0, 5)
     clear_run(host)
@@ -149,17 +132,17 @@ def test_moved_out_of_range(host):
 def start_long(host: BoardHost) -> None:
     """Begin a run of thousands of clocks, its reply still to come."""
     long_clear_scene(host)
-    start_at_once(host, COUNT)
+    start_at_once(host, Mode.COUNT)
 
 
 def test_abort_in_the_middle_of_a_run(host):
     start_long(host)
-    host.top.send(on_line(host.frame(ABORT)))
+    host.top.send(on_line(host.frame(Command.ABORT)))
     run, abort = host.replies(20_000, 2)
     host.sequence += 1
     status = status_of(abort.payload)
     assert run.payload == bytes([status.run])
-    assert (status.state, status.end) == (DONE, ABORTED)
+    assert (status.state, status.end) == (State.DONE, End.ABORTED)
     assert 0 < status.cycles < DEPTH**2
     assert not status.go
     assert not says_go(host.top)
@@ -173,10 +156,10 @@ def test_abort_at_any_time_of_a_short_run(host, clocks):
     host.load(0, flat(0))
     host.load(1, flat(3))
     for wait in range(clocks, clocks + 7):
-        abort = on_line(host.frame(ABORT, sequence=host.sequence + 3))
-        payload = host.run_payload(ALL)
+        abort = on_line(host.frame(Command.ABORT, sequence=host.sequence + 3))
+        payload = host.run_payload(Mode.ALL)
         # The last bit of the abort comes so many clocks after the run has begun.
-        frame = on_line(host.frame(RUN, payload))
+        frame = on_line(host.frame(Command.RUN, payload))
         host.top.send(frame[:-1])
         host.top.step(40 * len(frame) + 100)
         host.top.send(frame[-1:] + abort)
@@ -185,19 +168,18 @@ def test_abort_at_any_time_of_a_short_run(host, clocks):
         host.sequence += 2
         assert run.code == 0
         status = status_of(aborted.payload)
-        assert status.state == DONE
-        assert status.end in (ABORTED, COMPLETE)
+        assert status.state == State.DONE
+        assert status.end in (End.ABORTED, End.COMPLETE)
         assert not says_go(host.top)
 
 
 def test_abort_with_a_stalled_ring(host):
-    host.load(0, flat(0, DEPTH))
-    host.load(1, flat(0, DEPTH))
-    host.start(ALL)
+    host.load_both(flat(0, DEPTH))
+    host.start(Mode.ALL)
     host.top.step(20_000)
     assert host.top.leds & RING_FULL_LED
-    status = status_of(host.good(ABORT))
-    assert (status.state, status.end, status.waiting) == (DONE, ABORTED, True)
+    status = status_of(host.good(Command.ABORT))
+    assert (status.state, status.end, status.waiting) == (State.DONE, End.ABORTED, True)
     assert status.near >= RING
     # What was in the ring can still be read: the first of the run.
     status, near = host.all_results()
@@ -207,36 +189,40 @@ def test_abort_with_a_stalled_ring(host):
 
 
 def test_abort_without_a_run(host):
-    assert status_of(host.good(ABORT)).state == NEVER
+    assert status_of(host.good(Command.ABORT)).state == State.NEVER
     clear_scene(host)
-    before = host.run(ALL)
-    status = status_of(host.good(ABORT))
-    assert (status.state, status.end, status.cycles) == (DONE, COMPLETE, before.cycles)
+    before = host.run(Mode.ALL)
+    status = status_of(host.good(Command.ABORT))
+    assert (status.state, status.end, status.cycles) == (State.DONE, End.COMPLETE, before.cycles)
 
 
 @pytest.mark.parametrize("stalled", [False, True])
 def test_hello_ends_a_run(host, stalled):
     if stalled:
-        host.load(0, flat(0, DEPTH))
-        host.load(1, flat(0, DEPTH))
-        host.start(ALL)
+        host.load_both(flat(0, DEPTH))
+        host.start(Mode.ALL)
         host.top.step(20_000)
     else:
         start_long(host)
         host.replies(5_000, 1)
     host.hello()
     status = host.status()
-    assert (status.state, status.run, status.end, status.waiting, status.count_a) == (NEVER, 0, 0, False, 0)
+    assert (status.state, status.run, status.end, status.waiting, status.count_a) == (
+        State.NEVER,
+        0,
+        0,
+        False,
+        0,
+    )
     clear_scene(host)
     clear_run(host)
 
 
 def test_results_while_the_run_goes_on(host):
-    host.load(0, flat(0, DEPTH))
-    host.load(1, flat(0, DEPTH))
-    host.start(ALL)
+    host.load_both(flat(0, DEPTH))
+    host.start(Mode.ALL)
     status, near = host.results(0)
-    assert (status.state, status.mode, len(near)) == (RUNNING, ALL, 32)
+    assert (status.state, status.mode, len(near)) == (State.RUNNING, Mode.ALL, 32)
     status, again = host.results(0)
     assert (again == near).all()
     status, rest = host.results(7)
@@ -265,14 +251,14 @@ def test_display_and_leds(host):
     assert host.top.leds & 0xFF == 0b1001
     host.load(0, flat(0, 64))
     host.load(1, flat(0, 60))
-    host.start(COUNT)
+    host.start(Mode.COUNT)
     host.top.step(1000)
     assert host.top.digits == " run0000"
     assert host.top.leds & 0xFF == 0b1110
     host.finish()
     host.top.step(1000)
     assert host.top.digits == "StoP3840"
-    assert host.ask(RUN, struct.pack("<BIHH", ALL, 0, 1, 1)).code != 0
+    assert host.ask(Command.RUN, run_asked(Mode.ALL, 0, 1, 1)).code != 0
     host.top.step(1000)
     assert host.top.digits == " Err3840"
     assert host.top.leds >> 8 == 0

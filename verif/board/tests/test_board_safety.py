@@ -21,6 +21,8 @@ from triaxis.verif.board.safety import (
     random_events,
 )
 
+pytestmark = pytest.mark.simulator
+
 CLOCKS = 20_000
 CLEAR = ALIVE | DONE | COMPLETE << STATUS_SHIFT
 

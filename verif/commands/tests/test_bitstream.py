@@ -9,7 +9,7 @@ import pytest
 from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
-from triaxis.fpga.board_build import BoardParameters, board_sources
+from triaxis.fpga.board_build import SIGNED_OFF, bitstream_sources, generics
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli.engine import checkout_id
@@ -31,7 +31,7 @@ def bench(tmp_path, monkeypatch):
     """Lay out a board of one file, a good sign-off, and results in a folder of the test's own."""
     source = tmp_path / "top.sv"
     source.write_text("module nexys4ddr_top; endmodule\n")
-    monkeypatch.setattr(fpga, "board_sources", lambda _: [source])
+    monkeypatch.setattr(fpga, "bitstream_sources", lambda _: [source])
     monkeypatch.setattr(fpga, "BITSTREAM", tmp_path / "fpga" / "nexys4ddr.bit")
     monkeypatch.setattr(fpga, "REPORTS", tmp_path / "fpga" / "vivado")
     monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
@@ -74,25 +74,26 @@ def activity_of(folder, rtl):
     (folder / "activity.json").write_text(json.dumps({**others, "rtl_hash": rtl}))
 
 
-def test_activity_of_other_rtl_is_not_used(bench, capsys):
+def test_simulated_activity_is_used_where_it_is_of_this_rtl(bench, capsys):
     make_vivado(bench / "bin", Behaviour())
+    manifest = bench / "fpga" / "nexys4ddr.json"
     activity_of(bench, "b" * 64)
     assert run(bench) == 0
-    assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
-    assert json.loads((bench / "fpga" / "nexys4ddr.json").read_text())["activity"] is None
     assert "without simulated activity of this RTL" in capsys.readouterr().out
     # Nor is one that says nothing of its RTL.
-    (bench / "activity.json").unlink()
-    assert run(bench) == 0
-    assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
-
-
-def test_simulated_activity_is_used_where_there_is_one(bench):
+    for _ in range(2):
+        assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
+        assert json.loads(manifest.read_text())["activity"] is None
+        (bench / "activity.json").unlink(missing_ok=True)
+        assert run(bench) == 0
     activity_of(bench, RTL)
-    make_vivado(bench / "bin", Behaviour())
     assert run(bench) == 0
     assert any(call[0] == "read_saif" for call in calls(bench / "bin"))
-    assert json.loads((bench / "fpga" / "nexys4ddr.json").read_text())["activity"] is not None
+    assert json.loads(manifest.read_text())["activity"] is not None
+
+
+def nothing_is_left(bench):
+    return not any((bench / "fpga" / name).exists() for name in ("nexys4ddr.bit", "nexys4ddr.json"))
 
 
 @pytest.mark.parametrize(
@@ -116,19 +117,26 @@ def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys, changes, re
     assert not (bench / "fpga").exists()
 
 
-@pytest.mark.parametrize("gate", ["refuses", "passes"])
-def test_a_refusal_leaves_no_older_bitstream(bench, gate):
+@pytest.mark.parametrize("what", ["gate", "vivado is gone", "timing", "place_design"])
+def test_what_fails_leaves_no_bitstream_not_even_an_older_one(bench, capsys, what):
     make_vivado(bench / "bin", Behaviour())
     assert run(bench) == 0
-    (bench / "bin" / "vivado").unlink()
-    if gate == "refuses":
+    if what == "gate":
         sign(bench, passed=False)
         assert run(bench) == 1
-    else:
-        with pytest.raises(InputError, match="vivado: not on PATH"):
+    elif what == "timing":
+        make_vivado(bench / "bin", Behaviour(setup=-1.5))
+        assert run(bench) == 1
+        assert "bitstream: refused: timing: worst slack -1.5 ns" in capsys.readouterr().err
+    elif what == "place_design":
+        make_vivado(bench / "bin", Behaviour(failing=what))
+        with pytest.raises(InputError, match="vivado: ERROR"):
             run(bench)
-    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
-    assert not (bench / "fpga" / "nexys4ddr.json").exists()
+    else:
+        (bench / "bin" / "vivado").unlink()
+        with pytest.raises(InputError, match=r"^vivado: not on PATH: [^\n]*$"):
+            run(bench)
+    assert nothing_is_left(bench)
 
 
 def test_no_bitstream_is_ever_without_its_manifest(bench, monkeypatch):
@@ -147,42 +155,20 @@ def test_no_bitstream_is_ever_without_its_manifest(bench, monkeypatch):
     assert not (bench / "fpga" / "nexys4ddr.bit").exists()
 
 
-def test_without_vivado_one_line(bench):
-    with pytest.raises(InputError, match=r"^vivado: not on PATH: [^\n]*$"):
-        run(bench)
-
-
-@pytest.mark.parametrize("behaviour", [Behaviour(setup=-1.5), Behaviour(failing="place_design")])
-def test_a_failed_build_leaves_no_bitstream_not_even_an_older_one(bench, capsys, behaviour):
+@pytest.mark.parametrize(
+    ("hashed", "before", "after", "says"),
+    [
+        ("rtl_hash", RTL, "c" * 64, "this is cccccccccccc"),
+        ("board_hash", "a" * 64, "b" * 64, "changed during the build"),
+    ],
+)
+def test_what_changes_during_the_build_is_refused(bench, capsys, monkeypatch, hashed, before, after, says):
     make_vivado(bench / "bin", Behaviour())
-    assert run(bench) == 0
-    make_vivado(bench / "bin", behaviour)
-    if behaviour.failing:
-        with pytest.raises(InputError, match="vivado: ERROR"):
-            run(bench)
-    else:
-        assert run(bench) == 1
-        assert "bitstream: refused: timing: worst slack -1.5 ns" in capsys.readouterr().err
-    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
-    assert not (bench / "fpga" / "nexys4ddr.json").exists()
-
-
-def test_rtl_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
-    make_vivado(bench / "bin", Behaviour())
-    hashes = iter([RTL, "c" * 64])
-    monkeypatch.setattr(fpga, "rtl_hash", lambda: next(hashes))
+    hashes = iter([before, after])
+    monkeypatch.setattr(fpga, hashed, lambda: next(hashes))
     assert run(bench) == 1
-    assert "this is cccccccccccc" in capsys.readouterr().err
-    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
-
-
-def test_a_board_that_changes_during_the_build_is_refused(bench, capsys, monkeypatch):
-    make_vivado(bench / "bin", Behaviour())
-    hashes = iter(["a" * 64, "b" * 64])
-    monkeypatch.setattr(fpga, "board_hash", lambda: next(hashes))
-    assert run(bench) == 1
-    assert "changed during the build" in capsys.readouterr().err
-    assert not (bench / "fpga" / "nexys4ddr.bit").exists()
+    assert says in capsys.readouterr().err
+    assert nothing_is_left(bench)
 
 
 def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
@@ -195,11 +181,11 @@ def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
     copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
     monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
     assert checkout_id() != before
-    assert BoardParameters().generics(0x0000CAFE)["BuildId"] == "32'h0000cafe"
+    assert generics(SIGNED_OFF, 0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 
 def test_sources_of_the_board():
-    names = [path.name for path in board_sources(DUT)]
+    names = [path.name for path in bitstream_sources(DUT)]
     assert names[0] == "triaxis_pkg.sv"
     assert names[-1] == "nexys4ddr_top.sv"
     assert len(names) == len(set(names))
@@ -211,4 +197,4 @@ def test_a_list_of_files_that_are_not_there(tmp_path, content, says):
     (tmp_path / "core").mkdir()
     (tmp_path / "core" / "triaxis.f").write_text(content)
     with pytest.raises(InputError, match=says):
-        board_sources(tmp_path)
+        bitstream_sources(tmp_path)

@@ -14,7 +14,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.cli import main
 from triaxis.sim.build import rtl_files
-from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.detector import WIDTH, detect
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT, ROOT
@@ -25,18 +25,18 @@ from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors, seed_vectors_as_written
 from triaxis.verif.counterexample.candidates import bit_lengths
 from triaxis.verif.counterexample.finding import BareCore, Symptom
-from triaxis.verif.faults import broken_rtl, core_faults, entrances, environment_faults, result, runs
-from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of
-from triaxis.verif.faults.engine_faults import ENGINE_TESTS
-from triaxis.verif.faults.patching import apply_patch, read_hunks
+from triaxis.verif.faults import broken_rtl, environment_faults, result, rtl_faults, runs
+from triaxis.verif.faults.broken_rtl import apply_patch, faulty_rtl, read_hunks
+from triaxis.verif.faults.catching import catch, catch_all, control
+from triaxis.verif.faults.known_faults import FAULTS, PATCHES, Fault, Kind, fault_names, fault_of, faults_of
 from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
-from triaxis.verif.faults.run import catch, catch_all, control
-from triaxis.verif.faults.runs import Sign, core_sign_of, engine_sign_of, run_test, sign_of
+from triaxis.verif.faults.runs import Sign, design_sign_of, run_test, sign_of
+from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import BURST, PIN, failure_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 
 ENGINE_CONFIG = fault_of("engine-lane-mask").config
+CONFIG = fault_of("F2").config
 CORE = [fault.name for fault in FAULTS if fault.replaced and fault.kind is Kind.CORE]
 PATCHED = [fault.name for fault in FAULTS if fault.patch]
 
@@ -45,7 +45,7 @@ PATCHED = [fault.name for fault in FAULTS if fault.patch]
 def own_folders(tmp_path, monkeypatch):
     """Let no test disturb another that runs beside it, nor the results of the catalogue."""
     monkeypatch.setattr(runs, "RUNS", tmp_path / "runs")
-    monkeypatch.setattr(core_faults, "PICTURES", tmp_path / "pictures")
+    monkeypatch.setattr(rtl_faults, "PICTURES", tmp_path / "pictures")
     monkeypatch.setattr(result, "RESULT", tmp_path / "faults.json")
 
 
@@ -121,8 +121,9 @@ def test_caught_with_a_small_counterexample(seed, name):
     found, example = outcome.catch, outcome.example
     assert found, outcome.reason
     assert example
-    assert found.pairs and 1 <= found.pairs <= runs.PAIRS
-    assert found.test == runs.TESTS[len(found.missed_by)]
+    search = rtl_faults.SEARCHES[Kind.CORE]
+    assert found.pairs and 1 <= found.pairs <= search.pairs
+    assert found.test == search.tests[len(found.missed_by)]
     assert "exact answer" in found.message
 
     pairs = np.array([[each["A"], each["B"]] for each in example.sent])
@@ -133,7 +134,7 @@ def test_caught_with_a_small_counterexample(seed, name):
     assert len(stream) == 1
     # Of 288 bits. Truncations need large numbers; the others show on the smallest grid.
     assert bit_lengths(pairs).sum() <= (64 if name in ("F4", "F5", "F6") else 16)
-    assert (core_faults.PICTURES / f"{name}.png").stat().st_size > 10_000
+    assert (rtl_faults.PICTURES / f"{name}.png").stat().st_size > 10_000
 
 
 def wrong_answers(name, pairs):
@@ -176,7 +177,8 @@ def test_truncations_are_of_large_numbers_only(rng, name, bits):
 
 def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch):
     """And turns the result red."""
-    monkeypatch.setattr(core_faults, "TESTS", ("RandomTest", "StallsTest"))
+    few = replace(rtl_faults.SEARCHES[Kind.CORE], tests=("RandomTest", "StallsTest"))
+    monkeypatch.setitem(rtl_faults.SEARCHES, Kind.CORE, few)
     header = "// Computes: the cross product a_i x b_i of two differences from a common vertex.\n"
     patch = tmp_path / "comment.patch"
     cross = "dut/core/triaxis_cross.sv"
@@ -202,11 +204,11 @@ def test_a_core_that_is_always_caught_fails_the_control(seed):
 def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
     """A simulator that cannot start finds no fault."""
 
-    def ended_early(test, configuration, *_, **__):
+    def ended_early(test, configuration, *_):
         settings = run_settings(test, configuration, seed, 1)
         return RunResult(settings, False, 0.0, None, ("no error line in the log",), tmp_path / "log")
 
-    monkeypatch.setattr(runs, "run_test", ended_early)
+    monkeypatch.setattr(rtl_faults, "run_test", ended_early)
     outcome = catch(fault_of("F2"), seed)
     assert not outcome.caught
     assert (
@@ -215,97 +217,63 @@ def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
     assert control([fault_of("F2")], seed)[0].startswith("RandomTest ended without a verdict")
 
 
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        (
-            "21.0ns ERROR ..board.py(1) [top.env]: core says (1) (0x1), exact answer (2): margin 0, [[[1]]]",
-            Sign("core says (1) (0x1), exact answer (2)", pairs=7),
-        ),
-        ("9ns ERROR ..board.py(1) [top.env]: nothing was checked", Sign("nothing was checked", pairs=7)),
-        (
-            "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.Held: it moved",
-            Sign("Held: it moved", clocks=13),
-        ),
-        ("HungBurstError: the core hangs", Sign("the core hangs", pairs=7)),
-        ("Traceback (most recent call last):", None),
-    ],
-)
-def test_signs_are_read_from_the_log(tmp_path, line, expected):
-    settings = run_settings("RandomTest", Configuration(), 1, 1)
-    counts = {"checked_until_failure": 7}
-    assert sign_of(RunResult(settings, False, 0.0, counts, ("noise", line), tmp_path)) == expected
+RULE = "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved"
+MESH_RULE = "[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved"
+WRONG = {"blame": "design", "message": "core says (1)", "of_pair": True}
+LOST = {"blame": "design", "message": "3 pairs accepted and never answered", "of_pair": False}
+JUDGES = {"blame": "judges", "message": "golden model: no certificate", "of_pair": True}
+NOTHING = {"blame": "test", "message": "nothing was checked", "of_pair": False}
+HUNG = "triaxis.verif.testbench.failures.HungError: 1 of 2: the core hangs"
+DISK = "OSError: [Errno 28] No space left on device"
+REFUSED = "InputError: build/faults: cannot write: No space left on device"
 
 
-_SAYS = "9ns ERROR ..board.py(1) [top.env]: "
+def failed_run(folder, failures=(), line="noise", test="RandomTest", config=CONFIG, kept=True):
+    settings = run_settings(test, config, 1, 1, folder=folder)
+    if kept:
+        failure_file(folder).touch()
+    counts = {"checked_until_failure": 7, "failures": list(failures)}
+    return RunResult(settings, False, 0.0, counts, ("noise", line), folder)
 
 
 @pytest.mark.parametrize(
-    ("line", "expected"),
+    ("failures", "line", "any_sign", "of_core", "of_engine"),
     [
+        ([WRONG], "", Sign("design", "core says (1)", 7), True, True),
+        ([LOST, WRONG], "", Sign("design", LOST["message"]), "core says (1)", "core says (1)"),
+        ([LOST], DISK, Sign("design", LOST["message"]), True, True),
+        ([], RULE, Sign("PairHeld", "PairHeld: it moved", clocks=13), True, False),
+        ([], MESH_RULE, Sign("NearStable", "NearStable: it moved", clocks=13), False, True),
+        ([], HUNG, Sign("HungError", "1 of 2: the core hangs"), True, True),
+        # Trouble of the environment says nothing of the design.
+        ([JUDGES], "", Sign("judges", JUDGES["message"], 7), False, False),
+        ([NOTHING], "", Sign("test", "nothing was checked"), False, False),
+        ([], REFUSED, Sign("InputError", REFUSED.partition(": ")[2]), False, False),
+        ([], "AssertionError: 5 pairs sent", Sign("AssertionError", "5 pairs sent"), False, False),
+        ([], DISK, None, False, False),
         (
-            f"{_SAYS}core says (1) (0x1), exact answer (2): margin 0, [[[1]]]",
-            Sign("core says (1) (0x1), exact answer (2)", pairs=7),
+            [],
+            RULE.replace("PairHeld", "Unknown"),
+            Sign("Unknown", "Unknown: it moved", clocks=13),
+            False,
+            False,
         ),
-        (
-            f"{_SAYS}claimed axis 3 (box x) does not separate: margin 0, [[[1]]]",
-            Sign("claimed axis 3 (box x) does not separate", pairs=7),
-        ),
-        (f"{_SAYS}tag 3 where 2 was due: margin 0, [[[1]]]", Sign("tag 3 where 2 was due", pairs=7)),
-        (
-            f"{_SAYS}3 pairs accepted and never answered",
-            Sign("3 pairs accepted and never answered"),
-        ),
-        (
-            "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved",
-            Sign("PairHeld: it moved", clocks=13),
-        ),
-        ("triaxis.x.HungBurstError: 1 of 2: the core hangs", Sign("1 of 2: the core hangs")),
-        ("AssertionError: no beat moved: the core hangs", Sign("no beat moved: the core hangs")),
-        # Trouble of the environment says nothing of the core.
-        ("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.Unknown: it moved", None),
-        (f"{_SAYS}nothing was checked", None),
-        (f"{_SAYS}bulk checker and golden model disagree: margin 0, [[[1]]]", None),
-        (f"{_SAYS}golden model: no certificate: margin 0, [[[1]]]", None),
-        ("AssertionError: 5 pairs sent, 4 seen accepted", None),
-        ("InputError: build/faults: cannot write: No space left on device", None),
-        ("OSError: [Errno 28] No space left on device", None),
     ],
 )
-def test_only_what_the_core_does_counts_against_it(tmp_path, line, expected):
-    settings = run_settings("RandomTest", Configuration(), 1, 1, folder=tmp_path)
-    failure_file(tmp_path).touch()
-    result = RunResult(settings, False, 0.0, {"checked_until_failure": 7}, ("noise", line), tmp_path)
-    assert core_sign_of(result) == expected
+def test_only_what_the_design_does_counts_against_it(tmp_path, failures, line, any_sign, of_core, of_engine):
+    core = failed_run(tmp_path, failures, line)
+    engine = failed_run(tmp_path, failures, line, "MeshRandomTest", ENGINE_CONFIG)
+    assert sign_of(core) == sign_of(engine) == any_sign
+    for run, due in ((core, of_core), (engine, of_engine)):
+        found = design_sign_of(run)
+        assert (
+            found and found.message == due if isinstance(due, str) else found == (any_sign if due else None)
+        )
 
 
-_OF = "meshes of 3 and 4, translation (0, 0, 0), margin 2, mode 1"
-
-
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        (f"{_SAYS}tested 3, 4 is due: {_OF}", Sign("tested 3, 4 is due")),
-        (
-            f"{_SAYS}near pairs: number 0 is (1, 2), (0, 2) is due: {_OF}",
-            Sign("near pairs: number 0 is (1, 2), (0, 2) is due"),
-        ),
-        (
-            "[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved",
-            Sign("NearStable: it moved", clocks=13),
-        ),
-        ("triaxis.x.HungRunError: no summary: the engine hangs", Sign("no summary: the engine hangs")),
-        # Trouble of the environment says nothing of the engine, nor do rules of the core.
-        ("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved", None),
-        (f"{_SAYS}bulk checker and golden model disagree on pair (1, 2): {_OF}", None),
-        (f"{_SAYS}golden model: no certificate: {_OF}", None),
-        (f"{_SAYS}a run without a summary", None),
-        ("OSError: [Errno 28] No space left on device", None),
-    ],
-)
-def test_only_what_the_engine_does_counts_against_it(tmp_path, line, expected):
-    settings = run_settings("MeshRandomTest", ENGINE_CONFIG, 1, 1, folder=tmp_path)
-    assert engine_sign_of(RunResult(settings, False, 0.0, None, ("noise", line), tmp_path)) == expected
+def test_a_wrong_answer_of_no_kept_pair_counts_for_nothing(tmp_path):
+    """As where the disk is full: there would be no counterexample."""
+    assert design_sign_of(failed_run(tmp_path, [WRONG], kept=False)) is None
 
 
 def test_a_fault_of_the_engine_is_caught(seed):
@@ -316,22 +284,14 @@ def test_a_fault_of_the_engine_is_caught(seed):
 
 
 def test_an_engine_that_never_fails_is_not_caught(tmp_path, seed, monkeypatch):
-    def passed(test, configuration, *_, **__):
+    def passed(test, configuration, *_):
         settings = run_settings(test, configuration, seed, 1)
         return RunResult(settings, True, 0.0, {"checked": 5}, (), tmp_path / "log")
 
-    monkeypatch.setattr(runs, "run_test", passed)
+    monkeypatch.setattr(rtl_faults, "run_test", passed)
     outcome = catch(fault_of("engine-lane-mask"), seed)
-    assert outcome.reason == f"{', '.join(ENGINE_TESTS)} pass"
+    assert outcome.reason == f"{', '.join(rtl_faults.SEARCHES[Kind.ENGINE].tests)} pass"
     assert control([fault_of("engine-lane-mask")], seed) == []
-
-
-def test_a_wrong_answer_of_no_kept_pair_counts_for_nothing(tmp_path):
-    """As where the disk is full: there would be no counterexample."""
-    settings = run_settings("RandomTest", Configuration(), 1, 1, folder=tmp_path)
-    line = f"{_SAYS}core says (1) (0x1), exact answer (2): margin 0, [[[1]]]"
-    result = RunResult(settings, False, 0.0, {"checked_until_failure": 7}, (line,), tmp_path)
-    assert core_sign_of(result) is None
 
 
 # --- Faults of the wrapper ---------------------------------------------------------------------------
@@ -359,10 +319,10 @@ def test_f7_trusts_the_normals_and_is_right_where_they_are(rng):
 # --- Faults of a testbench ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", list(entrances.ENTRANCES))
+@pytest.mark.parametrize("name", list(environment_faults.ENTRANCES))
 def test_every_way_in_refuses_what_does_not_fit(tmp_path, name):
-    enter = entrances.ENTRANCES[name]
-    inside, outside = entrances.boundary()
+    enter = environment_faults.ENTRANCES[name]
+    inside, outside = environment_faults.boundary()
     low, high = coordinate_range(WIDTH)
     assert {inside.min(), inside.max(), outside.min(), outside.max()} == {low, high, low - 1, high + 1}
     enter(inside, tmp_path)
@@ -394,15 +354,15 @@ def test_command_line_refuses_vectors_that_do_not_fit(tmp_path, capsys):
 
 @pytest.mark.parametrize("agent", [BURST, PIN])
 def test_drivers_refuse_vectors_that_do_not_fit(seed, agent):
-    found = run_test("WrappingVectorsTest", Configuration(), seed, agent, agent=agent)
+    found = run_test("WrappingVectorsTest", CONFIG, seed, agent, DUT, agent, 360)
     assert not found.passed
     sign = sign_of(found)
     assert sign and "stimulus: pair 0, triangle B, vertex 1, coordinate x: 33243 is outside" in sign.message
 
 
 def test_a_way_in_that_is_open_is_reported(seed, monkeypatch):
-    ways = {**entrances.ENTRANCES, "back door": lambda *_: None}
-    monkeypatch.setattr(entrances, "ENTRANCES", ways)
+    ways = {**environment_faults.ENTRANCES, "back door": lambda *_: None}
+    monkeypatch.setattr(environment_faults, "ENTRANCES", ways)
     outcome = catch(fault_of("F9"), seed)
     assert not outcome.caught
     assert outcome.reason == "let in, or refused without the limit: back door"
@@ -418,11 +378,14 @@ def test_faults_of_a_testbench_are_caught(seed, name):
 
 
 def test_an_environment_that_lets_it_pass_is_reported(seed, monkeypatch):
-    table = {"F10-unsent": ("RandomTest", BURST, "nothing"), "F10-unseen": ("NothingSentTest", BURST, "Held")}
+    table = {
+        "F10-unsent": ("RandomTest", BURST, Blame.TEST),
+        "F10-unseen": ("NothingSentTest", BURST, "PairHeld"),
+    }
     monkeypatch.setattr(environment_faults, "_SABOTAGE", table)
     assert catch(fault_of("F10-unsent"), seed).reason == "RandomTest passes"
     reason = catch(fault_of("F10-unseen"), seed).reason
-    assert reason and reason.startswith("NothingSentTest fails, but not by 'Held': nothing was checked")
+    assert reason and reason.startswith("NothingSentTest fails, but not by PairHeld: nothing was checked")
 
 
 # --- The result ----------------------------------------------------------------------------------------

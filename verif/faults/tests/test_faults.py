@@ -10,7 +10,7 @@ import pytest
 
 from triaxis.sim.configuration import parse_configuration
 from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import FAULTS, fault_of
+from triaxis.verif.faults.known_faults import FAULTS, fault_of
 from triaxis.verif.testbench.simulation import run, run_settings
 
 

@@ -5,6 +5,8 @@
 // highest of each triangle are what these words say, and the gap between them, one way or the other, is
 // larger than the margin.
 
+`include "triaxis_formal.svh"
+
 module triaxis_box_formal
   import triaxis_pkg::*;
 #(
@@ -19,6 +21,7 @@ module triaxis_box_formal
 
   typedef logic signed [W+1:0] wide_t;
   typedef logic signed [W-1:0] coord_t;
+  typedef coord_t points_t[3];
   typedef logic [margin_width(M)-1:0] margin_t;
 
   logic separated_o;
@@ -40,29 +43,14 @@ module triaxis_box_formal
   // What went in, what the extents came to, and how long ago.
   localparam int unsigned Extents = 2;
   localparam int unsigned Rest = BoxLatency - Extents;
-  coord_t a_q[Extents][3], b_q[Extents][3];
-  coord_t a_low_q[Rest], a_high_q[Rest], b_low_q[Rest], b_high_q[Rest];
-  margin_t margin_q[BoxLatency];
-  logic [2:0] clocks_q = '0;
-  always_ff @(posedge clk_i) begin
-    margin_q[0] <= margin;
-    for (int i = 1; i < int'(BoxLatency); i++) margin_q[i] <= margin_q[i-1];
-    for (int v = 0; v < 3; v++) begin
-      a_q[0][v] <= a_i[v];
-      b_q[0][v] <= b_i[v];
-      a_q[1][v] <= a_q[0][v];
-      b_q[1][v] <= b_q[0][v];
-    end
-    a_low_q[0]  <= u_box.a_low;
-    a_high_q[0] <= u_box.a_high;
-    b_low_q[0]  <= u_box.b_low;
-    b_high_q[0] <= u_box.b_high;
-    a_low_q[1]  <= a_low_q[0];
-    a_high_q[1] <= a_high_q[0];
-    b_low_q[1]  <= b_low_q[0];
-    b_high_q[1] <= b_high_q[0];
-    if (clocks_q != 3'(BoxLatency)) clocks_q <= clocks_q + 3'd1;
-  end
+  `TRIAXIS_PAST(points_t, a_q, a_i, Extents)
+  `TRIAXIS_PAST(points_t, b_q, b_i, Extents)
+  `TRIAXIS_PAST(coord_t, a_low_q, u_box.a_low, Rest)
+  `TRIAXIS_PAST(coord_t, a_high_q, u_box.a_high, Rest)
+  `TRIAXIS_PAST(coord_t, b_low_q, u_box.b_low, Rest)
+  `TRIAXIS_PAST(coord_t, b_high_q, u_box.b_high, Rest)
+  `TRIAXIS_PAST(margin_t, margin_q, margin, BoxLatency)
+  `TRIAXIS_FULL_AFTER(BoxLatency)
 
   // One of the three, and none of them lower; likewise the highest.
   function automatic logic is_lowest(coord_t low, coord_t first, coord_t second, coord_t third);
@@ -82,7 +70,7 @@ module triaxis_box_formal
   assign b_first = wide_t'(a_low_q[1]) - wide_t'(b_high_q[1]) > wide_margin;
 
   always_comb begin
-    if (clocks_q == 3'(BoxLatency)) begin
+    if (full) begin
       Lowest :
       assert (is_lowest(
           u_box.a_low, a_q[1][0], a_q[1][1], a_q[1][2]

@@ -3,6 +3,8 @@
 //
 // The core with its rules, and what makes them inductive: where the followed pair is, at each age.
 
+`include "triaxis_formal.svh"
+
 module triaxis_core_formal
   import triaxis_pkg::*;
 #(
@@ -79,12 +81,7 @@ module triaxis_core_formal
       .count_o(count)
   );
 
-  // The first clock is one of reset.
-  logic started_q = 1'b0;
-  always_ff @(posedge clk_i) started_q <= 1'b1;
-  always_comb begin
-    Reset : assume (started_q || !rst_ni);
-  end
+  `TRIAXIS_RESET_FIRST
 
   // Ghosts: each pair has a serial number, that of the queue's slot which it will take, in the
   // pointers' own width. The number of an empty stage is that of the next pair before it.

@@ -5,6 +5,8 @@
 // and in order; none after the first where one was asked for, none where only counts were; nothing
 // of what is drained; idle only with nothing on offer and nothing on its way.
 
+`include "triaxis_formal.svh"
+
 module triaxis_near_pairs_formal
   import triaxis_mesh_pkg::*;
 #(
@@ -46,14 +48,14 @@ module triaxis_near_pairs_formal
   // What must be offered next.
   assign offer = take && verdict_near_i && !drain_i && !first_o && mode_q != ModeCount;
 
+  `TRIAXIS_RESET_FIRST
+
   // Pairs on their way, the pair on offer, and whether it waits.
-  logic started_q = 1'b0;
   logic offered_q, waited_q, first_q;
   in_flight_t way_q;
   pair_t due_q;
   count_t tested_q, near_q;
   always_ff @(posedge clk_i) begin
-    started_q <= 1'b1;
     // What was asked for changes between runs, when nothing is under way.
     if (start_i) mode_q <= mode_e'(asked_i);
     if (offer) due_q <= verdict_pair_i;
@@ -75,7 +77,6 @@ module triaxis_near_pairs_formal
   end
 
   always_comb begin
-    Reset : assume (started_q || !rst_ni);
     VerdictsOfPairs : assume (!verdict_valid_i || way_q != '0);
     RoomForPairs : assume (!issue_i || way_q < in_flight_t'(InFlight));
     StartIdle : assume (!start_i || (idle_o && !issue_i));

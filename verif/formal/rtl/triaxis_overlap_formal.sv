@@ -9,6 +9,8 @@
 // Each sum and each comparison by itself is that of whole numbers, so that no width cuts anything:
 // what they come to together follows. Whole = 1 shows that too, for few bits.
 
+`include "triaxis_formal.svh"
+
 module triaxis_overlap_formal
   import triaxis_mesh_pkg::*;
 #(
@@ -110,13 +112,14 @@ module triaxis_overlap_formal
     );
   end
 
+  `TRIAXIS_FULL_AFTER(3)
+
   // The boxes of A and what was asked for, a clock ago.
   coord_t a_q[2][2][3], object_q[2][3];
   move_t move_q[3];
   grown_t shift_q[2][3];
   logic [M-1:0] margin_q;
   logic empty_q;
-  logic [1:0] clocks_q = '0;
   always_ff @(posedge clk_i) begin
     a_q <= a;
     object_q <= object;
@@ -124,7 +127,6 @@ module triaxis_overlap_formal
     margin_q <= margin;
     shift_q <= shift;
     empty_q <= empty_a_i;
-    if (clocks_q != 2'd3) clocks_q <= clocks_q + 2'd1;
   end
 
   wide_t moved_low, moved_high, wide_margin;
@@ -169,7 +171,7 @@ module triaxis_overlap_formal
     Ordered :
     assume (object[0][0] <= object[1][0] && object[0][1] <= object[1][1] &&
             object[0][2] <= object[1][2]);
-    if (clocks_q == 2'd3) begin
+    if (full) begin
       SumsAreExact : assert (sums_exact);
       ComparisonIsExact : assert (overlap[0][0] == (grown_apart == '0));
       SkipIsExact : assert (!Whole || !in_range || overlap[0][0] == (apart == '0));

@@ -4,6 +4,8 @@
 // The engine's pick against a set from which elements are taken: each lane of an accepted mask comes
 // once, the lowest first, with its word, without gaps; drain_i empties it.
 
+`include "triaxis_formal.svh"
+
 module triaxis_pick_formal
   import triaxis_mesh_pkg::*;
 #(
@@ -33,12 +35,7 @@ module triaxis_pick_formal
       .*
   );
 
-  logic started_q = 1'b0;
-  always_ff @(posedge clk_i) started_q <= 1'b1;
-  always_comb begin
-    Reset : assume (started_q || !rst_ni);
-    Masks : assume (!valid_i || mask_i != '0);
-  end
+  `TRIAXIS_RESET_FIRST
 
   // Lanes that have not come yet, and their word.
   mask_t left_q, left;
@@ -64,6 +61,7 @@ module triaxis_pick_formal
   end
 
   always_comb begin
+    Masks : assume (!valid_i || mask_i != '0);
     if (rst_ni) begin
       Offered : assert (valid_o == (left_q != '0));
       InMask : assert (!valid_o || left_q[lane_o]);

@@ -4,6 +4,8 @@
 // The course of a run: what its summary may say, that it waits unchanged, and that no run which was
 // cut short is ever complete. Idle, first and aborts come at any clocks.
 
+`include "triaxis_formal.svh"
+
 module triaxis_run_control_formal
   import triaxis_mesh_pkg::*;
 #(
@@ -50,11 +52,7 @@ module triaxis_run_control_formal
       .*
   );
 
-  logic started_q = 1'b0;
-  always_ff @(posedge clk_i) started_q <= 1'b1;
-  always_comb begin
-    Reset : assume (started_q || !rst_ni);
-  end
+  `TRIAXIS_RESET_FIRST
 
   // Of the run under way: whether it was told to end early, whether it was drained, whether its scan
   // began, its clocks.

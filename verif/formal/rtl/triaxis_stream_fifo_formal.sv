@@ -5,6 +5,8 @@
 // One word is followed from the clock at which it is accepted to the one at which it is delivered:
 // that for which mark_i is high, which is free.
 
+`include "triaxis_formal.svh"
+
 module triaxis_stream_fifo_formal #(
     parameter int unsigned Width = 8,
     parameter int unsigned Depth = 16
@@ -31,11 +33,7 @@ module triaxis_stream_fifo_formal #(
       .*
   );
 
-  logic started_q = 1'b0;
-  always_ff @(posedge clk_i) started_q <= 1'b1;
-  always_comb begin
-    Reset : assume (started_q || !rst_ni);
-  end
+  `TRIAXIS_RESET_FIRST
 
   logic push, pop;
   assign push = valid_i && ready_o;

@@ -5,6 +5,8 @@
 // the margin meet at the multiplier, and its product is the threshold. So the multiplier, which has a
 // proof of its own, need not be seen through, and this holds at full width. Exact = 1 does.
 
+`include "triaxis_formal.svh"
+
 module triaxis_threshold_formal
   import triaxis_pkg::*;
 #(
@@ -33,10 +35,11 @@ module triaxis_threshold_formal
       .*
   );
 
-  wide_t norm, norm_q[Latency];
-  logic [M-1:0] margin_q[Latency];
-  logic [3:0] clocks_q = '0;
+  wide_t norm;
   threshold_t whole;
+  `TRIAXIS_PAST(wide_t, norm_q, norm, Latency)
+  `TRIAXIS_PAST(logic [M-1:0], margin_q, margin_i, Latency)
+  `TRIAXIS_FULL_AFTER(Latency)
   assign whole = threshold_t'(norm_q[Latency-1]) * threshold_t'(margin_q[Latency-1]);
   always_comb begin
     norm = '0;
@@ -45,18 +48,8 @@ module triaxis_threshold_formal
     end
     Fits : assume (norm < (wide_t'(1) << CWidth));
   end
-  always_ff @(posedge clk_i) begin
-    norm_q[0]   <= norm;
-    margin_q[0] <= margin_i;
-    for (int i = 1; i < int'(Latency); i++) begin
-      norm_q[i]   <= norm_q[i-1];
-      margin_q[i] <= margin_q[i-1];
-    end
-    if (clocks_q != 4'(Latency)) clocks_q <= clocks_q + 4'd1;
-  end
-
   always_comb begin
-    if (clocks_q == 4'(Latency)) begin
+    if (full) begin
       Norm : assert (wide_t'(u_threshold.u_mul.a_i) == norm_q[NormLatency-1]);
       Margin : assert (u_threshold.u_mul.b_i == (M + 1)'(margin_q[NormLatency-1]));
       Product : assert (threshold_o == threshold_t'(u_threshold.u_mul.product_o));

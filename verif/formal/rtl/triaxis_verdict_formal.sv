@@ -5,6 +5,8 @@
 // triple products: near exactly where no axis separates; otherwise the claim separates and none
 // below it does; flags say zero normals and ten zero triple products, and nothing where masked.
 
+`include "triaxis_formal.svh"
+
 module triaxis_verdict_formal
   import triaxis_pkg::*;
 #(
@@ -48,27 +50,20 @@ module triaxis_verdict_formal
   );
 
   // What went in, by how long ago. Each comes at its own clock.
-  logic [NumAxes-1:0] separated_q[VerdictLatency];
-  logic gated_q[VerdictLatency];
-  logic [Last-1:0] flat_a_q, flat_b_q;
-  logic [DetWait+VerdictLatency-1:0] flat_q;
-  logic [4:0] clocks_q = '0;
-  logic flat;
+  logic flat, flat_a, flat_b;
+  `TRIAXIS_PAST(logic [NumAxes-1:0], separated_q, separated_i, VerdictLatency)
+  `TRIAXIS_PAST(logic, gated_q, gated_i, VerdictLatency)
+  `TRIAXIS_PAST(logic, flat_a_q, flat_a, Last)
+  `TRIAXIS_PAST(logic, flat_b_q, flat_b, Last)
+  `TRIAXIS_PAST(logic, flat_q, flat, DetWait + VerdictLatency)
+  `TRIAXIS_FULL_AFTER(Last)
+  assign flat_a = {normal_a_i[0], normal_a_i[1], normal_a_i[2]} == '0;
+  assign flat_b = {normal_b_i[0], normal_b_i[1], normal_b_i[2]} == '0;
   always_comb begin
     flat = rst_i == det_t'(0);
     for (int j = 0; j < 3; j++) begin
       if (pqr_i[j] != det_t'(0) || pf_i[j] != det_t'(0) || qf_i[j] != det_t'(0)) flat = 1'b0;
     end
-  end
-  always_ff @(posedge clk_i) begin
-    separated_q[0] <= separated_i;
-    separated_q[1] <= separated_q[0];
-    gated_q[0] <= gated_i;
-    gated_q[1] <= gated_q[0];
-    flat_a_q <= {flat_a_q[Last-2:0], {normal_a_i[0], normal_a_i[1], normal_a_i[2]} == '0};
-    flat_b_q <= {flat_b_q[Last-2:0], {normal_b_i[0], normal_b_i[1], normal_b_i[2]} == '0};
-    flat_q <= {flat_q[DetWait+VerdictLatency-2:0], flat};
-    if (clocks_q != 5'(Last)) clocks_q <= clocks_q + 5'd1;
   end
 
   logic [NumAxes-1:0] found;
@@ -82,7 +77,7 @@ module triaxis_verdict_formal
     for (int n = 0; n < int'(NumAxes); n++) begin
       if (n < int'(verdict_o.axis) && found[n]) lower = 1'b1;
     end
-    if (clocks_q == 5'(Last)) begin
+    if (full) begin
       Near : assert (verdict_o.is_near == (found == '0));
       ClaimSeparates : assert (verdict_o.is_near || found[verdict_o.axis]);
       ClaimIsLowest : assert (!lower);

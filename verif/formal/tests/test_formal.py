@@ -15,21 +15,10 @@ from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import EndedError
-from triaxis.verif.formal import run
+from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import AxesProof
-from triaxis.verif.formal.catalogue import proofs
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
-from triaxis.verif.formal.sby_proof import SbyProof
-from triaxis.verif.formal.tools import require_tools
-from triaxis.verif.formal.widths import WidthsProof
-
-
-@pytest.fixture
-def tools():
-    try:
-        require_tools()
-    except InputError as error:
-        pytest.skip(str(error))
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, SbyProof, require_tools
+from triaxis.verif.formal.proofs import proofs
 
 
 @dataclass(frozen=True)
@@ -295,13 +284,13 @@ def _named(name: str) -> Proof:
     return next(proof for proof in proofs() if proof.name == name)
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 @pytest.mark.parametrize("broken", STREAMS + LEAVES + ENGINE, ids=lambda broken: broken.name)
 def test_proof_fails(tmp_path, broken):
     _check_fails(_named(broken.proof), broken, tmp_path)
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 @pytest.mark.parametrize("broken", AXES, ids=lambda broken: broken.name)
 def test_algebra_fails(tmp_path, broken):
     if broken.proof == "detector":
@@ -316,13 +305,13 @@ def test_every_proof_is_seen_to_fail():
     assert {proof.name for proof in proofs() if not isinstance(proof, AxesProof)} <= seen
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 def test_algebra_holds(tmp_path):
     configurations = (Configuration(8, 8), Configuration(16, 0, edge_box=False))
     assert not AxesProof("axes", configurations, detectors=(8,)).prove(DUT, tmp_path).problems
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 def test_what_is_not_covered_fails(tmp_path):
     verdict = _named("verdict_m0")
     assert isinstance(verdict, SbyProof)
@@ -330,7 +319,7 @@ def test_what_is_not_covered_fails(tmp_path):
     assert any("cover: FAIL: " in problem and "SeenLastAxis" in problem for problem in problems), problems
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 def test_what_does_not_compile_is_not_decided(tmp_path):
     broken = Broken("", "cross_w2", "core/triaxis_dot.sv", "endmodule", "endmodul", "ERROR")
     finding = _named("cross_w2").prove(_break(broken, tmp_path), tmp_path / "proof")
@@ -341,10 +330,11 @@ def test_what_does_not_compile_is_not_decided(tmp_path):
         _break(broken, tmp_path / "again"), tmp_path / "again" / "proof"
     )
     assert finding.result is Result.UNDECIDED
-    assert any("no netlist" in reason for reason in finding.undecided)
+    assert any("yosys: " in reason for reason in finding.undecided)
 
 
-def _ends_silently(*_: object) -> int:
+def _ends_silently(_: object, log: Path, *__: object) -> int:
+    log.touch()
     return 0
 
 
@@ -352,28 +342,22 @@ def _is_ended(*_: object) -> int:
     raise EndedError("sby: still running")
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 @pytest.mark.parametrize("prover", [_ends_silently, _is_ended])
 def test_a_prover_that_comes_to_no_end_decides_nothing(tmp_path, monkeypatch, prover):
-    for module in ("sby_proof", "netlist"):
-        monkeypatch.setattr(f"triaxis.verif.formal.{module}.run_prover", prover)
+    for module in ("verif.formal.proof", "sim.programs"):
+        monkeypatch.setattr(f"triaxis.{module}.run_limited", prover)
     names = ("streams_m0", "verdict_m0", "axes_other", "multiply_wide")
-    monkeypatch.setattr(run, "proofs", lambda: tuple(_named(name) for name in names))
-    result = run.prove_all(lambda step: None, folder=tmp_path)
+    monkeypatch.setattr(proving, "proofs", lambda: tuple(_named(name) for name in names))
+    result = proving.prove_all(lambda step: None, folder=tmp_path)
     assert [outcome.finding.result for outcome in result.outcomes] == [Result.UNDECIDED] * len(names)
     assert not result.passed
     assert all(problem.startswith("not decided: ") for problem in result.problems)
     assert f"{len(names)} not decided" in result.summary
 
 
-def test_widths_hold(tmp_path):
-    finding = WidthsProof().prove(DUT, tmp_path)
-    assert not finding.problems
-    assert "orientation of four vertices: at most 2 L^3" in (tmp_path / "bounds.txt").read_text()
-
-
 def test_names():
-    names = run.proof_names()
+    names = proving.proof_names()
     assert len(set(names)) == len(names) > 0
     assert all(len(proof.claim) > 40 and proof.method for proof in proofs())
 
@@ -396,32 +380,32 @@ class _Given:
         return Finding(self.problems)
 
 
-@pytest.mark.usefixtures("tools")
+@pytest.mark.prover
 def test_one_failure_fails_all(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "proofs", lambda: (_Given("good"), _Given("bad", ("bad: not so",))))
-    result = run.prove_all(lambda step: None, folder=tmp_path)
+    monkeypatch.setattr(proving, "proofs", lambda: (_Given("good"), _Given("bad", ("bad: not so",))))
+    result = proving.prove_all(lambda step: None, folder=tmp_path)
     assert result.complete
     assert not result.passed
     assert result.problems == ["bad: not so"]
-    evidence = read_evidence(run.write_result(result, "formal", tmp_path / "formal.json"))
+    evidence = read_evidence(proving.write_result(result, "formal", tmp_path / "formal.json"))
     assert evidence is not None
     assert not evidence["passed"]
     assert (evidence["total"], evidence["proved"]) == (2, 1)
 
-    part = run.prove_all(lambda step: None, only="g*", folder=tmp_path)
+    part = proving.prove_all(lambda step: None, only="g*", folder=tmp_path)
     assert part.passed
     assert not part.complete
     with pytest.raises(ValueError, match="no evidence"):
-        run.write_result(part, "formal", tmp_path / "part.json")
+        proving.write_result(part, "formal", tmp_path / "part.json")
     with pytest.raises(InputError, match="no such proof"):
-        run.prove_all(lambda step: None, only="none", folder=tmp_path)
+        proving.prove_all(lambda step: None, only="none", folder=tmp_path)
 
 
 def test_nothing_proved_is_not_passed():
-    assert not run.FormalResult((), True, 0.0).passed
+    assert not proving.FormalResult((), True, 0.0).passed
     outcome = Outcome(_Given("good"), Finding(()), 0.0)
-    assert run.FormalResult((outcome,), True, 0.0).passed
-    assert not run.FormalResult((outcome,), True, 0.0, rtl_changed=True).passed
+    assert proving.FormalResult((outcome,), True, 0.0).passed
+    assert not proving.FormalResult((outcome,), True, 0.0, rtl_changed=True).passed
 
 
 def test_missing_tool(monkeypatch, tmp_path):

@@ -153,7 +153,7 @@ def test_an_engine_that_breaks_its_contract_is_no_original(tmp_path, seed):
 
 
 def test_a_contract_refuses_what_breaks_it():
-    from triaxis.verif.formal.tools import require_tools
+    from triaxis.verif.formal.proof import require_tools
 
     try:
         require_tools()

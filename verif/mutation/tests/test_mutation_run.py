@@ -254,7 +254,7 @@ def test_the_hash_of_the_killers_changes_with_each_of_them(tmp_path, monkeypatch
     assert wanted < names
     assert "result.json" not in names
     # Reached only through others: none of them is in the folder of the mutation.
-    assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "sby_proof.py"} < names
+    assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "proof.py"} < names
     assert "meshcheck.py" not in names
     before = killers.killers_hash()
     monkeypatch.setattr(killers, "verilator", lambda: "another Verilator")

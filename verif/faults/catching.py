@@ -14,16 +14,12 @@ from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
-from triaxis.verif.faults.attempt import Attempt
 from triaxis.verif.faults.broken_rtl import faulty_rtl
-from triaxis.verif.faults.catalogue import FAULTS, Fault, Kind
-from triaxis.verif.faults.core_faults import try_core
-from triaxis.verif.faults.engine_faults import try_engine
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
-from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
+from triaxis.verif.faults.known_faults import FAULTS, Fault, Kind
+from triaxis.verif.faults.result import Attempt, FaultsResult, Outcome
+from triaxis.verif.faults.rtl_faults import SEARCHES, try_rtl
 from triaxis.verif.faults.wrapper_faults import try_wrapper
-
-__all__ = ["catch", "catch_all", "control", "signed_off_names", "write_json"]
 
 _JOBS = min(2, os.cpu_count() or 1)
 
@@ -88,10 +84,8 @@ def _catch_all(
 def _tried(fault: Fault, broken: Path, seed: int) -> tuple[Attempt, float]:
     """Return what came of trying the fault, and the seconds that it took."""
     start = time.monotonic()
-    if fault.kind is Kind.CORE:
-        attempt = try_core(fault, broken, seed)
-    elif fault.kind is Kind.ENGINE:
-        attempt = try_engine(fault, broken, seed)
+    if fault.kind in SEARCHES:
+        attempt = try_rtl(fault, broken, seed)
     elif fault.kind is Kind.WRAPPER:
         attempt = try_wrapper(broken, seed)
     else:
@@ -110,12 +104,9 @@ def control(faults: Sequence[Fault], seed: int, dut: Path = DUT) -> list[str]:
     """Return what goes wrong where the faults would be put in and are not: nothing, or no catch counts."""
     wanted: dict[str, Callable[[], Attempt]] = {}
     for fault in faults:
-        if fault.kind is Kind.CORE:
-            healthy = Fault("no-fault", "", "", config=fault.config)
-            wanted[fault.config] = partial(try_core, healthy, dut, seed)
-        elif fault.kind is Kind.ENGINE:
-            healthy = Fault("no-fault", "", "", Kind.ENGINE, fault.config)
-            wanted[fault.config] = partial(try_engine, healthy, dut, seed)
+        if fault.kind in SEARCHES:
+            healthy = Fault("no-fault", "", "", fault.kind, fault.config)
+            wanted[fault.config] = partial(try_rtl, healthy, dut, seed)
         elif fault.kind is Kind.WRAPPER:
             wanted["wrapper"] = partial(try_wrapper, dut, seed)
         else:

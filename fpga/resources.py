@@ -1,4 +1,7 @@
-"""The resource report: builds of the core and of the whole board against the part and their own limits."""
+"""What builds of the core and of the whole board take of the part, as yosys maps them to the 7 series.
+
+An estimate, not a routed result.
+"""
 
 import json
 import re
@@ -6,12 +9,75 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from triaxis.fpga.board_build import TOP
+from triaxis.fpga.board_build import (
+    BOARD_LIMITS,
+    CORE,
+    NO_LIMITS,
+    TOP,
+    WHOLE_PART,
+    XC7A100T,
+    Limits,
+    Resources,
+)
 from triaxis.fpga.logic_depth import LogicDepth
-from triaxis.fpga.part import BOARD_LIMITS, NO_LIMITS, WHOLE_PART, XC7A100T, Limits, Resources
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.programs import from_one_folder, read_slang, run_to_result, yosys
 
-CORE = "triaxis_core"
+# LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
+_LUTS = {f"LUT{n}": 1 for n in range(1, 7)} | {
+    "SRL16E": 1, "SRLC32E": 1, "RAM32X1D": 2, "RAM64X1D": 2, "RAM32M": 4, "RAM64M": 4,
+}  # fmt: skip
+_FFS = ("FDRE", "FDSE", "FDCE", "FDPE")
+_MEMORY = re.compile(r"^mapping memory (\S+) via \$__XILINX_(BLOCK|LUT)RAM", re.MULTILINE)
+_KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """What a build takes, what each memory in it was made of, block or look-up tables, and its netlist."""
+
+    used: Resources
+    memories: Mapping[str, str]
+    netlist: Path
+
+
+def synthesise(
+    sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int], folder: Path
+) -> Synthesis:
+    """Synthesise out of context and count; the log and yosys's statistics stay in ``folder``.
+
+    Raises InputError where the tool fails or ends without an answer.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    statistics, netlist, log = folder / "statistics.json", folder / "netlist.json", folder / "yosys.log"
+    place, (read, written, counted, *near) = from_one_folder([include, netlist, statistics, *sources])
+    script = "; ".join(
+        [
+            read_slang(near, top, parameters, f"-I {read}"),
+            f"synth_xilinx -family xc7 -flatten -noiopad -top {top}",
+            f"write_json {written}",
+            f"tee -q -o {counted} stat -json -tech xilinx",
+        ]
+    )
+    run_to_result([str(yosys()), "-p", script], statistics, log, place)
+    used = count(json.loads(statistics.read_text())["design"]["num_cells_by_type"])
+    return Synthesis(used, memories(log.read_text(errors="replace")), netlist)
+
+
+def memories(log: str) -> dict[str, str]:
+    """Return what yosys made each memory of, by its path in the design, from its log."""
+    return {name: _KINDS[kind] for name, kind in _MEMORY.findall(log)}
+
+
+def count(cells: Mapping[str, int]) -> Resources:
+    """Return the resources that mapped cells occupy."""
+    return Resources(
+        dsps=cells.get("DSP48E1", 0),
+        luts=sum(cells.get(cell, 0) * luts for cell, luts in _LUTS.items()),
+        ffs=sum(cells.get(cell, 0) for cell in _FFS),
+        brams=cells.get("RAMB36E1", 0) + cells.get("RAMB18E1", 0) / 2,
+    )
+
 
 # The memories of the mesh engine that are as deep as the meshes: vertices, and boxes of triangles.
 _DEEP = re.compile(r"\.u_store_[ab]\.(?:.*\.)?(?:u_triangles|u_boxes)\.")

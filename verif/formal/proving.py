@@ -16,13 +16,12 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.sim.validity import Sources
-from triaxis.verif.formal.catalogue import proofs
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result
-from triaxis.verif.formal.tools import require_tools
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, require_tools
+from triaxis.verif.formal.proofs import proofs
 
 FOLDER = BUILD / "formal"
 RESULT = FOLDER / "formal.json"
-SOURCES = Sources(("triaxis.verif.formal.run",))
+SOURCES = Sources(("triaxis.verif.formal.proving",))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,254 @@
+"""All proofs, by name: of the core, and of the mesh engine, its queues, what it skips, how its runs end."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.configuration import Configuration
+from triaxis.verif.formal.axis_proofs import AxesProof
+from triaxis.verif.formal.pieces import PiecesProof
+from triaxis.verif.formal.proof import Method, Proof, SbyProof
+from triaxis.verif.formal.widths import WidthsProof
+
+_WIDTH = 16
+_RESET = "a reset holds at the first clock, and from then on is asserted and released at any clocks"
+
+
+def _assertions(
+    name: str,
+    claim: str,
+    modules: tuple[str, ...],
+    parameters: Mapping[str, int],
+    cover_depth: int,
+    assumptions: tuple[str, ...] = (),
+    *,
+    window: int | None = None,
+    beside: tuple[str, ...] = (),
+) -> SbyProof:
+    """Return a proof of the first module, in its formal harness: by induction, or over a window of clocks.
+
+    ``beside``: files of rtl/ that the harness needs.
+    """
+    top = f"{Path(modules[0]).name}_formal"
+    packages = ["core/triaxis_pkg"] if any("core/" in module for module in modules) else []
+    packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith("mesh/") else []
+    return SbyProof(
+        name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
+        dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
+        formal_files=(*(f"{file}.sv" for file in beside), f"{top}.sv"), parameters=parameters,
+        assumptions=(_RESET, *assumptions) if window is None else assumptions,
+        depth=window or 1, cover_depth=cover_depth,
+    )  # fmt: skip
+
+
+# The multiplier and what it is made of.
+_MULTIPLIER = ("core/triaxis_mul", "core/triaxis_sum", "core/triaxis_delay")
+
+
+def _streams(margin: int) -> SbyProof:
+    return _assertions(
+        f"streams_m{margin}",
+        "For all time and under every pattern of stalls and resets: results are stable while they wait; none "
+        "is lost, duplicated or out of order, each carries its own tag and verdict; the latency is the "
+        "documented one exactly; one pair per clock while results are taken; a reset discards everything, "
+        "and one clock after it the core is ready; never more pairs in flight than the queue has places.",
+        ("core/triaxis_core", "core/triaxis_fifo", "core/triaxis_delay"),
+        {"W": _WIDTH, "M": margin, "TAG": 16},
+        48,
+        (
+            "the verdict of a pair is any nine bits, documented latency after it: the streams carry "
+            "verdicts and never look at them; the proofs `axes_*` show that the data path has that latency",
+        ),
+        beside=("triaxis_datapath", "triaxis_core_rules"),
+    )
+
+
+def _intervals(margin: int) -> SbyProof:
+    return _assertions(
+        f"interval_m{margin}",
+        "An interval test separates exactly where all points lie beyond 0 and the triangle's own other end "
+        "by more than the threshold, on one side, strictly, for free projections and thresholds.",
+        ("core/triaxis_interval",),
+        {"W": _WIDTH, "M": margin},
+        5,
+        ("the end moved by the threshold fits: shown by the proofs `axes_*`",),
+        window=4 if margin else 3,
+    )
+
+
+def _box(margin: int) -> SbyProof:
+    return _assertions(
+        f"box_m{margin}",
+        "A box test separates exactly where all gaps of the nine pairs of vertices, one way or the other, "
+        "exceed the margin, for free coordinates and margins.",
+        ("core/triaxis_box", "core/triaxis_extent", "core/triaxis_delay"),
+        {"W": _WIDTH, "M": margin},
+        6,
+        window=5,
+    )
+
+
+def _threshold(name: str, components: int, size: int, margin: int, depth: int, exact: bool) -> SbyProof:
+    product = (
+        "the threshold is their product" if exact else "the threshold is what the multiplier makes of them"
+    )
+    return _assertions(
+        name,
+        "The sum of the absolutes of free components and the free margin reach the multiplier exactly, at "
+        f"one clock, and {product}.",
+        ("core/triaxis_threshold", *_MULTIPLIER),
+        {"Components": components, "CWidth": size, "M": margin, "Exact": int(exact)},
+        depth + 1,
+        ("the sum of absolutes fits: shown by the proofs `axes_*`",),
+        window=depth,
+    )
+
+
+def _multiply() -> SbyProof:
+    proof = _assertions(
+        "multiply_small",
+        "The multiplier gives the product of its operands at the documented latency, whole and split into "
+        "three or four pieces, straight and swapped.",
+        _MULTIPLIER,
+        {},
+        6,
+        (
+            "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
+            "split",
+        ),
+        window=5,
+    )
+    ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
+    return replace(proof, edits={"core/triaxis_pkg.sv": ports})
+
+
+def _skip(name: str, width: int, whole: bool) -> SbyProof:
+    claim = (
+        "A box of A, moved, is skipped exactly where one axis separates it from the box of B by more than "
+        "the margin, and boxes around two boxes only where these are, for all boxes, translations and "
+        "margins of few bits."
+        if whole
+        else "Every sum and every comparison behind a skip is that of whole numbers; boxes around two boxes "
+        "are skipped only where these are; a run is refused exactly where A moved leaves the range."
+    )
+    return _assertions(
+        name,
+        claim,
+        ("mesh/triaxis_overlap", "mesh/triaxis_grow", "mesh/triaxis_run_control"),
+        {"W": width, "M": width, "Whole": int(whole)},
+        5,
+        ("what was asked for is not exchanged while a run compares boxes: it is taken on acceptance alone",),
+        window=4,
+    )
+
+
+def engine_proofs() -> tuple[SbyProof, ...]:
+    """Return the proofs of the mesh engine."""
+    return (
+        _skip("engine_skip", _WIDTH, whole=False),
+        _skip("engine_skip_small", 4, whole=True),
+        _assertions(
+            "engine_boxes",
+            "The box of a group, and that of the mesh, is the smallest around its triangles' boxes, by "
+            "induction over the triangles.",
+            ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "core/triaxis_extent", "core/triaxis_delay"),
+            {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
+            8,
+            window=2,
+        ),
+        _assertions(
+            "engine_queue",
+            "For all time and under every pattern of stalls and resets: a queue between two streams loses, "
+            "duplicates and reorders nothing; a word that waits stays; it is ready exactly where it "
+            "has room, one clock after a reset.",
+            ("mesh/triaxis_stream_fifo", "core/triaxis_fifo"),
+            {"Width": 8, "Depth": 4},
+            12,
+        ),
+        _assertions(
+            "engine_pick",
+            "For all time: of each mask every lane comes once, the lowest first, with its word and without "
+            "gaps; draining leaves nothing.",
+            ("mesh/triaxis_pick",),
+            {"Width": 8, "Lanes": 8},
+            12,
+            ("masks are not zero: words without a lane are not valid where they come from",),
+        ),
+        _assertions(
+            "engine_control",
+            "For all time: a summary waits unchanged, and stays until the next run; it says complete only of "
+            "a run that was neither aborted nor ended early and in whose last clock nothing was left to do; "
+            "an abort is said; what is refused was not run; cycles are those since acceptance, or the "
+            "largest number.",
+            ("mesh/triaxis_run_control",),
+            {"W": 8, "CycleBits": 4},
+            24,
+            ("once a run has ended at its first near pair it keeps saying so: shown by `engine_near`",),
+        ),
+        _assertions(
+            "engine_near",
+            "For all time: each near pair is offered once, in order, unchanged until it is taken; none after "
+            "the first where one was asked for, none where only counts were; the counts are those of the "
+            "verdicts; idle means nothing on offer and nothing on its way.",
+            ("mesh/triaxis_near_pairs",),
+            {"IndexWidth": 3, "InFlight": 34},
+            12,
+            (
+                "no more verdicts than pairs that were issued, and no more of these on their way than the "
+                "core's queue and the two steps before it hold",
+                "a run starts when the last one is over, so when all is idle",
+            ),
+        ),
+    )
+
+
+@cache
+def proofs() -> tuple[Proof, ...]:
+    """Return all proofs, the longest first, so that two at a time end together."""
+    widths = range(MIN_WIDTH, MAX_WIDTH + 1)
+    without_margins = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
+    other = (
+        *without_margins,
+        Configuration(16, 8),
+        Configuration(24, 10),
+        Configuration(16, 0, edge_box=False),
+        Configuration(16, 0, gating=False),
+    )
+    return (
+        AxesProof("axes_margins", tuple(Configuration(width, width) for width in widths)),
+        AxesProof("axes_other", other, detectors=(8, 16, 32)),
+        _streams(0),
+        _streams(_WIDTH),
+        _intervals(_WIDTH),
+        _multiply(),
+        _intervals(0),
+        _box(_WIDTH),
+        _box(0),
+        _threshold("threshold_space", 3, 34, _WIDTH, 7, exact=False),
+        _threshold("threshold_plane", 2, 17, _WIDTH, 5, exact=False),
+        _threshold("threshold_small", 3, 5, 3, 6, exact=True),
+        *engine_proofs(),
+        _assertions(
+            "verdict_m0",
+            "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
+            "degenerate and coplanar exactly where the normal and all ten free triple products are zero; no "
+            "flag of a masked pair.",
+            ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
+            {"W": _WIDTH, "NormalWait": 9, "DetWait": 6},
+            13,
+            window=12,
+        ),
+        _assertions(
+            "cross_w2",
+            "Cross and triple products of four vertices, multipliers included, are the determinants of the "
+            "definition.",
+            ("core/triaxis_cross", "core/triaxis_dot", *_MULTIPLIER),
+            {"W": 2},
+            1,
+            window=1,
+        ),
+        PiecesProof(),
+        WidthsProof(),
+    )
