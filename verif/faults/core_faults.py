@@ -4,9 +4,10 @@ import os
 from functools import partial
 from pathlib import Path
 
-from triaxis.sim.build import library
 from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.models import core_build
 from triaxis.sim.paths import ROOT
+from triaxis.sim.verilate import library
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, failing_stream, find
 from triaxis.verif.faults.attempt import Attempt
@@ -36,7 +37,7 @@ def try_core(fault: Fault, dut: Path, seed: int) -> Attempt:
     if result.failing_pairs is None:
         return Attempt(catch)
     # Built here, beside other work.
-    library(configuration, dut)
+    library(core_build(configuration, dut))
     return Attempt(catch, example=partial(_example, fault, configuration, dut, result))
 
 
