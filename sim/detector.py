@@ -8,10 +8,41 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, check_pairs, coordinate_range
-from triaxis.sim.build import detector_library
+from triaxis.sim.models import detector_build
+from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT
+from triaxis.sim.player import SYMPTOMS, Player
+from triaxis.sim.verilate import library
 
 WIDTH = 16
+
+
+class DetectorPlayer(Player):
+    """The wrapper of a library."""
+
+    def play(
+        self, inputs: npt.NDArray[np.int64], expected: npt.NDArray[np.uint8] | None = None
+    ) -> tuple[npt.NDArray[np.bool_], str, int]:
+        """Return CollisionOccurs (N,) for inputs (N, 24), what is wrong, and how many were right before.
+
+        Ends at the first answer that is not the ``expected`` one.
+        """
+        collides, checked = np.zeros(len(inputs), np.uint8), ctypes.c_int64()
+        detect = self.library.triaxis_detect
+        pointer = ctypes.c_void_p
+        detect.argtypes = [pointer, pointer, pointer, ctypes.c_int64, pointer, pointer]
+        symptom = detect(
+            self.model, inputs.ctypes.data, None if expected is None else expected.ctypes.data, len(inputs),
+            collides.ctypes.data, ctypes.byref(checked),
+        )  # fmt: skip
+        return collides.astype(np.bool_), SYMPTOMS[symptom], checked.value
+
+
+def detector_inputs(pairs: Pairs, normals: npt.NDArray[np.int64], width: int) -> npt.NDArray[np.int64]:
+    """Return the wrapper's inputs (N, 24) for pairs (N, 2, 3, 3) and given normals (N, 2, 3)."""
+    count, mask = len(pairs), (1 << width) - 1
+    whole = np.concatenate([pairs.reshape(count, COORDINATES), normals.reshape(count, 6)], 1)
+    return np.ascontiguousarray(whole & mask, np.int64)
 
 
 def detect(pairs: Pairs, normals: npt.NDArray[np.int64], dut: Path = DUT) -> npt.NDArray[np.bool_]:
@@ -23,13 +54,5 @@ def detect(pairs: Pairs, normals: npt.NDArray[np.int64], dut: Path = DUT) -> npt
     low, high = coordinate_range(WIDTH)
     if normals.min(initial=0) < low or normals.max(initial=0) > high:
         raise InputError(f"normals: must be {low}..{high} (width {WIDTH})")
-    function = ctypes.CDLL(str(detector_library(WIDTH, dut))).triaxis_detect
-    function.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
-    function.restype = None
-    count = len(pairs)
-    mask = (1 << WIDTH) - 1
-    inputs = np.concatenate([pairs.reshape(count, 18), normals.reshape(count, 6)], 1) & mask
-    inputs = np.ascontiguousarray(inputs, np.int64)
-    collides = np.zeros(count, np.uint8)
-    function(inputs.ctypes.data, count, collides.ctypes.data)
-    return collides.astype(np.bool_)
+    player = DetectorPlayer(library(detector_build(WIDTH, dut)))
+    return player.play(detector_inputs(pairs, normals, WIDTH))[0]

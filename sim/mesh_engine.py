@@ -1,7 +1,7 @@
 """The bare Verilated mesh engine as an object with two meshes."""
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,12 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.build import mesh_library
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.models import mesh_build
 from triaxis.sim.paths import DUT
+from triaxis.sim.player import SYMPTOMS, Player
+from triaxis.sim.verilate import MANY, library
 
 Move = tuple[int, int, int]
 
@@ -66,20 +68,104 @@ class Traffic:
     abort_at: int = -1
 
 
-class _Summary(ctypes.Structure):
-    _fields_ = [
-        (name, ctypes.c_int64)
-        for name in (
-            "status",
-            "cycles",
-            "group_pairs_skipped",
-            "group_pairs_opened",
-            "pairs_skipped",
-            "tested",
-            "near_count",
-            "reached",
-        )
-    ]
+# In the order of Step in mesh_player.cpp.
+_FIELDS = (
+    "kind", "mesh", "clear", "first", "count", "held_a", "held_b", "overfull", "move_x", "move_y", "move_z",
+    "margin", "mode", "abort_at", "abort_clocks", "status", "exact", "group_pairs_skipped",
+    "group_pairs_opened", "pairs_skipped", "tested", "near_count", "near_first", "near_length", "seed",
+    "stall", "hold", "early", "cut",
+)  # fmt: skip
+STEP = np.dtype([(name, np.int64) for name in _FIELDS])
+LOAD, RUN, RESET = 0, 1, 2
+NEVER = -1
+UNKNOWN_CLOCKS = -1
+
+
+def mesh_step(**values: int) -> npt.NDArray[np.void]:
+    """Return a step of `STEP` with these values, the others none."""
+    none = dict.fromkeys(_FIELDS, 0) | {"abort_at": NEVER, "abort_clocks": 1, "cut": NEVER}
+    unknown = values.keys() - none.keys()
+    if unknown:
+        raise ValueError(f"{', '.join(unknown)}: not of a step")
+    return np.array([tuple(int((none | values)[name]) for name in _FIELDS)], STEP)
+
+
+@dataclass(frozen=True)
+class MeshScript:
+    """Steps (S,) of `STEP` from a reset on, with the triangles (N, 9) and near pairs (K, 2) they name.
+
+    ``clocks`` (S,): those of each run, UNKNOWN_CLOCKS where it is not known yet: then it is filled in.
+    """
+
+    steps: npt.NDArray[np.void]
+    triangles: npt.NDArray[np.int32]
+    near: npt.NDArray[np.uint32]
+    clocks: npt.NDArray[np.int64]
+
+
+class _Script(ctypes.Structure):
+    _fields_ = (
+        ("steps", ctypes.c_void_p),
+        ("num_steps", ctypes.c_int64),
+        ("triangles", ctypes.c_void_p),
+        ("near", ctypes.c_void_p),
+        ("clocks", ctypes.c_void_p),
+    )
+
+
+class _Answer(ctypes.Structure):
+    _fields_ = (
+        ("near", ctypes.c_void_p),
+        ("near_room", ctypes.c_int64),
+        ("reached", ctypes.c_void_p),
+        ("reached_room", ctypes.c_int64),
+        ("near_count", ctypes.c_int64),
+        ("reached_count", ctypes.c_int64),
+        ("summary", ctypes.c_uint64 * 7),
+    )
+
+
+class MeshPlayer(Player):
+    """The mesh engine of a library."""
+
+    def play(self, script: MeshScript) -> tuple[str, int]:
+        """Play a script from reset; return what is wrong, and how many runs were right before."""
+        given = _Script(
+            script.steps.ctypes.data, len(script.steps), script.triangles.ctypes.data,
+            script.near.ctypes.data, script.clocks.ctypes.data,
+        )  # fmt: skip
+        checked = ctypes.c_int64()
+        play = self.library.triaxis_mesh_play
+        play.argtypes = [ctypes.c_void_p] * 3
+        symptom = play(self.model, ctypes.byref(given), ctypes.byref(checked))
+        return SYMPTOMS[symptom], checked.value
+
+    def held(self, mesh: int) -> int:
+        """Return how many triangles the engine says that it holds of mesh 0 or 1."""
+        held = self.library.triaxis_mesh_held
+        held.argtypes, held.restype = [ctypes.c_void_p, ctypes.c_int], ctypes.c_int64
+        return int(held(self.model, mesh))
+
+    def do(
+        self,
+        step: npt.NDArray[np.void],
+        triangles: npt.NDArray[np.int32] | None = None,
+        near: npt.NDArray[np.uint32] | None = None,
+        reached: npt.NDArray[np.uint32] | None = None,
+    ) -> tuple[str, tuple[int, int], list[int]]:
+        """Do one step on an engine that is trusted with the rules of its streams; fill ``near``, ``reached``.
+
+        Returns what is wrong, how many near pairs and pairs at the core there were, and the summary.
+        """
+        answer = _Answer(
+            None if near is None else near.ctypes.data, 0 if near is None else len(near),
+            None if reached is None else reached.ctypes.data, 0 if reached is None else len(reached),
+        )  # fmt: skip
+        do = self.library.triaxis_mesh_step
+        do.argtypes = [ctypes.c_void_p] * 4
+        given = None if triangles is None else triangles.ctypes.data
+        symptom = do(self.model, step.ctypes.data, given, ctypes.byref(answer))
+        return SYMPTOMS[symptom], (answer.near_count, answer.reached_count), list(answer.summary)
 
 
 _NO_STALLS = Traffic()
@@ -91,33 +177,13 @@ class MeshEngine:
     def __init__(self, configuration: MeshConfiguration, dut: Path = DUT, traced: bool = False) -> None:
         """Build the engine where needed, load and reset it. ``dut``: another folder of the same files.
 
-        ``traced``: a build that follows its own switching activity; see `followed`.
+        ``traced``: a build that follows its own switching activity; see `triaxis.sim.player.followed`.
         """
         self.configuration = configuration
         self.counts: tuple[int, int] = (0, 0)
-        self.library = library = ctypes.CDLL(str(mesh_library(configuration, dut, traced)))
-        self._delete = library.triaxis_mesh_delete
-        self._delete.argtypes = [ctypes.c_void_p]
-        library.triaxis_mesh_new.restype = ctypes.c_void_p
-        self._load = library.triaxis_mesh_load
-        self._load.restype = ctypes.c_int64
-        self._load.argtypes = [
-            ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64, ctypes.c_uint32,
-        ]  # fmt: skip
-        self._run = library.triaxis_mesh_run
-        self._run.restype = ctypes.c_int64
-        self._run.argtypes = [
-            ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_int, ctypes.c_int64, ctypes.c_uint64,
-            ctypes.c_uint32, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64,
-            ctypes.c_void_p,
-        ]  # fmt: skip
-        self._handle = library.triaxis_mesh_new()
-
-    def __del__(self) -> None:
-        """Free the model."""
-        if getattr(self, "_handle", None):
-            self._delete(self._handle)
-            self._handle = None
+        build = mesh_build(configuration, dut)
+        self._player = MeshPlayer(library(replace(build, traced=True, speed=MANY) if traced else build))
+        self.library = self._player.library
 
     def load(
         self, a: npt.NDArray[np.integer[Any]], b: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
@@ -145,15 +211,16 @@ class MeshEngine:
         if len(triangles) and (triangles.min() < low or triangles.max() > high):
             raise InputError(f"mesh {'AB'[mesh]}: coordinates must be {low}..{high}")
         words = np.ascontiguousarray(triangles, np.int32)
-        held = self._load(
-            self._handle, mesh, words.ctypes.data, len(words), traffic.seed, traffic.stall_chance
+        step = mesh_step(
+            kind=LOAD, mesh=mesh, clear=1, count=len(words), seed=traffic.seed, stall=traffic.stall_chance
         )
-        if held < 0:
+        symptom, _, _ = self._player.do(step, words)
+        if symptom:
             raise CoreError(f"mesh engine {self.configuration.name}: not ready to load")
         counts = list(self.counts)
         counts[mesh] = len(words)
         self.counts = (counts[0], counts[1])
-        return int(held)
+        return self._player.held(mesh)
 
     def run(
         self,
@@ -176,29 +243,18 @@ class MeshEngine:
         pairs = self.counts[0] * self.counts[1]
         near = np.zeros((pairs if mode == Mode.ALL else 1, 2), np.uint32)
         tested = np.zeros((pairs if reached else 0, 2), np.uint32)
-        move = np.array(translation, np.int64)
-        summary = _Summary()
-        streamed = self._run(
-            self._handle, move.ctypes.data, margin, int(mode), traffic.abort_at, traffic.seed,
-            traffic.stall_chance, near.ctypes.data, len(near), tested.ctypes.data, len(tested),
-            ctypes.byref(summary),
+        x, y, z = translation
+        step = mesh_step(
+            kind=RUN, move_x=x, move_y=y, move_z=z, margin=margin, mode=mode, abort_at=traffic.abort_at,
+            seed=traffic.seed, stall=traffic.stall_chance,
         )  # fmt: skip
-        if streamed < 0:
+        symptom, (streamed, at_core), summary = self._player.do(step, None, near, tested)
+        if symptom:
             raise CoreError(f"mesh engine {self.configuration.name}: it hangs")
         if streamed > len(near):
             raise CoreError(f"mesh engine {self.configuration.name}: {streamed} near pairs of {pairs}")
-        if reached and summary.reached > len(tested):
-            raise CoreError(
-                f"mesh engine {self.configuration.name}: tested {summary.reached} of {pairs} pairs"
-            )
-        return MeshRun(
-            Status(summary.status),
-            summary.cycles,
-            summary.group_pairs_skipped,
-            summary.group_pairs_opened,
-            summary.pairs_skipped,
-            summary.tested,
-            summary.near_count,
-            near[:streamed].astype(np.int64),
-            tested[: summary.reached].astype(np.int64) if reached else None,
-        )
+        if reached and at_core > len(tested):
+            raise CoreError(f"mesh engine {self.configuration.name}: tested {at_core} of {pairs} pairs")
+        told = near[:streamed].astype(np.int64)
+        seen = tested[:at_core].astype(np.int64) if reached else None
+        return MeshRun(Status(summary[0]), *summary[1:], near=told, reached=seen)

@@ -7,6 +7,8 @@ from triaxis.golden.pairs import Pairs
 from triaxis.sim.configuration import Configuration
 
 COORDINATES = 18
+# Verilator keeps a wide signal in words of so many bytes.
+_WORD = 4
 
 
 def data_bytes(width: int) -> int:
@@ -14,12 +16,53 @@ def data_bytes(width: int) -> int:
     return (COORDINATES * width + 7) // 8
 
 
+def data_words(
+    pairs: npt.NDArray[np.signedinteger], width: int, padding: npt.NDArray[np.uint8] | None = None
+) -> npt.NDArray[np.uint8]:
+    """Return TDATA for pairs (N, 2, 3, 3), as bytes (N, S) of whole words as Verilator keeps it.
+
+    ``padding`` (N,): what TDATA holds above the coordinates, a byte of which the bits that exist are used.
+    """
+    flat = np.ascontiguousarray(pairs, np.int32).reshape(-1, COORDINATES)
+    used = COORDINATES * width
+    size = -(-data_bytes(width) // _WORD) * _WORD
+    words = np.zeros((len(flat), size), np.uint8)
+    if width in (8, 16, 32):
+        words[:, : used // 8] = flat.astype(f"<i{width // 8}").view(np.uint8).reshape(len(flat), -1)
+    elif width % 8 == 0:
+        whole = flat.view(np.uint8).reshape(len(flat), COORDINATES, _WORD)
+        words[:, : used // 8] = whole[:, :, : width // 8].reshape(len(flat), -1)
+    else:
+        words = _bits(flat, width, size)
+        if padding is not None:
+            unused = 8 * data_bytes(width) - used
+            words[:, used // 8] |= (padding & ((1 << unused) - 1)) << (used % 8) & 255
+    return words
+
+
+def _bits(flat: npt.NDArray[np.int32], width: int, size: int) -> npt.NDArray[np.uint8]:
+    """Return coordinates (N, 18) side by side, as bytes (N, size)."""
+    words = np.zeros((size // _WORD + 1, len(flat)), np.uint32)
+    masked = flat.T.astype(np.uint64) & np.uint64((1 << width) - 1)
+    for number, values in enumerate(masked):
+        at, shift = divmod(number * width, 8 * _WORD)
+        shifted = values << np.uint64(shift)
+        words[at] |= shifted.astype(np.uint32)
+        words[at + 1] |= (shifted >> np.uint64(8 * _WORD)).astype(np.uint32)
+    return np.ascontiguousarray(words[:-1].T).view(np.uint8)
+
+
+def user_words(
+    margins: npt.NDArray[np.integer], tags: npt.NDArray[np.integer], configuration: Configuration
+) -> npt.NDArray[np.uint64]:
+    """Return TUSER for margins and tags of shape (N,)."""
+    shift = np.uint64(configuration.margin_bits)
+    return np.ascontiguousarray(tags.astype(np.uint64) << shift | margins.astype(np.uint64))
+
+
 def pack_data(pairs: Pairs, width: int) -> list[int]:
-    """Return TDATA for pairs (N, 2, 3, 3)."""
-    flat = pairs.reshape(-1, COORDINATES)
-    bits = (flat[:, :, None] >> np.arange(width)) & 1
-    packed = np.packbits(bits.reshape(-1, COORDINATES * width).astype(np.uint8), axis=1, bitorder="little")
-    return [int.from_bytes(row.tobytes(), "little") for row in packed]
+    """Return TDATA for pairs (N, 2, 3, 3) as numbers."""
+    return [int.from_bytes(row.tobytes(), "little") for row in data_words(pairs, width)]
 
 
 def unpack_data(words: list[int], width: int) -> Pairs:
@@ -36,9 +79,8 @@ def unpack_data(words: list[int], width: int) -> Pairs:
 def pack_user(
     margins: npt.NDArray[np.int64], tags: npt.NDArray[np.int64], configuration: Configuration
 ) -> list[int]:
-    """Return TUSER for margins and tags of shape (N,)."""
-    shift = configuration.margin_bits
-    return [tag << shift | margin for margin, tag in zip(margins.tolist(), tags.tolist(), strict=True)]
+    """Return TUSER for margins and tags of shape (N,) as numbers."""
+    return user_words(margins, tags, configuration).tolist()
 
 
 def unpack_user(

@@ -4,8 +4,9 @@ import ctypes
 from pathlib import Path
 
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import board_library
+from triaxis.sim.models import board_build
 from triaxis.sim.paths import DUT
+from triaxis.sim.verilate import library
 
 _DIGITS = 8
 _CHUNK = 4096
@@ -18,7 +19,7 @@ _CHARACTERS = {
 
 
 class _Pins(ctypes.Structure):
-    """The structure BoardPins of board_harness.cpp."""
+    """The structure BoardPins of board_player.cpp."""
 
     _fields_ = (
         ("clocks", ctypes.c_int64),
@@ -33,9 +34,9 @@ class _Pins(ctypes.Structure):
     )
 
 
-def _interface(library: Path) -> ctypes.CDLL:
-    """Return the loaded library with the types of board_harness.cpp's functions."""
-    loaded = ctypes.CDLL(str(library))
+def _interface(path: Path) -> ctypes.CDLL:
+    """Return the loaded library with the types of board_player.cpp's functions."""
+    loaded = ctypes.CDLL(str(path))
     board, number, data = ctypes.c_void_p, ctypes.c_int64, ctypes.c_char_p
     signatures = {
         "new": (board, []),
@@ -62,7 +63,7 @@ class SimulatedTop:
     def __init__(self, parameters: BoardParameters | None = None, rtl: Path = DUT / "board") -> None:
         """Build the board where needed, and power it up. ``rtl``: another folder with the board's files."""
         self.parameters = parameters or BoardParameters()
-        self._functions = _interface(board_library(self.parameters, rtl))
+        self._functions = _interface(library(board_build(self.parameters, rtl)))
         self._board = ctypes.c_void_p(self._functions.board_new())
 
     def close(self) -> None:

@@ -11,7 +11,6 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -32,27 +31,9 @@ class Verilator:
     version: tuple[int, int]
     origin: str
 
-    def environment(self, with_runtime: bool = True) -> dict[str, str]:
-        """Return the environment in which to call it and the make files that it writes.
-
-        ``with_runtime``: false leaves out Verilator's own library, which is then linked from elsewhere.
-        """
+    def environment(self) -> dict[str, str]:
+        """Return the environment in which to call it, and what calls it by name."""
         environment = dict(os.environ)
-        settings = {
-            # The default includes a precompiled header in a way that g++ 12 rejects for designs of
-            # several files.
-            "CFG_CXXFLAGS_PCH_I": "-include",
-            # The tools of the machine on which the package was made are not those of this one.
-            "PYTHON3": sys.executable,
-            "CXX": cxx(),
-            "LINK": cxx(),
-            "AR": "ar",
-        }
-        if not with_runtime:
-            settings |= {"VM_GLOBAL_FAST": "", "VM_GLOBAL_SLOW": ""}
-            # What runs once, at the start, is half of the code: compiled as it is.
-            settings |= {"OPT_FAST": "-O2", "OPT_SLOW": "-O0"}
-        environment["MAKEFLAGS"] = " ".join(f"{name}={value}" for name, value in settings.items())
         folder, path = str(_shim(self.executable)), environment.get("PATH", "")
         if path.split(os.pathsep)[0] != folder:
             environment["PATH"] = f"{folder}{os.pathsep}{path}"
@@ -110,7 +91,7 @@ def _from_system(name: str) -> Verilator:
 @cache
 def verilator() -> Verilator:
     """Return the Verilator in use; raise InputError where there is none that will do."""
-    for tool, package in (("make", "make"), (cxx(), "g++"), ("ar", "binutils")):
+    for tool, package in ((cxx(), "g++"), ("ar", "binutils")):
         if shutil.which(tool) is None:
             raise InputError(f"{tool}: not found: install it (Debian: apt-get install {package})")
     name = os.environ.get("VERILATOR", "")

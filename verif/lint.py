@@ -15,6 +15,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.toolchain import verilator
+from triaxis.sim.verilate import elaboration
 from triaxis.verif.signoff.testplan import check_plan
 
 # Builds that differ in what they elaborate.
@@ -62,9 +63,7 @@ def _run(what: str, command: list[str]) -> bool:
 
 def _verilator(top: str, parameters: dict[str, int], sources: Sequence[Path] = ()) -> list[str]:
     return [
-        str(verilator().executable), "--lint-only", "-Wall", f"-I{DUT / 'core'}", "--top-module", top,
-        *(f"-G{name}={value}" for name, value in parameters.items()),
-        *map(str, [*rtl_sources(), *sources]),
+        *elaboration(top, parameters), "--lint-only", "-Wall", *map(str, [*rtl_sources(), *sources]),
     ]  # fmt: skip
 
 

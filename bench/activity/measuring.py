@@ -24,10 +24,11 @@ from triaxis.golden.outputs import write_whole
 from triaxis.host.broadphase import spatial_order
 from triaxis.host.scenes import Scene, scenes
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import RtlEngine, followed
+from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import DUT
+from triaxis.sim.player import followed
 from triaxis.verif.core.expectation import expected_words
 
 # What a scene with one undecided pair in a hundred may toggle of an ungated design.

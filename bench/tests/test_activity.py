@@ -24,10 +24,10 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import followed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import DUT
+from triaxis.sim.player import followed
 
 # The smallest core: what it shows of gating holds for all.
 GATED = Configuration(8, 0, edge_box=False)

@@ -3,10 +3,8 @@ import re
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.paths import DUT, ROOT
-from triaxis.verif.mutation.elaborated import core_latencies
 
 
 @pytest.mark.parametrize(
@@ -30,13 +28,11 @@ def test_bad_names(name):
         parse_configuration(name)
 
 
-def test_latency_and_queue_are_those_of_the_rtl():
-    points = [(width, m) for width in range(MIN_WIDTH, MAX_WIDTH + 1) for m in {0, 1, width // 2, width}]
-    builds = [Configuration(*point) for point in points]
-    assert core_latencies(DUT, points) == [build.latency for build in builds]
+def test_the_queue_is_that_of_the_rtl():
     # The environment allows so many pairs to be lost at a reset: neither more nor fewer than the core holds.
     depth = "localparam int unsigned Depth = 2 ** $clog2(core_latency(W, M));"
     assert (DUT / "core" / "triaxis_core.sv").read_text(encoding="utf-8").count(depth) == 1
+    builds = [Configuration(width, margin) for width in (8, 16, 24, 32) for margin in (0, width)]
     assert all(build.queue_depth / 2 < build.latency <= build.queue_depth for build in builds)
 
 

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 
 from triaxis.golden.axes import claims
 from triaxis.golden.pairs import NO_AXIS
@@ -10,6 +11,8 @@ from triaxis.sim.detector import WIDTH, detect
 from triaxis.sim.paths import DUT
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
+
+pytestmark = pytest.mark.simulator
 
 
 def test_all_fifteen_seed_vectors_are_clear():

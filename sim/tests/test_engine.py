@@ -10,6 +10,8 @@ from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.margins import random_margins
 from triaxis.verif.core.stimulus.symmetry import all_orders
 
+pytestmark = pytest.mark.simulator
+
 
 @pytest.mark.parametrize(("width", "largest"), [(8, 255), (16, 0), (24, 1 << 23), (32, (1 << 32) - 1)])
 def test_core_and_golden_model_agree(rng, width, largest):

@@ -3,7 +3,7 @@ import pytest
 
 from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.packing import data_bytes, pack_data, pack_user, unpack_data, unpack_user
+from triaxis.sim.packing import data_bytes, data_words, pack_data, pack_user, unpack_data, unpack_user
 from triaxis.sim.result import decode, encode
 
 
@@ -17,6 +17,11 @@ def test_pairs_survive(rng, width):
     assert (unpack_data(words, width) == pairs).all()
     # A1 x lies lowest.
     assert words[0] & ((1 << width) - 1) == 1 << (width - 1)
+    padded = data_words(pairs, width, np.full(50, 255, np.uint8))
+    assert padded.shape[1] % 4 == 0 and not padded[:, data_bytes(width) :].any()
+    # Ones above the coordinates, as far as TDATA goes.
+    above = (1 << 8 * data_bytes(width)) - (1 << 18 * width)
+    assert [int.from_bytes(row.tobytes(), "little") for row in padded] == [word | above for word in words]
 
 
 @pytest.mark.parametrize(

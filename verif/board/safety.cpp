@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "Vsafety.h"
+#include "Vtop.h"
 
 namespace {
 
@@ -21,7 +21,7 @@ void Choose(Top& top, int mutant) {
 // clock bit 0 go, bit 1 stop. Returns what the outputs say before the first clock.
 extern "C" int safety_run(int mutant, const uint16_t* inputs, uint8_t* outputs, int64_t n) {
     VerilatedContext context;
-    Vsafety top{&context};
+    Vtop top{&context};
     Choose(top, mutant);
     top.clk_i = 0;
     top.rst_ni = 1;

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import safety_library
+from triaxis.sim.models import safety_build
+from triaxis.sim.verilate import library
 
 COMPLETE = 1
 _FILE = "triaxis_safety.sv"
@@ -89,7 +90,7 @@ class SafetyModule:
 
     def __init__(self, rtl: Path) -> None:
         """Build it where needed."""
-        self._run = ctypes.CDLL(str(safety_library(rtl))).safety_run
+        self._run = ctypes.CDLL(str(library(safety_build(rtl)))).safety_run
         self._run.restype = ctypes.c_int
         self._run.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64]
 

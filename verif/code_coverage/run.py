@@ -12,10 +12,9 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from filelock import FileLock
 
-from triaxis.coverage.code_counters import read_counters
+from triaxis.coverage.code_counters import Counters, read_counters
 from triaxis.coverage.code_coverage import (
     Assessment,
     ModelCoverage,
@@ -32,25 +31,20 @@ from triaxis.golden.outputs import make_folder
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import DELIVERED, CoreError, CorePlayer, Steps
+from triaxis.sim.detector import DetectorPlayer, detector_inputs
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
+from triaxis.sim.mesh_engine import RUN, MeshPlayer
+from triaxis.sim.models import core_build, detector_build, mesh_build
+from triaxis.sim.paths import BUILD, SIM, mesh_sources, rtl_sources
+from triaxis.sim.player import Player
 from triaxis.sim.validity import Sources
-from triaxis.verif.code_coverage.instrumented_core import (
-    DELIVERED,
-    InstrumentedCore,
-    InstrumentedDetector,
-    Model,
-    core_model,
-    detector_model,
-    elaborated,
-)
-from triaxis.verif.code_coverage.instrumented_engine import InstrumentedEngine, engine_model
-from triaxis.verif.code_coverage.stimulus import disturbed, pairs_with_margins, stimulus
+from triaxis.sim.verilate import LIGHT, Build, described, library
+from triaxis.verif.code_coverage.stimulus import pairs_with_margins, stimulus
 from triaxis.verif.core.expectation import expected_words
-from triaxis.verif.mutation.engine_play import RUN
-from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_extremes
-from triaxis.verif.mutation.targets import EngineTarget
+from triaxis.verif.core.stimulus.schedules import disturbed
+from triaxis.verif.mesh.script_stimulus import engine_directed, engine_extremes
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
@@ -70,7 +64,7 @@ _ENGINE_MODULES = frozenset(source.stem for source in mesh_sources())
 
 # The mesh engine, where several words of lanes make a group, and several a mesh; with margins, and without.
 _MESH = MeshConfiguration(8, 8, depth=32, group=4, lanes=2, cycle_bits=8)
-ENGINES = (EngineTarget(_MESH), EngineTarget(replace(_MESH, margin_bits=0)))
+ENGINES = (_MESH, replace(_MESH, margin_bits=0))
 # Of progress: the cores, the wrapper and the engines, each when it is built and when it is done.
 STEPS = 2 * (len(CORES) + 1 + len(ENGINES))
 
@@ -122,73 +116,96 @@ class CodeCoverage:
         return self.assessment.passed and not self.problems
 
 
+Measured = Configuration | MeshConfiguration | None
+
+
+def covered(configuration: Measured) -> Build:
+    """Return the build that is measured: of the core, of the mesh engine, or (None) of the wrapper.
+
+    The core in the mesh engine has no counters: it is measured by itself.
+    """
+    if isinstance(configuration, MeshConfiguration):
+        build = mesh_build(configuration)
+        # Counters change with the order of the control files.
+        seen = tuple(path for path in build.sources if path.suffix == ".sv")
+        build = replace(build, sources=(*seen, SIM / "counters" / "mesh_only.vlt"))
+    else:
+        build = core_build(configuration) if configuration else detector_build(DETECTOR_WIDTH)
+    # Little less speed than more optimising, for much less compiling.
+    return replace(build, counters=True, speed=LIGHT, split=5000)
+
+
 @dataclass(frozen=True)
 class _Job:
-    """One model to play: a configuration of the core, the wrapper (None), or the mesh engine."""
+    """One build to play."""
 
-    configuration: Configuration | EngineTarget | None
+    configuration: Measured
     seed: int
     count: int
-    steps: npt.NDArray[np.uint8]
+    steps: Steps
     waivers: list[Waiver]
 
     @property
-    def model(self) -> Model:
-        """Return the model."""
-        if isinstance(self.configuration, EngineTarget):
-            return engine_model(self.configuration)
-        return core_model(self.configuration) if self.configuration else detector_model(DETECTOR_WIDTH)
+    def model(self) -> Build:
+        """Return the build."""
+        return covered(self.configuration)
 
     def build(self) -> None:
         """Build and elaborate the model, where needed."""
-        if isinstance(self.configuration, EngineTarget):
-            InstrumentedEngine(self.configuration)
-        elif self.configuration:
-            InstrumentedCore(self.configuration)
-        else:
-            InstrumentedDetector(DETECTOR_WIDTH)
-        elaborated(self.model)
+        library(self.model)
+        described(self.model)
 
     def run(self) -> tuple[Run, Assessment]:
         """Play the model, check its results, and assess its coverage."""
-        start = time.perf_counter()
-        file = COUNTERS / f"{self.model.name}.dat"
-        instances = read_elaboration(elaborated(self.model), self.model.top)
-        if isinstance(self.configuration, EngineTarget):
-            played, checked, wrong, clocks = self._play_engine(self.configuration, file)
+        start, model = time.perf_counter(), self.model
+        file = COUNTERS / f"{model.name}.dat"
+        instances = read_elaboration(described(model), model.top)
+        path = library(model)
+        if isinstance(self.configuration, MeshConfiguration):
+            player = MeshPlayer(path)
+            played, checked, wrong, clocks = self._play_engine(player, self.configuration)
             instances = {path: one for path, one in instances.items() if one.module in _ENGINE_MODULES}
         elif self.configuration:
-            played, (checked, wrong, clocks) = self.count, self._play_core(self.configuration, file)
+            player = CorePlayer(path)
+            played, (checked, wrong, clocks) = self.count, self._play_core(player, self.configuration)
         else:
-            played, (checked, wrong, clocks) = self.count, self._play_detector(file)
-        coverage = ModelCoverage(self.model.name, read_counters(file), instances)
-        assessment = assess_model(coverage, self.waivers)
+            player = DetectorPlayer(path)
+            played, (checked, wrong, clocks) = self.count, self._play_detector(player)
+        counted = _counted(player, file)
+        assessment = assess_model(ModelCoverage(model.name, counted, instances), self.waivers)
         seconds = time.perf_counter() - start
-        return Run(self.model.name, played, checked, wrong, clocks, seconds), assessment
+        return Run(model.name, played, checked, wrong, clocks, seconds), assessment
 
-    def _play_engine(self, target: EngineTarget, file: Path) -> tuple[int, int, int, int]:
+    def _play_engine(self, player: MeshPlayer, engine: MeshConfiguration) -> tuple[int, int, int, int]:
         """Return how many runs there were, how many were right, how many scripts went wrong, the clocks."""
-        plays = [*engine_directed(target, self.seed), *engine_extremes(target, self.seed)]
-        checked, wrong = InstrumentedEngine(target).play(plays, file)
-        runs = sum(int((play.steps["kind"] == RUN).sum()) for play in plays)
-        return runs, checked, len(wrong), sum(int(play.clocks.clip(0).sum()) for play in plays)
+        plays = [*engine_directed(engine, self.seed), *engine_extremes(engine, self.seed)]
+        answers = [player.play(play.script) for play in plays]
+        runs = sum(int((play.script.steps["kind"] == RUN).sum()) for play in plays)
+        clocks = sum(int(play.script.clocks.clip(0).sum()) for play in plays)
+        return runs, sum(right for _, right in answers), sum(bool(wrong) for wrong, _ in answers), clocks
 
-    def _play_core(self, configuration: Configuration, file: Path) -> tuple[int, int, int]:
+    def _play_core(self, player: CorePlayer, configuration: Configuration) -> tuple[int, int, int]:
         """Return how many results were checked, how many were wrong, and the clocks."""
         rng = np.random.default_rng([self.seed, configuration.width, configuration.margin_bits])
-        played_with = stimulus(rng, self.count, configuration, self.steps)
-        played = InstrumentedCore(configuration).play(played_with, file)
+        sent, pairs, margins = stimulus(rng, self.count, configuration, self.steps)
+        played = player.play(sent)
+        if played.symptom:
+            raise CoreError(f"core {configuration.name}: {played.symptom}")
         delivered = played.states == DELIVERED
-        facts = bulk_facts(played_with.pairs, played_with.margins)
-        wrong = delivered & (played.words != expected_words(facts, configuration))
+        wrong = delivered & (played.words != expected_words(bulk_facts(pairs, margins), configuration))
         return int(delivered.sum()), int(wrong.sum()), played.clocks
 
-    def _play_detector(self, file: Path) -> tuple[int, int, int]:
+    def _play_detector(self, player: DetectorPlayer) -> tuple[int, int, int]:
         rng = np.random.default_rng([self.seed, DETECTOR_WIDTH])
         pairs, _ = pairs_with_margins(rng, self.count, DETECTOR_WIDTH, 0)
         normals = rng.integers(*coordinate_range(DETECTOR_WIDTH), (self.count, 2, 3), endpoint=True)
-        collides = InstrumentedDetector(DETECTOR_WIDTH).play(pairs, normals, file)
+        collides, _, _ = player.play(detector_inputs(pairs, normals, DETECTOR_WIDTH))
         return self.count, int((collides != bulk_facts(pairs, 0).near).sum()), 0
+
+
+def _counted(player: Player, file: Path) -> Counters:
+    player.write_coverage(file)
+    return read_counters(file)
 
 
 def _run_job(job: _Job) -> tuple[Run, Assessment]:
@@ -220,7 +237,7 @@ def measure(
     seed: int,
     count: int = PAIRS,
     cores: Sequence[Configuration] = CORES,
-    engines: Sequence[EngineTarget] = ENGINES,
+    engines: Sequence[MeshConfiguration] = ENGINES,
     waivers: Path = WAIVERS,
     progress: Callable[[int], None] | None = None,
 ) -> CodeCoverage:

@@ -1,4 +1,4 @@
-"""What the instrumented cores are played with: chosen so that every bin that can be hit is hit.
+"""What cores with coverage counters are played with: chosen so that every bin that can be hit is hit.
 
 Not a search for faults: thousands of pairs. The families give every flag and coincidence, and every
 claim often enough to pass through each place of the result queue; corners of the coordinate box reach
@@ -13,7 +13,7 @@ from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import NO_AXIS, Pairs, coordinate_range
 from triaxis.sim.configuration import Configuration
-from triaxis.verif.code_coverage.instrumented_core import OFFER, RESET, TAKE, Stimulus
+from triaxis.sim.core_engine import Sent, Steps, core_words
 from triaxis.verif.core.stimulus.families import mixed
 from triaxis.verif.core.stimulus.general import corner_pairs, diagonal_pairs
 
@@ -67,36 +67,11 @@ def pairs_with_margins(
     return pairs[order], margins[order]
 
 
-def flowing() -> npt.NDArray[np.uint8]:
-    """Return a schedule without gaps, back-pressure or resets."""
-    return np.array([OFFER | TAKE], np.uint8)
-
-
-def disturbed(rng: np.random.Generator) -> npt.NDArray[np.uint8]:
-    """Return a schedule with everything: streaming, gaps, full queues, resets in each of these."""
-    phases: list[npt.NDArray[np.uint8]] = []
-    for _ in range(8):
-        gaps = rng.integers(0, 2, 200) * OFFER | TAKE
-        stalls = rng.integers(0, 2, 200) * TAKE | OFFER
-        both = rng.integers(0, 4, 200)
-        streaming, full, empty = np.full(600, OFFER | TAKE), np.full(100, OFFER), np.full(100, TAKE)
-        for phase in (streaming, full, gaps, empty, stalls, both):
-            clocks = phase.astype(np.uint8)
-            if rng.integers(0, 2):
-                clocks[rng.integers(0, len(clocks))] |= RESET
-            phases.append(clocks)
-    return np.concatenate(phases)
-
-
 def stimulus(
-    rng: np.random.Generator, count: int, configuration: Configuration, steps: npt.NDArray[np.uint8]
-) -> Stimulus:
-    """Return ``count`` pairs with margins and tags for a core, to be played by that schedule."""
+    rng: np.random.Generator, count: int, configuration: Configuration, steps: Steps
+) -> tuple[Sent, Pairs, _Margins]:
+    """Return ``count`` pairs with margins for a core as they are sent by that schedule, and themselves."""
     pairs, margins = pairs_with_margins(rng, count, configuration.width, configuration.max_margin)
-    return Stimulus(
-        pairs,
-        margins,
-        rng.integers(0, 1 << configuration.tag_bits, count),
-        rng.integers(0, 256, count).astype(np.uint8),
-        steps,
-    )
+    tags = rng.integers(0, 1 << configuration.tag_bits, count)
+    padding = rng.integers(0, 256, count).astype(np.uint8)
+    return core_words(pairs, margins, tags, configuration, steps, padding), pairs, margins

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from triaxis.sim.build import library
 from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.models import core_build
 from triaxis.sim.paths import ROOT
+from triaxis.sim.verilate import library
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, failing_stream, find
 from triaxis.verif.faults.broken_rtl import FOLDER
@@ -83,7 +84,7 @@ def _caught(fault: Fault, dut: Path, result: RunResult, missed: tuple[str, ...],
         return Attempt(catch)
     # Built here, beside other work.
     configuration = parse_configuration(fault.config)
-    library(configuration, dut)
+    library(core_build(configuration, dut))
     return Attempt(catch, example=partial(_example, fault, configuration, dut, result))
 
 

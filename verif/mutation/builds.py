@@ -1,110 +1,138 @@
-"""Builds of mutated cores as shared libraries.
+"""Builds of mutants: all in one library that holds them, or one by itself; what plays them finds out.
 
-Compiled here and not by Verilator's make files: without optimising, with one precompiled header for all and
-the model as one file, a build of a mutant takes three seconds, most of it g++'s.
+And the folder in build/ where they are made, and what a run that was killed leaves there.
 """
 
+import fcntl
 import re
-import subprocess
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
-from triaxis.sim.paths import ROOT
+from triaxis.sim.core_engine import CorePlayer
+from triaxis.sim.detector import DetectorPlayer
+from triaxis.sim.mesh_engine import MeshPlayer
+from triaxis.sim.paths import BUILD, ROOT
 from triaxis.sim.programs import EndedError, run_limited
 from triaxis.sim.toolchain import verilator
-from triaxis.verif.mutation.folder import FOLDER, temporary
+from triaxis.sim.verilate import (
+    FAST,
+    MANY,
+    PREFIX,
+    QUICK,
+    Build,
+    compile_model,
+    compiler,
+    library,
+    verilate_command,
+)
+from triaxis.verif.mesh.scripts import EnginePlay
+from triaxis.verif.mutation.stimulus import Play
 from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
 
-_SOURCES = Path(__file__).parent
-_RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
-_DEFINES = (
-    "-DVERILATOR=1", "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0", "-DVM_TRACE_FST=0", "-DVM_TRACE_VCD=0",
-    "-DVM_TRACE_SAIF=0", "-DVL_TIME_CONTEXT", "-DVL_USER_FATAL",
-)  # fmt: skip
-# Mutants are played for milliseconds each: compiling costs more than running, unless it is millions of pairs.
-QUICK, MANY, FAST = "-O0", "-O1", "-O2"
+FOLDER = BUILD / "mutation"
+
+_PREFIXES = ("dut-", "proof-", "exhaustive-", "mutant-")
+# Seconds: a file that is written whole and renamed is younger, and holds no lock.
+_YOUNG = 60
+
+# The runs that a model can be found out by.
+AnyPlay = Play | EnginePlay
 
 
-def _include() -> Path:
-    answer = subprocess.run(
-        [str(verilator().executable), "--getenv", "VERILATOR_ROOT"],
-        capture_output=True, text=True, check=True, env=verilator().environment(),
-    )  # fmt: skip
-    return Path(answer.stdout.strip()) / "include"
+@contextmanager
+def temporary(prefix: str) -> Iterator[Path]:
+    """Provide a folder that is removed afterwards, and that no `sweep` takes meanwhile."""
+    if prefix not in _PREFIXES:
+        raise ValueError(f"{prefix}: not one of {', '.join(_PREFIXES)}")
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with (FOLDER / ".lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_SH)
+        with tempfile.TemporaryDirectory(dir=FOLDER, prefix=prefix) as name:
+            yield Path(name)
 
 
-def _flags(optimise: str) -> list[str]:
-    include = _include()
-    return [
-        cxx(), "-std=c++20", "-fPIC", "-pthread", "-w", optimise, "-faligned-new", *_DEFINES,
-        f"-I{include}", f"-I{include / 'vltstd'}", f"-I{_SOURCES}",
-    ]  # fmt: skip
+def sweep(folder: Path = FOLDER) -> None:
+    """Remove what runs left that were killed, unless another run is at work in the folder now."""
+    folder.mkdir(parents=True, exist_ok=True)
+    before = time.time() - _YOUNG
+    with (folder / ".lock").open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return
+        for path in folder.iterdir():
+            if _left(path) and path.stat().st_mtime < before:
+                _remove(path)
 
 
-def support(optimise: str) -> Path:
-    """Return the folder of Verilator's library and its precompiled header, made once."""
-    sources = [*(_include() / f"{name}.cpp" for name in _RUNTIME), _SOURCES / "fatal.cpp"]
-    flags = _flags(optimise)
-    key = content_hash(sources, str(verilator()), target(cxx()), optimise, *_DEFINES)
-    what = "Verilator's library for mutants"
-
-    def make(partial: Path) -> None:
-        header = partial / "model.h"
-        header.write_text("#include <verilated.h>\n")
-        run_tool([*flags, "-x", "c++-header", str(header), "-o", f"{header}.gch"], partial, what)
-        for source in sources:
-            run_tool([*flags, "-c", str(source), "-o", str(partial / f"{source.stem}.o")], partial, what)
-        objects = [str(partial / f"{source.stem}.o") for source in sources]
-        run_tool(["ar", "rc", str(partial / "libsupport.a"), *objects], partial, what)
-
-    return built(FOLDER / f"support-{key[:12]}", make)
+def _left(path: Path) -> bool:
+    return path.name.endswith(".partial") or (path.is_dir() and path.name.startswith(_PREFIXES))
 
 
-def _exact_checker() -> Path:
-    """Return the checker of golden/ as the stand-in for the core's data path asks it, compiled once."""
-    source = EXACT_CORE / "exact_core.cpp"
-    golden = sorted([*(ROOT / "golden").glob("*.h"), *(ROOT / "golden").glob("*.cpp")])
-    flags = [*_flags(FAST), "-march=native", f"-I{ROOT / 'golden'}"]
-    key = content_hash([source, *golden], str(verilator()), target(cxx()), FAST)
-
-    def make(partial: Path) -> None:
-        run_tool([*flags, "-c", str(source), "-o", str(partial / "exact_core.o")], partial, source.name)
-
-    return built(FOLDER / f"exact-{key[:12]}", make) / "exact_core.o"
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 class ElaborationError(Exception):
     """Verilator refuses the mutated RTL."""
 
 
-def _verilate(
-    target_: AnyTarget,
-    dut: Path,
-    folder: Path,
-    extra: Sequence[Path],
-    more: Sequence[str],
-    assertions: bool = False,
-) -> None:
-    checked = map(str, target_.assertions if assertions else ())
-    command = [
-        str(verilator().executable), "--cc", "--no-public-flat-rw", "--x-assign", "fast",
-        "--x-initial", "fast",
-        # A mutant may look odd: only errors count. What does not settle is found out when it runs.
-        "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal", "--top-module", target_.top, "--prefix", "Vmutant",
-        *(f"-G{name}={value}" for name, value in target_.parameters.items()), f"-I{dut / 'core'}", *more,
-        "--Mdir", str(folder), *map(str, extra), *map(str, target_.sources(dut)), *checked,
-    ]  # fmt: skip
+def _exact_checker(build: Build) -> Path:
+    """Return the checker of golden/ as the stand-in for the core's data path asks it, compiled once."""
+    source, golden = EXACT_CORE / "exact_core.cpp", ROOT / "golden"
+    files = [source, *sorted([*golden.glob("*.h"), *golden.glob("*.cpp")])]
+    key = content_hash(files, str(verilator()), target(cxx()))
+
+    def make(partial: Path) -> None:
+        output = partial / "exact_core.o"
+        command = [*compiler(build, FAST), f"-I{golden}", "-c", str(source), "-o", str(output)]
+        run_tool(command, partial, source.name)
+
+    return built(FOLDER / f"exact-{key[:12]}", make) / "exact_core.o"
+
+
+def _build(target_: AnyTarget, dut: Path, assertions: bool) -> Build:
+    """Return the build of one mutated copy of dut/, or of one with all: the assertions compile last."""
+    build = target_.build(dut)
+    if isinstance(target_, EngineTarget) and target_.exact_core:
+        build = replace(build, objects=(_exact_checker(build),))
+    if not (assertions and target_.assertions):
+        return build
+    return replace(build, assertions=True, sources=(*build.sources, *target_.assertions))
+
+
+def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
+    """Return the library of a copy of dut/ that holds mutants, with the environment's assertions.
+
+    ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
+    build: the generator's fault, not a mutant's.
+    """
+    build = replace(_build(target_, dut, True), selectable=True, assertions=True, speed=MANY, split=8000)
+    return library(replace(build, sources=(extra, *build.sources)), jobs)
+
+
+def _elaborate(build: Build, folder: Path) -> str:
+    """Verilate into a folder; return a hash of what came of it, in which folders have no part."""
     log = folder / "verilator.log"
     try:
-        status = run_limited(command, log, environment=verilator().environment(False))
+        status = run_limited(verilate_command(build, folder), log, environment=verilator().environment())
     except EndedError as error:
-        raise EndedError(f"{target_.name}: {error}") from error
+        raise EndedError(f"{build.name}: {error}") from error
     if status:
-        raise _refusal(status, log.read_text(errors="replace"), dut, target_.name)
+        raise _refusal(status, log.read_text(errors="replace"), build.dut, build.name)
+    files = sorted([*folder.glob(f"{PREFIX}*.cpp"), *folder.glob(f"{PREFIX}*.h")])
+    return content_hash((), *(file.read_text().replace(str(build.dut), "") for file in files))
 
 
 def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError | InputError:
@@ -118,88 +146,16 @@ def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError
     return InputError(f"{what}: Verilator ends with {status}, not for an error in the RTL: {said}")
 
 
-def _defines(target_: AnyTarget, selectable: bool) -> list[str]:
-    chosen = ["-DSELECTABLE", '-DTRIAXIS_MODEL_SELECTION="Vmutant_triaxis_mutant.h"'] if selectable else []
-    return [*target_.defines, *chosen]
-
-
-def _compile(target_: AnyTarget, folder: Path, optimise: str, selectable: bool, jobs: int) -> Path:
-    """Compile what Verilator wrote, with the harness, into a shared library."""
-    made = support(optimise)
-    flags = [
-        *_flags(optimise),
-        "-include",
-        str(made / "model.h"),
-        f"-I{folder}",
-        *_defines(target_, selectable),
-    ]
-    units = sorted(folder.glob("Vmutant*.cpp"))
-    if jobs == 1:
-        whole = folder / "whole.cc"
-        parts = [*units, _SOURCES / target_.harness]
-        whole.write_text("".join(f'#include "{unit}"\n' for unit in parts))
-        units = [whole]
-    else:
-        units = [*sorted(units, key=lambda unit: -unit.stat().st_size), _SOURCES / target_.harness]
-
-    def compiled(unit: Path) -> str:
-        output = folder / f"{unit.stem}.o"
-        run_tool([*flags, "-c", str(unit), "-o", str(output)], folder, target_.name)
-        return str(output)
-
-    with ThreadPoolExecutor(jobs) as pool:
-        objects = list(pool.map(compiled, units))
-    library = folder / "libmutant.so"
-    checker = [str(_exact_checker())] if isinstance(target_, EngineTarget) and target_.exact_core else []
-    linked = [*objects, *checker, str(made / "libsupport.a")]
-    run_tool([cxx(), "-shared", "-o", str(library), *linked], folder, target_.name)
-    for object_ in objects:
-        Path(object_).unlink()
-    return library
-
-
-def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
-    """Return the library of a copy of dut/ that holds mutants, with the assertions of verif/core/sva/.
-
-    ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
-    build: the generator's fault, not a mutant's.
-    """
-    sources = [*target_.depends_on(dut), *target_.assertions, *_harness_files()]
-    key = content_hash(sources, str(verilator()), target(cxx()), target_.name, MANY)
-
-    def make(partial: Path) -> None:
-        more = ["--assert", "--output-split", "8000"]
-        try:
-            _verilate(target_, dut, partial, [extra], more, True)
-        except ElaborationError as error:
-            raise InputError(f"{target_.name}, with mutants: {error} (log: {partial})") from error
-        _compile(target_, partial, MANY, True, jobs)
-
-    return built(FOLDER / f"schema-{target_.name}-{key[:12]}", make) / "libmutant.so"
-
-
-def _harness_files() -> list[Path]:
-    return [Path(__file__), *sorted(_SOURCES.glob("*.cpp")), *sorted(_SOURCES.glob("*.h"))]
-
-
-def _elaborate(target_: AnyTarget, dut: Path, folder: Path, assertions: bool) -> str:
-    """Verilate into a folder; return a hash of what came of it, in which folders have no part."""
-    checked = "--assert" if assertions and target_.assertions else "--no-assert"
-    _verilate(target_, dut, folder, [], [checked, "--output-split", "0"], assertions)
-    files = sorted([*folder.glob("Vmutant*.cpp"), *folder.glob("Vmutant*.h")])
-    return content_hash((), *(file.read_text().replace(str(dut), "") for file in files))
-
-
 def elaboration_hash(target_: AnyTarget, dut: Path, assertions: bool) -> str:
     """Return a hash of the model that Verilator makes of some RTL: the same for RTL that does the same."""
     with temporary("mutant-") as folder:
-        return _elaborate(target_, dut, folder, assertions)
+        return _elaborate(replace(_build(target_, dut, assertions), split=0), folder)
 
 
 def with_mutant_library(
     target_: AnyTarget,
     dut: Path,
-    use: Callable[[Path], None],
+    use: Callable[["Library"], None],
     assertions: bool = False,
     optimise: str = QUICK,
     unless: str = "",
@@ -209,6 +165,60 @@ def with_mutant_library(
     ``assertions``: with those of the environment. ``unless``: the `elaboration_hash` of a model that need not
     be built. Raises ElaborationError where Verilator refuses the RTL, InputError where it fails otherwise.
     """
+    build = replace(_build(target_, dut, assertions), split=0)
     with temporary("mutant-") as folder:
-        if _elaborate(target_, dut, folder, assertions) != unless:
-            use(_compile(target_, folder, optimise, False, 1))
+        if _elaborate(build, folder) != unless:
+            loaded = Library(compile_model(replace(build, speed=optimise), folder, folder, 1), target_)
+            try:
+                use(loaded)
+            finally:
+                loaded.close()
+
+
+@dataclass(frozen=True)
+class Killed:
+    """How a mutant was found out: the test and family, the model, what was wrong, after how many pairs.
+
+    Of the mesh engine, after how many runs.
+    """
+
+    test: str
+    family: str
+    target: str
+    symptom: str
+    pairs: int
+
+
+class Library:
+    """A shared library of mutants of one target."""
+
+    def __init__(self, path: Path, target_: AnyTarget) -> None:
+        """Load it."""
+        self.target = target_
+        players = {True: MeshPlayer, False: DetectorPlayer if target_.combinational else CorePlayer}
+        self._player = players[isinstance(target_, EngineTarget)](path)
+
+    def close(self) -> None:
+        """Unload it."""
+        self._player.unload()
+
+    def play(self, selected: int, plays: Sequence[AnyPlay]) -> Killed | None:
+        """Return how the mutant with that number is found out by the plays in turn; None where it is not."""
+        self._player.renew(selected)
+        before = 0
+        for play in plays:
+            symptom, checked = self._one(play)
+            before += checked
+            if symptom:
+                return Killed(play.test, play.family, self.target.name, symptom, before)
+        return None
+
+    def _one(self, play: AnyPlay) -> tuple[str, int]:
+        if isinstance(play, EnginePlay):
+            assert isinstance(self._player, MeshPlayer)
+            return self._player.play(play.script)
+        if isinstance(self._player, DetectorPlayer):
+            return self._player.play(play.inputs, play.collides)[1:]
+        assert isinstance(self._player, CorePlayer)
+        played = self._player.play(play.sent, play.expected, play.target.configuration.latency)
+        return played.symptom, played.checked

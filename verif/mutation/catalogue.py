@@ -9,8 +9,7 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.build import mesh_files
 from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.elaboration import elaboration_mutants
-from triaxis.verif.mutation.macro import macro_mutants
-from triaxis.verif.mutation.mutant import RUNTIME, Mutant
+from triaxis.verif.mutation.mutant import RUNTIME, Mutant, macro_mutants
 from triaxis.verif.mutation.statements import Host, hosts, input_ports, shared_enumerators
 from triaxis.verif.mutation.syntax import SourceFile, read_source
 
@@ -33,7 +32,7 @@ class Catalogue:
         kept = [
             mutant
             for mutant in self.mutants
-            if (files is None or fnmatch(mutant.file, files) or fnmatch(f"dut/{mutant.file}", files))
+            if (files is None or any(fnmatch(name, files) for name in _file_names(mutant)))
             and (names is None or fnmatch(mutant.id, names))
         ]
         if not kept:
@@ -53,12 +52,16 @@ class Catalogue:
         return Catalogue(self.sources, hosts_left, tuple(kept))
 
 
+def _file_names(mutant: Mutant) -> tuple[str, ...]:
+    """Return how a mutant's file may be called: by its name, with its folder, with dut/ as well."""
+    return mutant.file.rpartition("/")[2], mutant.file, f"dut/{mutant.file}"
+
+
 def catalogue(dut: Path = DUT) -> Catalogue:
     """Return all mutants of the RTL in a folder."""
     paths = (path for path in mesh_files(dut) if path.suffix == ".sv")
-    # Those of the core first: their numbers stay whatever is done above it.
-    ordered = sorted(paths, key=lambda path: (len(path.parts), path))
-    sources = tuple(read_source(path, dut) for path in ordered)
+    # Those of the core come first: their numbers stay whatever is done above it.
+    sources = tuple(read_source(path, dut) for path in sorted(paths))
     ports = input_ports(sources)
     shared = shared_enumerators(sources)
     found = {source.name: tuple(hosts(source, ports, shared)) for source in sources}

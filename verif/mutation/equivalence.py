@@ -33,17 +33,24 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
-from triaxis.verif.code_coverage.stimulus import flowing
+from triaxis.sim.verilate import FAST
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
+from triaxis.verif.core.stimulus.schedules import flowing
 from triaxis.verif.formal.proofs import engine_proofs
-from triaxis.verif.mutation.builds import FAST, ElaborationError, elaboration_hash, with_mutant_library
-from triaxis.verif.mutation.elaborated import core_latencies
-from triaxis.verif.mutation.folder import FOLDER, temporary
+from triaxis.verif.mutation.builds import (
+    FOLDER,
+    ElaborationError,
+    Killed,
+    Library,
+    elaboration_hash,
+    temporary,
+    with_mutant_library,
+)
 from triaxis.verif.mutation.killers import killers_hash
-from triaxis.verif.mutation.models import Killed, Library
-from triaxis.verif.mutation.mutant import Mutant, applied
+from triaxis.verif.mutation.mutant import Mutant
+from triaxis.verif.mutation.schema import copy_rtl
 from triaxis.verif.mutation.stimulus import Play
-from triaxis.verif.mutation.targets import EngineTarget, Target
+from triaxis.verif.mutation.targets import EngineTarget, Target, core_latencies
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
@@ -125,14 +132,7 @@ _MITER = (
 
 
 def _copy(dut: Path, folder: Path, mutant: Mutant | None) -> None:
-    folder.mkdir()
-    for source in mesh_files(dut):
-        place = folder / source.relative_to(dut)
-        place.parent.mkdir(exist_ok=True)
-        text = source.read_text()
-        if mutant is not None and source == dut / mutant.file:
-            text = applied(text, [mutant.edit])
-        place.write_text(text.replace(*_GUARD))
+    copy_rtl(dut, folder, mutant, _GUARD)
 
 
 def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
@@ -178,10 +178,17 @@ def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]
 
 @dataclass(frozen=True)
 class _Narrow(Configuration):
-    """A configuration below the widths that are signed off."""
+    """A configuration below the widths that are signed off, with its latency in clocks."""
+
+    clocks: int = 0
 
     def __post_init__(self) -> None:
         """Take any width."""
+
+    @property
+    def latency(self) -> int:
+        """Return the latency."""
+        return self.clocks
 
 
 def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
@@ -192,14 +199,14 @@ def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> st
         return f"{entry.mutants[0]}: exhaustive: needs triaxis_core with at most {_EXHAUSTIBLE} bits of input"
     latency = core_latencies(dut, [(width, margin_bits)])
     assert latency is not None
-    configuration = _Narrow(width, margin_bits)
-    target = Target(configuration.name, "triaxis_core", configuration, latency[0])
+    configuration = _Narrow(width, margin_bits, clocks=latency[0])
+    target = Target(configuration)
     play = _all_inputs(target)
     for mutant in mutants:
         found: list[Killed | None] = []
 
-        def use(path: Path, found: list[Killed | None] = found) -> None:
-            found.append(Library(path, target).play(0, [play]))
+        def use(library: Library, found: list[Killed | None] = found) -> None:
+            found.append(library.play(0, [play]))
 
         with temporary("exhaustive-") as folder:
             _copy(dut, folder / "dut", mutant)
@@ -232,7 +239,7 @@ def _all_inputs(target: Target) -> Play:
 def bound(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Hold the largest value at the corners against the width without its top bit.
 
-    Parameters: orientation or span, see stimulus/corners.py; the cast's operand has slope * W + offset bits.
+    Parameters: orientation or span, see stimulus/general.py; the cast's operand has slope * W + offset bits.
     """
     del dut
     for mutant in mutants:

@@ -5,39 +5,45 @@ Short directed runs first, on each target in turn; volume after, for those that 
 
 import multiprocessing
 import os
-import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import mesh_files
 from triaxis.sim.paths import DUT
+from triaxis.sim.verilate import FAST, QUICK
+from triaxis.verif.mesh.script_stimulus import engine_directed, engine_volume
+from triaxis.verif.mesh.scripts import EnginePlay
 from triaxis.verif.mutation.builds import (
-    FAST,
-    QUICK,
+    AnyPlay,
     ElaborationError,
+    Killed,
+    Library,
     elaboration_hash,
     schema_library,
+    temporary,
     with_mutant_library,
 )
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
-from triaxis.verif.mutation.elaborated import Elaborated, elaborated
-from triaxis.verif.mutation.engine_play import EnginePlay
-from triaxis.verif.mutation.engine_stimulus import engine_directed, engine_volume
-from triaxis.verif.mutation.folder import temporary
-from triaxis.verif.mutation.latencies import latency_table
-from triaxis.verif.mutation.models import AnyPlay, Killed, Library
-from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant, applied
+from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant
 from triaxis.verif.mutation.outcomes import Outcome, Store
-from triaxis.verif.mutation.schema import schema, write_support
+from triaxis.verif.mutation.schema import mutated, write_schema
 from triaxis.verif.mutation.stimulus import directed, volume
-from triaxis.verif.mutation.targets import FULL_PIECES, MAIN, SMALLEST, TARGETS, AnyTarget, EngineTarget
+from triaxis.verif.mutation.targets import (
+    FULL_PIECES,
+    MAIN,
+    SMALLEST,
+    TARGETS,
+    AnyTarget,
+    Elaborated,
+    EngineTarget,
+    elaborated,
+    right_latencies,
+)
 
 # Bursts of a mutant's volume on each target; the narrowest model is the fastest.
 _BURSTS = {MAIN.name: 32}
@@ -123,8 +129,8 @@ def _selected(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) ->
 def _built(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Killed | None:
     """Build the mutant by itself and play it: first without assertions, which take longer to build."""
     with mutated(setting.dut, mutant) as folder:
-        if mutant.file == _PACKAGE and (killed := latency_table(folder)):
-            return killed
+        if mutant.file == _PACKAGE and not right_latencies(folder):
+            return Killed("LatencyTable", "every width", "triaxis_pkg", "wrong latency", 0)
         quick = _quick(targets, mutant, setting) if mutant.kind == ELABORATION else []
         for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
             for target in (*targets,) if assertions else (*quick, *targets):
@@ -157,13 +163,12 @@ def _alone(
 ) -> Killed | None:
     found: list[Killed | None] = []
 
-    def use(path: Path) -> None:
-        library = Library(path, target)
+    def use(library: Library) -> None:
         found.append(library.play(0, plays))
-        library.close()
 
+    original = _original_hash(target, assertions)
     try:
-        with_mutant_library(target, folder, use, assertions, optimise, _original_hash(target, assertions))
+        with_mutant_library(target, folder, use, assertions, optimise, original)
     except ElaborationError as error:
         return Killed("elaboration", "", target.name, _first_line(str(error)), 0)
     # Where the mutant is elaborated to what the original is, nothing can show it.
@@ -180,25 +185,6 @@ def _first_line(message: str) -> str:
     line = message.splitlines()[0] if message else "refused"
     words = [word if "/" not in word else word.rpartition("/")[2] for word in line.split()]
     return " ".join(words)[:160]
-
-
-@contextmanager
-def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
-    """Provide a copy of dut/ with that one mutant in it."""
-    with temporary("dut-") as folder:
-        copy_rtl(dut, folder)
-        path = folder / mutant.file
-        path.write_text(applied(path.read_text(), [mutant.edit]))
-        _check_syntax(path, mutant)
-        yield folder
-
-
-def _check_syntax(path: Path, mutant: Mutant) -> None:
-    """Raise InputError where the mutant is no SystemVerilog: the generator's fault, not a mutant killed."""
-    from pyslang.syntax import SyntaxTree
-
-    if any(item.isError() for item in SyntaxTree.fromFile(str(path)).diagnostics):
-        raise InputError(f"{mutant.id} ({mutant.place}): the changed text does not parse: {mutant.changed}")
 
 
 def _more(mutant: Mutant) -> Outcome:
@@ -222,7 +208,7 @@ def _volume(target: AnyTarget) -> tuple[Sequence[AnyPlay], str]:
     """Return the volume of a target, and how to compile for it."""
     setting = _here()
     if isinstance(target, EngineTarget):
-        return measured(target, engine_volume(target, setting.seed), setting.dut), QUICK
+        return measured(target, engine_volume(target.configuration, setting.seed), setting.dut), QUICK
     bursts = _BURSTS.get(target.name, _OTHER_BURSTS)
     return list(volume(target, setting.seed, bursts)), FAST
 
@@ -231,41 +217,11 @@ def measured(target: EngineTarget, plays: Sequence[EnginePlay], dut: Path) -> Se
     """Fill in the clocks that the engine without mutants needs; InputError where it breaks the contract."""
     found: list[Killed | None] = []
 
-    def use(path: Path) -> None:
-        library = Library(path, target)
-        found.append(library.play(0, plays))
-        library.close()
-
-    with_mutant_library(target, dut, use)
+    with_mutant_library(target, dut, lambda library: found.append(library.play(0, plays)))
     if found[0] is not None:
         wrong = found[0]
         raise InputError(f"{target.name}: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL is wrong")
     return plays
-
-
-def copy_rtl(dut: Path, folder: Path) -> None:
-    """Copy all that elaborates into a folder that exists."""
-    for source in mesh_files(dut):
-        place = folder / source.relative_to(dut)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(source, place)
-
-
-def write_schema(
-    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path, target: AnyTarget
-) -> Path:
-    """Write the copy of dut/ that holds all run-time mutants of a target's files; others stay as they are.
-
-    Returns the file that it needs besides.
-    """
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    copy_rtl(dut, folder)
-    for source in catalogue.sources:
-        if target.mutates(source.name):
-            text = schema(source.text, catalogue.hosts.get(source.name, ()), numbers)
-            (folder / source.name).write_text(text)
-    return write_support(folder)
 
 
 def _libraries(
@@ -356,7 +312,9 @@ def _directed(
     """Return the short plays by target, with all that is expected of them."""
     engines = [target for target in targets if isinstance(target, EngineTarget)]
     with ThreadPoolExecutor(jobs) as pool:
-        made = pool.map(lambda target: measured(target, engine_directed(target, seed), dut), engines)
+        made = pool.map(
+            lambda target: measured(target, engine_directed(target.configuration, seed), dut), engines
+        )
         plays: dict[str, Sequence[AnyPlay]] = dict(
             zip((target.name for target in engines), made, strict=True)
         )
@@ -367,7 +325,7 @@ def _directed(
             found = directed(target, seed, _LONGER * pairs if target in longer else pairs)
             # Once, not in each process.
             for play in found:
-                _ = play.expected
+                _ = play.expected, play.inputs if target.combinational else play.sent
             plays[target.name] = found
     return plays
 

@@ -1,13 +1,28 @@
-"""A mutant: one small change of the RTL, with a name that survives edits elsewhere."""
+"""A mutant: one small change of the RTL, with a name that survives edits elsewhere.
+
+And those of the macro TRIAXIS_STAGE itself, the one register of all modules.
+"""
 
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 RUNTIME, ELABORATION = "runtime", "elaboration"
 
 _DIGITS = 8
+
+_MACRO_FILE = "core/triaxis_stage.svh"
+_MACRO = "triaxis_stage"
+
+# What in the macro's text gives way to what. The operators' names are those of statements.py.
+_MACRO_CHANGES = (
+    ("generate_condition", "if (Comb)", "if (!(Comb))"),
+    ("deletion", "assign q = d;", ""),
+    ("deletion", "always_ff @(posedge clk_i) q <= d;", ""),
+    ("edge", "posedge clk_i", "negedge clk_i"),
+)
 
 
 @dataclass(frozen=True)
@@ -73,3 +88,31 @@ def applied(text: str, edits: Sequence[Edit]) -> str:
     for edit in sorted(edits, key=lambda edit: -edit.start):
         text = text[: edit.start] + edit.text + text[edit.end :]
     return text
+
+
+def macro_mutants(dut: Path) -> list[Mutant]:
+    """Return the mutants of the macro, named. Each is there wherever the macro is used."""
+    text = (dut / _MACRO_FILE).read_text()
+    found: list[Mutant] = []
+    for operator, old, new in _MACRO_CHANGES:
+        start = text.find(old)
+        if start < 0:
+            continue
+        line = text.count("\n", 0, start) + 1
+        edit = Edit(start, start + len(old), new)
+        found.append(
+            Mutant(
+                "",
+                _MACRO,
+                operator,
+                ELABORATION,
+                _MACRO_FILE,
+                line,
+                normalised(old),
+                new or ";",
+                edit,
+                start,
+                -1,
+            )
+        )
+    return named(found)

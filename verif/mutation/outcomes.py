@@ -11,9 +11,8 @@ from typing import Any
 
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import content_hash, rtl_hash
-from triaxis.verif.mutation.folder import FOLDER
+from triaxis.verif.mutation.builds import FOLDER, Killed
 from triaxis.verif.mutation.killers import killers_hash
-from triaxis.verif.mutation.models import Killed
 from triaxis.verif.mutation.mutant import Mutant
 
 # Files of earlier states that are kept beside that of today's: for going back and forth.

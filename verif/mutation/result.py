@@ -16,11 +16,11 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence, write_evidence
+from triaxis.sim.player import ASSERTION
+from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
-from triaxis.verif.mutation.folder import FOLDER
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
-from triaxis.verif.mutation.models import ASSERTION
 from triaxis.verif.mutation.outcomes import Outcome
 
 EVIDENCE = FOLDER / "mutation.json"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
+from triaxis.verif.mutation.builds import sweep
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
@@ -14,7 +15,6 @@ from triaxis.verif.mutation.equivalence import (
     forget_proofs,
     read_equivalents,
 )
-from triaxis.verif.mutation.folder import sweep
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.killing import judge
 from triaxis.verif.mutation.outcomes import Outcome

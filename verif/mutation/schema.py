@@ -1,14 +1,21 @@
-"""The mutated copy of dut/ that holds every run-time mutant; a number in a package selects one.
+"""Copies of dut/: with one mutant, or with every run-time mutant; a number in a package selects one.
 
 Each host keeps its statement and gains a changed copy of it for each mutant, so a mutant is exactly what the
 changed source would be: nothing is widened or made unsigned by standing in a larger expression.
 """
 
-from collections.abc import Mapping, Sequence
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
+from triaxis.golden.errors import InputError
+from triaxis.sim.build import mesh_files
+from triaxis.verif.mutation.builds import temporary
+from triaxis.verif.mutation.catalogue import Catalogue
 from triaxis.verif.mutation.mutant import Edit, Mutant, applied
 from triaxis.verif.mutation.statements import ALWAYS, ASSIGN, BYPASS, LATE, PORT, STUCK, Host
+from triaxis.verif.mutation.targets import AnyTarget
 
 # Unsized numbers would be extended in every comparison.
 _SELECTED = "triaxis_mutant::selected"
@@ -150,8 +157,50 @@ def schema(source: str, hosts: Sequence[Host], numbers: Mapping[str, int]) -> st
     return applied(source, [*replaced, *(Edit(at, at, text) for at, text in inserted.items())])
 
 
-def write_support(folder: Path) -> Path:
-    """Write the package and the module that the copies use; return its path."""
-    path = folder / SUPPORT
-    path.write_text(_SUPPORT)
-    return path
+def copy_rtl(
+    dut: Path, folder: Path, mutant: Mutant | None = None, guard: tuple[str, str] = ("", "")
+) -> None:
+    """Copy all that elaborates, with a mutant where there is one, and a text replaced in all files."""
+    for source in mesh_files(dut):
+        place = folder / source.relative_to(dut)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        text = source.read_text()
+        if mutant is not None and source == dut / mutant.file:
+            text = applied(text, [mutant.edit])
+        place.write_text(text.replace(*guard) if guard[0] else text)
+
+
+@contextmanager
+def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
+    """Provide a copy of dut/ with that one mutant in it."""
+    with temporary("dut-") as folder:
+        copy_rtl(dut, folder, mutant)
+        _check_syntax(folder / mutant.file, mutant)
+        yield folder
+
+
+def _check_syntax(path: Path, mutant: Mutant) -> None:
+    """Raise InputError where the mutant is no SystemVerilog: the generator's fault, not a mutant killed."""
+    from pyslang.syntax import SyntaxTree
+
+    if any(item.isError() for item in SyntaxTree.fromFile(str(path)).diagnostics):
+        raise InputError(f"{mutant.id} ({mutant.place}): the changed text does not parse: {mutant.changed}")
+
+
+def write_schema(
+    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, folder: Path, target: AnyTarget
+) -> Path:
+    """Write the copy of dut/ that holds all run-time mutants of a target's files; others stay as they are.
+
+    Returns the file that it needs besides.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    copy_rtl(dut, folder)
+    for source in catalogue.sources:
+        if target.mutates(source.name):
+            text = schema(source.text, catalogue.hosts.get(source.name, ()), numbers)
+            (folder / source.name).write_text(text)
+    support = folder / SUPPORT
+    support.write_text(_SUPPORT)
+    return support

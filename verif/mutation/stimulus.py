@@ -12,17 +12,15 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.packing import COORDINATES, data_bytes
+from triaxis.sim.core_engine import Sent, Steps, core_words
+from triaxis.sim.detector import detector_inputs
 from triaxis.sim.result import NEAR
-from triaxis.verif.code_coverage.instrumented_core import OFFER, RESET, TAKE
-from triaxis.verif.code_coverage.stimulus import disturbed, flowing
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.kept_cases import load_regressions
 from triaxis.verif.core.stimulus.families import FAMILIES, mixed, mixture
+from triaxis.verif.core.stimulus.schedules import filling, flowing, resets, stalls
 from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.mutation.targets import Target
-
-Steps = npt.NDArray[np.uint8]
 
 # Of each family, in a directed run.
 PAIRS = 150
@@ -77,29 +75,19 @@ class Play:
         return (self.expected & NEAR != 0).astype(np.uint8)
 
     @cached_property
-    def user(self) -> npt.NDArray[np.uint64]:
-        """Return TUSER (N,)."""
-        return ((self.tags << self.target.configuration.margin_bits) | self.margins).astype(np.uint64)
-
-    def data(self, size: int) -> npt.NDArray[np.uint8]:
-        """Return TDATA (N, size) as the model holds it, the padding at random."""
-        width, count = self.target.configuration.width, len(self)
-        flat = self.pairs.reshape(count, COORDINATES)
-        bits = ((flat[:, :, None] >> np.arange(width)) & 1).astype(np.uint8)
-        bits = bits.reshape(count, COORDINATES * width)
-        unused = 8 * data_bytes(width) - bits.shape[1]
-        padding = (self.padding[:, None] >> np.arange(unused, dtype=np.uint8)) & 1
-        packed = np.packbits(np.concatenate([bits, padding], 1), axis=1, bitorder="little")
-        return np.ascontiguousarray(np.pad(packed, ((0, 0), (0, size - packed.shape[1]))))
+    def sent(self) -> Sent:
+        """Return the words that are sent."""
+        return core_words(
+            self.pairs, self.margins, self.tags, self.target.configuration, self.steps, self.padding
+        )
 
     @cached_property
-    def coordinates(self) -> npt.NDArray[np.int64]:
+    def inputs(self) -> npt.NDArray[np.int64]:
         """Return the inputs of the wrapper (N, 24): coordinates, and given normals of no meaning."""
-        low, high = coordinate_range(self.target.configuration.width)
-        normals = np.random.default_rng(len(self)).integers(low, high + 1, (len(self), 6))
-        mask = (1 << self.target.configuration.width) - 1
-        whole = np.concatenate([self.pairs.reshape(-1, COORDINATES), normals], 1) & mask
-        return np.ascontiguousarray(whole, np.int64)
+        width = self.target.configuration.width
+        low, high = coordinate_range(width)
+        normals = np.random.default_rng(len(self)).integers(low, high + 1, (len(self), 2, 3))
+        return detector_inputs(self.pairs, normals, width)
 
 
 def _play(
@@ -111,28 +99,6 @@ def _play(
         rng.integers(0, 1 << target.configuration.tag_bits, count), rng.integers(0, 256, count, np.uint8),
         steps,
     )  # fmt: skip
-
-
-def stalls(rng: np.random.Generator) -> Steps:
-    """Return a schedule of gaps, back-pressure and full queues, without resets."""
-    return disturbed(rng) & ~np.uint8(RESET)
-
-
-def resets(rng: np.random.Generator) -> Steps:
-    """Return a schedule with everything, and resets with pairs in flight, often."""
-    steps = disturbed(rng)
-    again = np.flatnonzero(rng.integers(0, 400, len(steps)) == 0)
-    steps[again] |= RESET
-    return steps
-
-
-def filling(rng: np.random.Generator) -> Steps:
-    """Return a schedule that fills the queue to the last place and empties it, over and over."""
-    full = np.full(100, OFFER, np.uint8)
-    empty = np.full(100, TAKE, np.uint8)
-    one = np.tile(np.array([OFFER | TAKE, OFFER], np.uint8), 50)
-    parts = [full, one, empty, full, np.full(100, OFFER | TAKE, np.uint8)]
-    return np.concatenate([parts[number] for number in rng.permutation(len(parts))])
 
 
 def directed(target: Target, seed: int, pairs: int = PAIRS) -> list[Play]:

@@ -1,60 +1,57 @@
-"""The models in which mutants are looked for: chosen so that every generate branch is in one of them."""
+"""The models in which mutants are looked for: chosen so that every generate branch is in one of them.
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+And which parts of dut/ a target elaborates, and what the package's functions give: by pyslang, in no time.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from triaxis.sim.build import core_files, mesh_files
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.paths import VERIF, mesh_sources, rtl_sources
+from triaxis.sim.models import (
+    CORE_SVA,
+    MESH_SVA,
+    assertions,
+    core_build,
+    detector_build,
+    mesh_build,
+)
+from triaxis.sim.paths import DUT, VERIF
+from triaxis.sim.verilate import QUICK, Build
+from triaxis.verif.mutation.syntax import kind, read_source, span
 
-_SVA = VERIF / "core" / "sva"
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
 
 
 @dataclass(frozen=True)
 class Target:
-    """A top module in one configuration. ``latency``: in clocks; 0 for the wrapper, which has none."""
+    """The core in one configuration, or (``combinational``) the wrapper around it, which has no clock."""
 
-    name: str
-    top: str
     configuration: Configuration
-    latency: int
+    combinational: bool = False
 
     @property
-    def combinational(self) -> bool:
-        """Return whether this is the wrapper, which has no clock."""
-        return self.top == "CollisionDetector"
+    def name(self) -> str:
+        """Return its name."""
+        return f"detector_w{self.configuration.width}" if self.combinational else self.configuration.name
 
     @property
-    def assertions(self) -> list[Path]:
+    def assertions(self) -> tuple[Path, ...]:
         """Return the files of verif/core/sva/ that go with it."""
-        return [] if self.combinational else sorted(_SVA.glob("*.sv"))
+        return () if self.combinational else assertions(CORE_SVA)
 
-    @property
-    def harness(self) -> str:
-        """Return the file of the harness."""
-        return "detector.cpp" if self.combinational else "core.cpp"
-
-    @property
-    def defines(self) -> tuple[str, ...]:
-        """Return what the harness must be told."""
-        return (f"-DMARGIN_BITS={self.configuration.margin_bits}",)
-
-    @property
-    def parameters(self) -> Mapping[str, int]:
-        """Return the parameters of the top module."""
-        return {"W": self.configuration.width} if self.combinational else self.configuration.parameters
-
-    def sources(self, dut: Path) -> list[Path]:
-        """Return the files of ``dut`` in the order in which they compile."""
-        return rtl_sources(dut)
-
-    def depends_on(self, dut: Path) -> list[Path]:
-        """Return the files of ``dut`` that a build depends on."""
-        return core_files(dut)
+    def build(self, dut: Path) -> Build:
+        """Return the build of the RTL in a folder, quickly made, without assertions."""
+        made = (
+            detector_build(self.configuration.width, dut)
+            if self.combinational
+            else core_build(self.configuration, dut)
+        )
+        return replace(made, speed=QUICK)
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
@@ -71,8 +68,6 @@ class EngineTarget:
     configuration: MeshConfiguration
     exact_core: bool = False
 
-    top = "triaxis_mesh"
-    harness = "engine.cpp"
     combinational = False
 
     @property
@@ -81,36 +76,18 @@ class EngineTarget:
         return f"mesh_{self.configuration.name}"
 
     @property
-    def assertions(self) -> list[Path]:
-        """Return the files of verif/core/sva/ that go with it."""
-        return sorted((VERIF / "mesh" / "sva").glob("*.sv"))
+    def assertions(self) -> tuple[Path, ...]:
+        """Return the files of verif/mesh/sva/ that go with it."""
+        return assertions(MESH_SVA)
 
-    @property
-    def defines(self) -> tuple[str, ...]:
-        """Return what the harness must be told."""
-        made = self.configuration
-        return (
-            f"-DWIDTH={made.width}",
-            f"-DMARGIN_BITS={made.margin_bits}",
-            f"-DINDEX_BITS={made.index_bits}",
-            f"-DCYCLE_BITS={made.cycle_bits}",
-        )
-
-    @property
-    def parameters(self) -> Mapping[str, int]:
-        """Return the parameters of the top module."""
-        return self.configuration.parameters
-
-    def sources(self, dut: Path) -> list[Path]:
-        """Return the files of ``dut`` in the order in which they compile."""
-        core = rtl_sources(dut)
+    def build(self, dut: Path) -> Build:
+        """Return the build of the RTL in a folder, quickly made, without assertions."""
+        made = mesh_build(self.configuration, dut)
+        # Nothing public: what is seen of a mutant is what it says.
+        sources = (path for path in made.sources if path.suffix == ".sv")
         if self.exact_core:
-            core = [EXACT_CORE / path.name if path.name == _DATAPATH else path for path in core]
-        return [*core, *mesh_sources(dut)]
-
-    def depends_on(self, dut: Path) -> list[Path]:
-        """Return the files of ``dut`` that a build depends on."""
-        return mesh_files(dut)
+            sources = (EXACT_CORE / path.name if path.name == _DATAPATH else path for path in sources)
+        return replace(made, sources=tuple(sources), speed=QUICK)
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
@@ -119,26 +96,20 @@ class EngineTarget:
 
 AnyTarget = Target | EngineTarget
 
-
-def _core(name: str) -> Target:
-    configuration = parse_configuration(name)
-    return Target(name, "triaxis_core", configuration, configuration.latency)
-
-
 # Narrow where possible: extremes are as likely as anything else, and a simulation is fast.
-MAIN = _core("w8_m8")
+MAIN = Target(parse_configuration("w8_m8"))
 # Without margins; multipliers that are split and swapped; padding above the coordinates.
-PLAIN = _core("w18_m0_t1")
+PLAIN = Target(parse_configuration("w18_m0_t1"))
 # Both operands of multipliers split; no edge x box axes, no gating.
-WIDE = _core("w32_m0_no_edge_box_ungated")
-WRAPPER = Target("detector_w8", "CollisionDetector", Configuration(8, 0), 0)
+WIDE = Target(parse_configuration("w32_m0_no_edge_box_ungated"))
+WRAPPER = Target(Configuration(8, 0), combinational=True)
 
 # The smallest: what a mutant that needs a build of its own is built as first.
-SMALLEST = _core("w8_m0_no_edge_box")
+SMALLEST = Target(parse_configuration("w8_m0_no_edge_box"))
 
 # Where the top piece of a multiplier's operand fills the 25-bit port, and the 18-bit one. For what survives
 # everywhere else.
-FULL_PIECES = (_core("w23_m17_t1"), _core("w24_m24_t1"))
+FULL_PIECES = (Target(parse_configuration("w23_m17_t1")), Target(parse_configuration("w24_m24_t1")))
 
 # Several words of lanes in a group, and of groups in a mesh.
 ENGINE = EngineTarget(MeshConfiguration(8, 8, depth=64, group=8, lanes=2, cycle_bits=9))
@@ -148,3 +119,109 @@ ENGINE_SINGLE = EngineTarget(MeshConfiguration(8, 0, depth=16, group=1, lanes=1,
 ENGINE_WORD = EngineTarget(MeshConfiguration(8, 3, depth=16, group=4, lanes=4, cycle_bits=8, gating=False))
 
 TARGETS: tuple[AnyTarget, ...] = (MAIN, PLAIN, WIDE, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD)
+
+
+@dataclass(frozen=True)
+class Elaborated:
+    """Where the modules and generate blocks begin that a target elaborates: (file, offset).
+
+    Only of files whose mutants are looked for there.
+    """
+
+    blocks: frozenset[tuple[str, int]]
+
+    def holds(self, file: str, block: int) -> bool:
+        """Return whether the block that begins there is elaborated."""
+        return (file, block) in self.blocks
+
+
+def _compilation(build: Build, parameters: Iterable[str]) -> tuple[Any, Any]:
+    import pyslang
+    from pyslang.ast import Compilation, CompilationOptions
+    from pyslang.syntax import SyntaxTree
+
+    options = CompilationOptions()
+    options.topModules = {build.top}
+    options.paramOverrides = list(parameters)
+    bag = pyslang.Bag()
+    bag.compilationOptions = options
+    manager = pyslang.SourceManager()
+    manager.addUserDirectories(str(build.dut / "core"))
+    compilation = Compilation(bag)
+    for source in build.sources:
+        compilation.addSyntaxTree(SyntaxTree.fromFile(str(source), manager, bag))
+    return compilation, manager
+
+
+def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
+    """Return what a target elaborates."""
+    import pyslang.ast as ast
+
+    build = target.build(dut)
+    parameters = [f"{name}={value}" for name, value in build.parameters.items()]
+    compilation, manager = _compilation(build, parameters)
+    blocks: set[tuple[str, int]] = set()
+
+    def visit(symbol: Any) -> Any:
+        name = str(symbol.kind).rpartition(".")[2]
+        if name == "GenerateBlock" and symbol.isUninstantiated:
+            return ast.VisitAction.Skip
+        if name in ("GenerateBlock", "InstanceBody") and symbol.syntax is not None:
+            start = symbol.syntax.sourceRange.start
+            if name == "GenerateBlock" and symbol.isUninstantiated:
+                return ast.VisitAction.Skip
+            blocks.add((_file(manager.getFileName(start), dut), start.offset))
+        return ast.VisitAction.Advance
+
+    for instance in compilation.getRoot().topInstances:
+        instance.visit(visit)
+    # Functions and constants of the package serve every target.
+    blocks.update(_packages(build))
+    return Elaborated(frozenset(block for block in blocks if target.mutates(block[0])))
+
+
+def _file(name: str, dut: Path) -> str:
+    return Path(name).resolve().relative_to(dut.resolve()).as_posix()
+
+
+def _packages(build: Build) -> list[tuple[str, int]]:
+    found: list[tuple[str, int]] = []
+    for source in build.sources:
+        if source.name.endswith("_pkg.sv"):
+            parsed = read_source(source, build.dut)
+            found += [(parsed.name, span(m)[0]) for m in parsed.modules if kind(m) == "PackageDeclaration"]
+    return found
+
+
+def core_latencies(dut: Path, points: Sequence[tuple[int, int]]) -> list[int] | None:
+    """Return core_latency(W, M) of the package for each (W, M); None where it does not evaluate."""
+    import pyslang.ast as ast
+    from pyslang.syntax import SyntaxTree
+
+    asked = " ".join(
+        f"localparam int unsigned V{number} = triaxis_pkg::core_latency({width}, {margin});"
+        for number, (width, margin) in enumerate(points)
+    )
+    compilation = ast.Compilation()
+    compilation.addSyntaxTree(SyntaxTree.fromFile(str(dut / "core" / "triaxis_pkg.sv")))
+    compilation.addSyntaxTree(SyntaxTree.fromText(f"module asked; {asked} endmodule"))
+    body = compilation.getRoot().topInstances[0].body
+    values = [str(body.find(f"V{number}").value) for number in range(len(points))]
+    numbers = [value.rpartition("d")[2] for value in values]
+    return [int(number) for number in numbers] if all(map(str.isdigit, numbers)) else None
+
+
+def right_latencies(dut: Path) -> bool:
+    """Return whether the package in a folder gives the latencies that are signed off, for every width.
+
+    It shows mutants that no pair shows: a clock more or less. True as well where it does not evaluate.
+    """
+    table = every_latency()
+    found = core_latencies(dut, list(table))
+    return found is None or found == list(table.values())
+
+
+def every_latency() -> dict[tuple[int, int], int]:
+    """Return the latency in clocks for every W, with no, some and all margin bits, as it is signed off."""
+    points = [(width, margin) for width in range(MIN_WIDTH, MAX_WIDTH + 1) for margin in (0, 8, width)]
+    return {point: Configuration(*point).latency for point in points}

@@ -13,9 +13,10 @@ from triaxis.coverage.report import ModelReport
 from triaxis.coverage.waiver_upkeep import exclusion_records
 from triaxis.golden.axes import NUM_AXES
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.sim.build import library
 from triaxis.sim.core_engine import configuration_for
+from triaxis.sim.models import core_build
 from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.sim.verilate import library
 from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult, check_detector
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import merge_coverage
@@ -237,4 +238,6 @@ def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
     """Return the builds that the runs and scenes need; the widest take longest and come first."""
     wanted = {(r.config, r.agent): r for r in runs}.values()
     widest_first = sorted(wanted, key=lambda r: (-r.width, r.agent, r.config))
-    return [partial(build_for, r) for r in widest_first] + [partial(library, configuration_for(24, 1))]
+    return [partial(build_for, r) for r in widest_first] + [
+        partial(library, core_build(configuration_for(24, 1)))
+    ]

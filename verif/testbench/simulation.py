@@ -13,10 +13,10 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
-from triaxis.sim.build import burst_simulation, mesh_library, simulation
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.models import bare_build, burst_build, mesh_build, mesh_pin_build, pin_build
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.verif.testbench.mesh_build import BARE_TOP, TOP, bare_simulation, mesh_simulation
+from triaxis.sim.verilate import Build, verilate
 from triaxis.verif.testbench.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
 
 # How often an error line of the log is repeated to the user.
@@ -91,27 +91,21 @@ def _errors(log: Path) -> tuple[str, ...]:
     return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
 
 
+def build_of(settings: RunSettings, dut: Path = DUT) -> Build:
+    """Return the program that simulates a run."""
+    if settings.of_mesh_engine:
+        return mesh_pin_build(settings.mesh_configuration, dut) if settings.agent == PIN else bare_build()
+    if settings.agent == BURST:
+        return burst_build(settings.configuration, dut, with_assertions=not settings.soak)
+    return pin_build(settings.configuration, dut)
+
+
 def build_for(settings: RunSettings, dut: Path = DUT) -> Path:
     """Return the folder of the simulator executable that a run needs, built where needed."""
-    if settings.of_mesh_engine:
-        return _build_for_mesh(settings, dut)
-    if settings.agent == BURST:
-        return burst_simulation(settings.configuration, dut, assertions=not settings.soak)
-    return simulation(settings.configuration, dut)
-
-
-def _build_for_mesh(settings: RunSettings, dut: Path) -> Path:
-    if settings.agent == PIN:
-        return mesh_simulation(settings.mesh_configuration, dut)
-    # What the run loads; here so that it counts as a build.
-    mesh_library(settings.mesh_configuration, dut)
-    return bare_simulation()
-
-
-def _top_level(settings: RunSettings) -> str:
-    if settings.of_mesh_engine:
-        return TOP if settings.agent == PIN else BARE_TOP
-    return "triaxis_burst_tb" if settings.agent == BURST else "triaxis_core"
+    if settings.of_mesh_engine and settings.agent != PIN:
+        # What the run loads; here so that it counts as a build.
+        verilate(mesh_build(settings.mesh_configuration, dut))
+    return verilate(build_of(settings, dut))
 
 
 def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
@@ -138,7 +132,7 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
     # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
         runner.test(
-            hdl_toplevel=_top_level(settings),
+            hdl_toplevel=build_of(settings).top,
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testbench.entry",
             test_filter=f"{settings.test}$",

@@ -22,81 +22,91 @@ from triaxis.golden.pairs import coordinate_range
 from triaxis.host.cli import main
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import CoreError
-from triaxis.sim.paths import mesh_sources, rtl_sources
-from triaxis.sim.toolchain import verilator
-from triaxis.verif.code_coverage.instrumented_core import (
-    COUNTERS,
+from triaxis.sim.core_engine import (
     DELIVERED,
     DISCARDED,
     OFFER,
     RESET,
     TAKE,
-    InstrumentedCore,
-    Stimulus,
-    core_model,
-    detector_model,
-    elaborated,
+    CorePlayer,
+    Sent,
+    Steps,
+    core_words,
 )
-from triaxis.verif.code_coverage.instrumented_engine import engine_model
-from triaxis.verif.code_coverage.run import CORES, DETECTOR_WIDTH, ENGINES, CodeCoverage, Run, write_json
-from triaxis.verif.code_coverage.stimulus import disturbed, flowing, pairs_with_margins, stimulus
+from triaxis.sim.models import core_build
+from triaxis.sim.paths import mesh_sources, rtl_sources
+from triaxis.sim.verilate import COUNTERS, described, library, verilate_command
+from triaxis.verif.code_coverage.run import (
+    CORES,
+    ENGINES,
+    CodeCoverage,
+    Run,
+    covered,
+    write_json,
+)
+from triaxis.verif.code_coverage.stimulus import pairs_with_margins, stimulus
 from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stimulus.schedules import disturbed, flowing
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
 TOP = "TOP.triaxis_core"
 
 
-@pytest.fixture(scope="module")
-def core() -> InstrumentedCore:
-    return InstrumentedCore(SMALL)
+@pytest.fixture
+def core() -> CorePlayer:
+    return CorePlayer(library(covered(SMALL)))
 
 
-def one_by_one(pairs: list[np.ndarray]) -> Stimulus:
-    count = len(pairs)
-    zeros = np.zeros(count, np.int64)
-    return Stimulus(np.stack(pairs), zeros, zeros, np.zeros(count, np.uint8), flowing())
+def one_by_one(pairs: list[np.ndarray], steps: Steps | None = None) -> Sent:
+    none = np.zeros(len(pairs), np.int64)
+    return core_words(np.stack(pairs), none, none, SMALL, flowing() if steps is None else steps)
 
 
-def test_bits_above_64_are_counted_each_by_itself(core: InstrumentedCore, tmp_path: Path) -> None:
+def counted(core: CorePlayer, sent: Sent, tmp_path: Path) -> Counters:
+    assert core.play(sent).symptom == ""
+    core.write_coverage(tmp_path / "coverage.dat")
+    return read_counters(tmp_path / "coverage.dat")
+
+
+@pytest.mark.simulator
+def test_bits_above_64_are_counted_each_by_itself(core: CorePlayer, tmp_path: Path) -> None:
     """Verilator's own counting takes a change of bit b for one of b + 32, b + 64, .. as well."""
     still = np.zeros((2, 3, 3), np.int64)
     moved = still.copy()
     moved[0, 1, 0] = 1 << 4  # The fourth coordinate: bit 3 * 8 + 4 of TDATA.
-    core.play(one_by_one([still, moved, still]), tmp_path / "coverage.dat")
-    toggles = read_counters(tmp_path / "coverage.dat").toggles
+    toggles = counted(core, one_by_one([still, moved, still]), tmp_path).toggles
     data = {bit: toggles[TOP, f"s_axis_tdata_i[{bit}]"] for bit in range(18 * 8)}
     assert {bit for bit, t in data.items() if t.rises or t.falls} == {28}
     assert (data[28].rises, data[28].falls) == (1, 1)
 
 
-def test_nothing_is_counted_before_the_first_pair(core: InstrumentedCore, tmp_path: Path) -> None:
+@pytest.mark.simulator
+def test_nothing_is_counted_before_the_first_pair(core: CorePlayer, tmp_path: Path) -> None:
     """A constant 1 rises from the simulator's initial 0, once: no coverage."""
-    core.play(one_by_one([np.zeros((2, 3, 3), np.int64)]), tmp_path / "coverage.dat")
-    toggles = read_counters(tmp_path / "coverage.dat").toggles
+    toggles = counted(core, one_by_one([np.zeros((2, 3, 3), np.int64)]), tmp_path).toggles
     assert toggles[TOP, "rst_ni"].falls == 0
     zero = toggles[f"{TOP}.u_datapath.u_flags", "det_zero_d[9]"]
     assert (zero.rises, zero.falls) == (0, 0)
 
 
 def played(
-    core: InstrumentedCore, rng: np.random.Generator, steps: np.ndarray, tmp_path: Path, count: int = 300
-) -> tuple[Stimulus, Counters, np.ndarray]:
-    given = stimulus(rng, count, SMALL, steps)
-    seen = core.play(given, tmp_path / "coverage.dat")
-    expected = expected_words(bulk_facts(given.pairs, given.margins), SMALL)
+    core: CorePlayer, rng: np.random.Generator, steps: Steps, tmp_path: Path, count: int = 300
+) -> tuple[Counters, np.ndarray]:
+    sent, pairs, margins = stimulus(rng, count, SMALL, steps)
+    seen = core.play(sent)
+    core.write_coverage(tmp_path / "coverage.dat")
+    expected = expected_words(bulk_facts(pairs, margins), SMALL)
     delivered = seen.states == DELIVERED
     assert delivered.any() and ((seen.states == DISCARDED) | delivered).all()
     assert np.array_equal(seen.words[delivered], expected[delivered])
-    return given, read_counters(tmp_path / "coverage.dat"), seen.states
+    return read_counters(tmp_path / "coverage.dat"), seen.states
 
 
 def assess(counters: Counters) -> Assessment:
-    model = core_model(SMALL)
-    return assess_model(
-        ModelCoverage(model.name, counters, read_elaboration(elaborated(model), model.top)), read_waivers()
-    )
+    model = covered(SMALL)
+    instances = read_elaboration(described(model), model.top)
+    return assess_model(ModelCoverage(model.name, counters, instances), read_waivers())
 
 
 def protocol_holes(found: Assessment) -> set[str]:
@@ -109,72 +119,62 @@ def protocol_holes(found: Assessment) -> set[str]:
     }
 
 
-def test_every_signal_has_its_counters(
-    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
+@pytest.mark.simulator
+def test_what_the_protocol_needs_is_covered_with_back_pressure_and_resets_alone(
+    core: CorePlayer, rng: np.random.Generator, tmp_path: Path
 ) -> None:
-    _, counters, _ = played(core, rng, disturbed(rng), tmp_path)
+    counters, _ = played(core, rng, flowing(), tmp_path)
     found = assess(counters)
     assert found.problems == []
     assert found.totals["toggle"].total == 2 * len(counters.toggles) > 10_000
-
-
-def test_without_back_pressure_and_resets_the_protocol_is_not_covered(
-    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
-) -> None:
-    _, counters, _ = played(core, rng, flowing(), tmp_path)
-    holes = protocol_holes(assess(counters))
+    holes = protocol_holes(found)
     assert {"m_axis_tready_i:1->0", "rst_ni:1->0", "awake_q:1->0", "in_flight_q[5]:0->1"} <= holes
     assert "((in_flight_q != Depth[5:0])==0) => 0" in holes
-
-
-def test_with_them_it_is(core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path) -> None:
-    _, counters, _ = played(core, rng, disturbed(rng), tmp_path, 4000)
+    core.renew()
+    counters, _ = played(core, rng, disturbed(rng), tmp_path, 4000)
     assert protocol_holes(assess(counters)) == set()
 
 
-def test_a_core_whose_results_are_not_taken_hangs(core: InstrumentedCore, tmp_path: Path) -> None:
+@pytest.mark.simulator
+def test_a_core_whose_results_are_not_taken_hangs(core: CorePlayer) -> None:
     pairs = [np.zeros((2, 3, 3), np.int64)] * 40
-    stuck = replace(one_by_one(pairs), steps=np.array([OFFER], np.uint8))
-    with pytest.raises(CoreError, match="hangs"):
-        core.play(stuck, tmp_path / "coverage.dat")
+    assert core.play(one_by_one(pairs, np.array([OFFER], np.uint8))).symptom == "hangs"
 
 
-def test_resets_discard_what_is_in_flight(
-    core: InstrumentedCore, rng: np.random.Generator, tmp_path: Path
-) -> None:
+@pytest.mark.simulator
+def test_resets_discard_what_is_in_flight(core: CorePlayer, rng: np.random.Generator, tmp_path: Path) -> None:
     steps = np.full(60, OFFER | TAKE, np.uint8)
     steps[50] |= RESET
-    _, _, states = played(core, rng, steps, tmp_path)
+    _, states = played(core, rng, steps, tmp_path)
     assert 0 < (states == DISCARDED).sum() < len(states)
 
 
-def declared_bits(tmp_path: Path, options: tuple[str, ...]) -> set[str]:
-    """Return the counters of TDATA that Verilator declares for the widest core."""
-    model = core_model(Configuration(32, 0, edge_box=False))
-    parameters = [f"-G{name}={value}" for name, value in model.parameters.items()]
-    command = ["--cc", *options, "--Mdir", str(tmp_path), "--prefix", "Vcore", "--top-module", model.top]
-    sources = [f"-I{rtl_sources()[0].parent}", *map(str, rtl_sources())]
-    run_tool([str(verilator().executable), *command, *parameters, *sources], tmp_path, "W = 32")
+def declared_bits(tmp_path: Path, leave_out: int) -> set[str]:
+    """Return the counters of TDATA that Verilator declares for the widest core, some options left out."""
+    build = replace(core_build(Configuration(32, 0, edge_box=False)), counters=True)
+    command = verilate_command(build, tmp_path)
+    start = command.index("--coverage-max-width")
+    del command[start : start + leave_out]
+    run_tool(command, tmp_path, "W = 32")
     text = "".join(path.read_text() for path in tmp_path.glob("*__Slow.cpp"))
     calls = (part.partition(";")[0] for part in text.split("__vlCoverToggleInsert(")[1:])
     return {call.split(", &")[0] for call in calls if '"s_axis_tdata_i"' in call}
 
 
-def test_the_widest_bus_has_a_counter_for_each_bit(tmp_path: Path) -> None:
-    assert declared_bits(tmp_path, COUNTERS) == {"0, 575, 1"}
+@pytest.mark.simulator
+def test_the_widest_bus_has_a_counter_for_each_bit_and_would_have_none(tmp_path: Path) -> None:
+    assert "--coverage-max-width" in COUNTERS
+    for name, leave_out, found in (("with", 0, {"0, 575, 1"}), ("without", 2, set())):
+        (tmp_path / name).mkdir()
+        assert declared_bits(tmp_path / name, leave_out) == found
 
 
-def test_verilator_leaves_it_out_unless_told_otherwise(tmp_path: Path) -> None:
-    start = COUNTERS.index("--coverage-max-width")
-    assert declared_bits(tmp_path, (*COUNTERS[:start], *COUNTERS[start + 2 :])) == set()
-
-
+@pytest.mark.simulator
 def test_the_models_elaborate_every_generate_block() -> None:
-    models = [*map(core_model, CORES), detector_model(DETECTOR_WIDTH), *map(engine_model, ENGINES)]
     found = {
         (instance.module, label)
-        for model in models
-        for instance in read_elaboration(elaborated(model), model.top).values()
+        for model in map(covered, (*CORES, None, *ENGINES))
+        for instance in read_elaboration(described(model), model.top).values()
         for label in instance.blocks
     }
     blocks = generate_blocks([*rtl_sources(), *mesh_sources()])
@@ -199,7 +199,7 @@ def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
     return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
 
 
-def covered() -> Assessment:
+def all_hit() -> Assessment:
     return Assessment({("a.sv", kind): Total(9, 1, 10) for kind in KINDS}, waived={1: 1})
 
 
@@ -210,12 +210,12 @@ def hole() -> Bin:
 @pytest.mark.parametrize(
     ("result", "passed", "problem"),
     [
-        (lambda: coverage(covered()), True, None),
-        (lambda: coverage(covered(), wrong=2), False, "w16_m0: 2 of 9 results are wrong"),
-        (lambda: coverage(covered(), checked=0), False, "w16_m0: no result was checked"),
-        (lambda: coverage(replace(covered(), uncovered=[hole()])), False, None),
-        (lambda: coverage(replace(covered(), problems=["a waiver"])), False, "a waiver"),
-        (lambda: replace(coverage(covered()), changed=True), False, "the RTL changed during the run"),
+        (lambda: coverage(all_hit()), True, None),
+        (lambda: coverage(all_hit(), wrong=2), False, "w16_m0: 2 of 9 results are wrong"),
+        (lambda: coverage(all_hit(), checked=0), False, "w16_m0: no result was checked"),
+        (lambda: coverage(replace(all_hit(), uncovered=[hole()])), False, None),
+        (lambda: coverage(replace(all_hit(), problems=["a waiver"])), False, "a waiver"),
+        (lambda: replace(coverage(all_hit()), changed=True), False, "the RTL changed during the run"),
     ],
 )
 def test_the_result_is_written(
@@ -247,7 +247,7 @@ def test_the_exit_code_says_whether_all_is_covered(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    result = coverage(covered() if passed else replace(covered(), uncovered=[hole()] * 50))
+    result = coverage(all_hit() if passed else replace(all_hit(), uncovered=[hole()] * 50))
     monkeypatch.setattr("triaxis.verif.commands.coverage.measure", lambda *_, **__: result)
     monkeypatch.setattr("triaxis.verif.commands.coverage.write_json", lambda *_: tmp_path / "code.json")
     assert main(["coverage", "code"]) == code

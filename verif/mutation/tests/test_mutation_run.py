@@ -13,24 +13,28 @@ import pytest
 from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
-from triaxis.sim import programs
-from triaxis.sim.paths import DUT
+from triaxis.sim import programs, verilate
+from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.programs import yosys
 from triaxis.sim.result import AXIS_SHIFT, NEAR
-from triaxis.verif.mutation import builds, folder, killers, killing, outcomes, result
+from triaxis.verif.mesh.script_stimulus import engine_directed
+from triaxis.verif.mutation import builds, killers, killing, outcomes, result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
+    CONTRACT,
     CORNERS,
     EXHAUSTIVE,
     PROOF,
     Equivalent,
     check_equivalents,
+    keep_contract,
     prove,
     read_equivalents,
 )
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
-from triaxis.verif.mutation.targets import MAIN
+from triaxis.verif.mutation.schema import mutated
+from triaxis.verif.mutation.targets import ENGINE_WORD, MAIN, AnyTarget
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -95,24 +99,22 @@ def few(*mutants):
     return replace(found, mutants=tuple(m for m in found.mutants if m.id in names))
 
 
-def run(folder, chosen, seed, equivalents=None):
-    """Run without what earlier runs know, on the main target, without volume."""
+def run(folder, chosen, seed, equivalents=None, target: AnyTarget = MAIN):
+    """Run without what earlier runs know, on one target, without volume."""
     return mutate(
-        seed, targets=(MAIN,), fresh=True, with_volume=False, chosen=chosen,
+        seed, targets=(target,), fresh=True, with_volume=False, chosen=chosen,
         equivalents=equivalents or empty(folder), pairs=60,
     )  # fmt: skip
 
 
-def test_a_mutant_is_killed_by_what_the_environment_sends(tmp_path, touching, seed):
+@pytest.mark.simulator
+def test_a_mutant_is_killed_and_a_weakened_stimulus_leaves_a_survivor(tmp_path, touching, seed, monkeypatch):
     found = run(tmp_path, few(touching), seed)
     assert found.passed
     fate = found.fates[0]
     assert (fate.fate, fate.by, fate.symptom) == (KILLED, "run", "wrong word")
     assert fate.test in ("ExtremesTest", "TouchingTest", "NearMissTest", "RandomTest", "CoplanarTest")
     assert fate.pairs is not None and fate.pairs < 5000
-
-
-def test_a_weakened_stimulus_leaves_a_survivor_and_fails(tmp_path, touching, seed, monkeypatch):
     # What its boxes decide, no interval test counts for.
     real = killing.directed
     monkeypatch.setattr(killing, "directed", lambda *a: [decided_by_boxes(play) for play in real(*a)[:5]])
@@ -123,6 +125,8 @@ def test_a_weakened_stimulus_leaves_a_survivor_and_fails(tmp_path, touching, see
     assert f"triaxis prove mutate --mutant {touching.id}" in found.problems[0]
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed, monkeypatch):
     needs_yosys()
     # The evidence is believed here, wrongly: the run must not be.
@@ -132,6 +136,7 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed,
     assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
+@pytest.mark.prover
 def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     needs_yosys()
     wrong = of("triaxis_extent", "relational", "points_i[i] > points_i")
@@ -182,6 +187,8 @@ def test_a_mutant_is_not_listed_twice(tmp_path):
         read_equivalents(listed(tmp_path, "a/b/c", "a/b/c"))
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 def test_the_fifo_from_generator_to_result(tmp_path, seed):
     """All mutants of one file, in one build that holds them."""
     found = run(tmp_path, catalogue().restricted("core/triaxis_fifo.sv", "*/[!pg]*/*"), seed)
@@ -200,6 +207,48 @@ def test_the_fifo_from_generator_to_result(tmp_path, seed):
     taken = result.stored_result(tmp_path / "none.json", stored)
     assert taken is not None
     assert {fate.id for fate in result.fates_in(taken)} == {fate.id for fate in found.fates}
+
+
+@pytest.mark.regress
+@pytest.mark.simulator
+def test_a_mutant_of_the_engine_is_killed_and_a_weakened_stimulus_leaves_it(tmp_path, seed, monkeypatch):
+    lost = of("triaxis_near_pairs", "unary", "|| (m_axis_near_tvalid_o) ||")
+    found = run(tmp_path, few(lost), seed, target=ENGINE_WORD)
+    assert found.passed
+    assert found.fates[0].fate == KILLED and found.fates[0].target == ENGINE_WORD.name
+    real = killing.engine_directed
+    monkeypatch.setattr(
+        killing, "engine_directed", lambda *a: [play for play in real(*a) if play.family == "translations"]
+    )
+    found = run(tmp_path, few(lost), seed, target=ENGINE_WORD)
+    assert found.fates[0].fate == SURVIVING
+    assert f"triaxis prove mutate --mutant {lost.id}" in found.problems[0]
+
+
+@pytest.mark.regress
+@pytest.mark.simulator
+def test_an_engine_that_breaks_its_contract_is_no_original(tmp_path, seed):
+    wrong = of("triaxis_overlap", "equality", "apart != '0")
+    with mutated(DUT, wrong) as broken, pytest.raises(InputError, match="the RTL is wrong"):
+        killing.measured(ENGINE_WORD, engine_directed(ENGINE_WORD.configuration, seed), broken)
+
+
+@pytest.mark.prover
+def test_a_contract_refuses_what_breaks_it():
+    from triaxis.verif.formal.proof import require_tools
+
+    try:
+        require_tools()
+    except InputError as error:
+        pytest.skip(str(error))
+    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
+    entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
+    refused = keep_contract(entry, [wrong])
+    assert refused is not None and "not equivalent by its contract" in refused
+    other = keep_contract(replace(entry, module="triaxis_ram"), [wrong])
+    assert other is not None and "there is no proof of triaxis_ram" in other
+    elsewhere = keep_contract(replace(entry, module="triaxis_pick"), [wrong])
+    assert elsewhere is not None and "are not of mesh/triaxis_stream_fifo.sv" in elsewhere
 
 
 @cache
@@ -240,25 +289,15 @@ def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypa
     assert any("changed during the run" in problem for problem in found.problems)
 
 
-def test_the_hash_of_the_killers_changes_with_each_of_them(tmp_path, monkeypatch):
+def test_the_killers_are_all_of_them_and_nothing_else():
     names = {path.name for path in killers.KILLERS.files()}
-    wanted = {
-        "equivalents.toml",
-        "core.cpp",
-        "configuration.py",
-        "families.py",
-        "triaxis_core_sva.sv",
-        "bulk.cpp",
-        "packing.py",
-    }
-    assert wanted < names
-    assert "result.json" not in names
+    assert {"equivalents.toml", "core_player.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp"} < names
+    assert not {"result.json", "README.md"} & names
+    foreign = tuple(ROOT / name for name in ("host", "docs", "bench", "fpga"))
+    assert not any(path.is_relative_to(folder) for path in killers.KILLERS.files() for folder in foreign)
     # Reached only through others: none of them is in the folder of the mutation.
     assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "proof.py"} < names
     assert "meshcheck.py" not in names
-    before = killers.killers_hash()
-    monkeypatch.setattr(killers, "verilator", lambda: "another Verilator")
-    assert killers.killers_hash() != before
 
 
 KILL = killing.Killed("MixedTest", "touching", "w8_m8", "wrong word", 3)
@@ -304,7 +343,7 @@ class Failing:
 
     executable: Path
 
-    def environment(self, _: bool) -> dict[str, str]:
+    def environment(self) -> dict[str, str]:
         return dict(os.environ)
 
 
@@ -320,16 +359,19 @@ class Failing:
 )
 def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, message):
     monkeypatch.setattr(programs, "_WALL_SECONDS", 2 if "sleep" in script else 60)
-    monkeypatch.setattr(builds, "verilator", lambda: Failing(tmp_path / "fails"))
+    for module in (builds, verilate):
+        monkeypatch.setattr(module, "verilator", lambda: Failing(tmp_path / "fails"))
+    monkeypatch.setattr(builds, "_build", lambda *_: replace(MAIN.build(DUT), dut=tmp_path))
     monkeypatch.setenv("DUT", str(tmp_path))
+    target = MAIN
     (tmp_path / "fails").write_text(f"#!/bin/sh\n{script}\n")
     (tmp_path / "fails").chmod(0o755)
     with pytest.raises(InputError, match=message):
-        builds._verilate(MAIN, tmp_path, tmp_path, [], [])
+        builds.elaboration_hash(target, tmp_path, False)
     (tmp_path / "fails").write_text('#!/bin/sh\necho "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1\n')
     monkeypatch.setattr(programs, "_WALL_SECONDS", 60)
     with pytest.raises(builds.ElaborationError, match=r"triaxis_core\.sv:1:2"):
-        builds._verilate(MAIN, tmp_path, tmp_path, [], [])
+        builds.elaboration_hash(target, tmp_path, False)
 
 
 def dies(_: object) -> killing.Outcome:
@@ -345,7 +387,7 @@ def test_a_process_that_dies_ends_the_run_and_names_its_mutants(seed):
 
 
 def test_what_killed_runs_left_is_swept_unless_another_is_at_work(tmp_path, monkeypatch):
-    monkeypatch.setattr(folder, "FOLDER", tmp_path)
+    monkeypatch.setattr(builds, "FOLDER", tmp_path)
     left = [
         tmp_path / name for name in ("dut-a", "proof-b", "schema-w8_m8-c.partial", ".result.json-1.partial")
     ]
@@ -353,10 +395,10 @@ def test_what_killed_runs_left_is_swept_unless_another_is_at_work(tmp_path, monk
     for path in (*left, *kept):
         path.mkdir()
         os.utime(path, (0, 0))
-    with folder.temporary("dut-") as mine:
-        folder.sweep(tmp_path)
+    with builds.temporary("dut-") as mine:
+        builds.sweep(tmp_path)
         assert all(path.exists() for path in (mine, *left, *kept))
-    folder.sweep(tmp_path)
+    builds.sweep(tmp_path)
     assert [path for path in left if path.exists()] == []
     assert all(path.exists() for path in kept)
 

@@ -1,4 +1,4 @@
-"""What mutants of the mesh engine are played with: small scenes, their limits, and disturbed runs.
+"""What scripts for the mesh engine are made of: small scenes, their limits, and disturbed runs.
 
 Scenes are drawn so that boxes of groups and of triangles lie apart, meet and overlap, one LSB more or less.
 """
@@ -11,8 +11,7 @@ import numpy.typing as npt
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
-from triaxis.verif.mutation.engine_play import EnginePlay, Script, Traffic, Triangles
-from triaxis.verif.mutation.targets import EngineTarget
+from triaxis.verif.mesh.scripts import EnginePlay, Script, Traffic, Triangles
 
 _STREAM = 3
 # Distance of groups from the origin, and of vertices from their group's middle.
@@ -273,9 +272,9 @@ _FAMILIES: dict[tuple[str, str], tuple[Callable[[_Rng, Script, int], None], int]
 }
 
 
-def engine_directed(target: EngineTarget, seed: int) -> list[EnginePlay]:
+def engine_directed(configuration: MeshConfiguration, seed: int) -> list[EnginePlay]:
     """Return the short scripts, the quickest to find mutants first."""
-    return list(_plays(target, seed, 1))
+    return list(_plays(configuration, seed, 1))
 
 
 def _extremes(rng: _Rng, script: Script, scenes: int) -> None:
@@ -307,20 +306,20 @@ def _extremes(rng: _Rng, script: Script, scenes: int) -> None:
             script.load(0, a // 8 * (1, 1, 0)).load(1, b // 8 * (1, 1, 0)).run()
 
 
-def engine_extremes(target: EngineTarget, seed: int) -> list[EnginePlay]:
+def engine_extremes(configuration: MeshConfiguration, seed: int) -> list[EnginePlay]:
     """Return scripts that take counters and memories to their ends."""
-    script = Script(target.configuration)
+    script = Script(configuration)
     _extremes(np.random.default_rng((seed, _STREAM + 1)), script, 2)
     return [script.play("MeshLimitsTest", "extremes")]
 
 
-def engine_volume(target: EngineTarget, seed: int) -> list[EnginePlay]:
+def engine_volume(configuration: MeshConfiguration, seed: int) -> list[EnginePlay]:
     """Return the long scripts, for what survives the short ones."""
-    return list(_plays(target, seed + 1, 6))
+    return list(_plays(configuration, seed + 1, 6))
 
 
-def _plays(target: EngineTarget, seed: int, times: int) -> Iterator[EnginePlay]:
+def _plays(configuration: MeshConfiguration, seed: int, times: int) -> Iterator[EnginePlay]:
     for (test, family), (make, scenes) in _FAMILIES.items():
-        script = Script(target.configuration)
+        script = Script(configuration)
         make(np.random.default_rng((seed, _STREAM)), script, times * scenes)
         yield script.play(test, family)

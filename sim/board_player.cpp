@@ -25,7 +25,7 @@
 #include <deque>
 #include <memory>
 
-#include "Vboard.h"
+#include "Vtop.h"
 
 namespace {
 
@@ -114,7 +114,7 @@ struct BoardPins {
 
 struct Board {
     VerilatedContext context;
-    Vboard top{&context};
+    Vtop top{&context};
     Sender sender;
     Receiver receiver;
     int64_t broken = 0;
@@ -123,7 +123,7 @@ struct Board {
 };
 
 static bool Clock(Board& board) {
-    Vboard& top = board.top;
+    Vtop& top = board.top;
     const bool was_go = top.go_o;
     const bool was_beat = top.beat_o;
     bool level = board.sender.Next();

@@ -1,4 +1,4 @@
-"""A script for the mesh engine: what is loaded, run and reset, and what the contract says must come of it.
+"""Scripts for the mesh engine: what is loaded, run and reset, and what the contract says must come of it.
 
 Near pairs and counters come from the exact checker and the definition of groups, never from the RTL. Only the
 clocks of a run, which are part of what the engine promises, are those of the engine without mutants.
@@ -9,40 +9,67 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.scene import scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Move, Status
-from triaxis.verif.mutation.engine_expectation import Expectation, expected_run
+from triaxis.sim.mesh_engine import (
+    LOAD,
+    NEVER,
+    RESET,
+    RUN,
+    UNKNOWN_CLOCKS,
+    MeshScript,
+    Mode,
+    Move,
+    Status,
+    mesh_step,
+)
+from triaxis.verif.mesh.expectation import moved, overflows
 
 Triangles = npt.NDArray[np.int64]
 
-LOAD, RUN, RESET = 0, 1, 2
-NEVER = -1
-# A run ends at its first near pair, or by an abort, whichever the engine sees first.
-UNKNOWN_CLOCKS = -1
 
-# In the order of Step in engine.cpp.
-_FIELDS = (
-    "kind", "mesh", "clear", "first", "count", "held_a", "held_b", "overfull", "move_x", "move_y", "move_z",
-    "margin", "mode", "abort_at", "abort_clocks", "status", "exact", "group_pairs_skipped",
-    "group_pairs_opened", "pairs_skipped", "tested", "near_count", "near_first", "near_length", "seed",
-    "stall", "hold", "early", "cut",
-)  # fmt: skip
-STEP = np.dtype([(name, np.int64) for name in _FIELDS])
+@dataclass(frozen=True)
+class Expectation:
+    """What a run must answer. ``near`` (K, 2): all near pairs as (number in A, in B), in scan order.
+
+    ``tested_to_first``: pairs tested up to and including the first near one.
+    """
+
+    status: Status
+    group_pairs_skipped: int = 0
+    group_pairs_opened: int = 0
+    pairs_skipped: int = 0
+    tested: int = 0
+    tested_to_first: int = 0
+    near: Triangles = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+
+
+def expected_run(
+    a: Triangles, b: Triangles, move: Move, margin: int, mode: int, configuration: MeshConfiguration
+) -> Expectation:
+    """Return what a run of meshes (N, 3, 3) and (M, 3, 3), as loaded, must answer."""
+    if mode not in tuple(Mode):
+        return Expectation(Status.BAD_MODE)
+    if overflows(a, move, configuration.width):
+        return Expectation(Status.OVERFLOW)
+    if not len(a) or not len(b):
+        return Expectation(Status.COMPLETE)
+    answer = scene_answer(moved(a, move), b, margin, configuration.group)
+    is_near = answer.near[tuple(answer.to_be_tested.T)]
+    first = int(np.argmax(is_near)) + 1 if is_near.any() else answer.tested
+    return Expectation(
+        Status.COMPLETE, answer.group_pairs_skipped, answer.group_pairs_opened, answer.pairs_skipped,
+        answer.tested, first, answer.near_pairs,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class EnginePlay:
-    """Steps (S,) of `STEP` from a reset on, with the triangles (N, 9) and near pairs (K, 2) they name.
-
-    ``clocks`` (S,): those of each run, UNKNOWN_CLOCKS where it is not known yet.
-    """
+    """A script, named by the test that sends such scenes and by the family that they are of."""
 
     test: str
     family: str
-    steps: npt.NDArray[np.void]
-    triangles: npt.NDArray[np.int32]
-    near: npt.NDArray[np.uint32]
-    clocks: npt.NDArray[np.int64]
+    script: MeshScript
 
 
 @dataclass(frozen=True)
@@ -71,7 +98,7 @@ class Script:
     configuration: MeshConfiguration
     _meshes: list[Triangles] = field(default_factory=lambda: [np.zeros((0, 3, 3), np.int64)] * 2)
     _overfull: int = 0
-    _steps: list[dict[str, int]] = field(default_factory=list)
+    _steps: list[npt.NDArray[np.void]] = field(default_factory=list)
     _triangles: list[Triangles] = field(default_factory=list)
     _near: list[npt.NDArray[np.uint32]] = field(default_factory=list)
 
@@ -129,14 +156,13 @@ class Script:
 
     def play(self, test: str, family: str) -> EnginePlay:
         """Return the play."""
-        steps = np.array([tuple(step[name] for name in _FIELDS) for step in self._steps], STEP)
         triangles = np.concatenate([np.zeros((0, 3, 3), np.int64), *self._triangles])
         near = np.concatenate([np.zeros((0, 2), np.uint32), *self._near])
-        clocks = np.full(len(steps), UNKNOWN_CLOCKS, np.int64)
-        return EnginePlay(
-            test, family, steps, np.ascontiguousarray(triangles.reshape(-1, 9), np.int32),
-            np.ascontiguousarray(near), clocks,
+        script = MeshScript(
+            np.concatenate(self._steps), np.ascontiguousarray(triangles.reshape(-1, 9), np.int32),
+            np.ascontiguousarray(near), np.full(len(self._steps), UNKNOWN_CLOCKS, np.int64),
         )  # fmt: skip
+        return EnginePlay(test, family, script)
 
     def _expected(self, move: Move, margin: int, mode: int) -> Expectation:
         if self._overfull and mode in tuple(Mode):
@@ -152,6 +178,5 @@ class Script:
         fixed = {
             "held_a": held_a, "held_b": held_b, "overfull": self._overfull, "seed": traffic.seed,
             "stall": traffic.stall, "hold": traffic.hold, "early": int(traffic.early), "cut": traffic.cut,
-            "abort_at": NEVER,
         }  # fmt: skip
-        self._steps.append(dict.fromkeys(_FIELDS, 0) | fixed | {k: int(v) for k, v in values.items()})
+        self._steps.append(mesh_step(**(fixed | values)))

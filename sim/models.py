@@ -1,0 +1,125 @@
+"""The builds of each block: core, wrapper, mesh engine, board. Variants are made by `replace`."""
+
+from pathlib import Path
+
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.build import core_files, mesh_files
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.verilate import QUICK, Build, Form
+
+CORE_TOP, MESH_TOP, DETECTOR_TOP, BOARD_TOP = (
+    "triaxis_core", "triaxis_mesh", "CollisionDetector", "nexys4ddr_top",
+)  # fmt: skip
+BURST_TOP, BARE_TOP = "triaxis_burst_tb", "triaxis_bare_tb"
+
+CORE_SVA, MESH_SVA = VERIF / "core" / "sva", VERIF / "mesh" / "sva"
+_BURST = VERIF / "core" / "burst"
+
+
+def assertions(folder: Path) -> tuple[Path, ...]:
+    """Return the files of a folder of assertions that compile after the RTL."""
+    return tuple(sorted(folder.glob("*.sv")))
+
+
+def _core_defines(configuration: Configuration) -> dict[str, int]:
+    return {
+        "WIDTH": configuration.width,
+        "MARGIN_BITS": configuration.margin_bits,
+        "TAG_BITS": configuration.tag_bits,
+    }
+
+
+def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
+    """Return the core as a library; see core_engine.py."""
+    return Build(
+        configuration.name, CORE_TOP, configuration.parameters, tuple(rtl_sources(dut)),
+        (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=_core_defines(configuration), dut=dut,
+    )  # fmt: skip
+
+
+def detector_build(width: int, dut: Path = DUT) -> Build:
+    """Return the wrapper CollisionDetector as a library; see detector.py."""
+    return Build(
+        f"detector_w{width}", DETECTOR_TOP, {"W": width}, tuple(rtl_sources(dut)),
+        (SIM / "detector_player.cpp",), tuple(core_files(dut)), dut=dut,
+    )  # fmt: skip
+
+
+def mesh_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:
+    """Return the mesh engine as a library, in which one sees what reaches the core; see mesh_engine.py."""
+    defines = {
+        "WIDTH": configuration.width,
+        "MARGIN_BITS": configuration.margin_bits,
+        "INDEX_BITS": configuration.index_bits,
+        "CYCLE_BITS": configuration.cycle_bits,
+    }
+    return Build(
+        f"mesh_{configuration.name}", MESH_TOP, configuration.parameters,
+        (*rtl_sources(dut), *mesh_sources(dut), SIM / "mesh_public.vlt"), (SIM / "mesh_player.cpp",),
+        tuple(mesh_files(dut)), defines=defines, dut=dut,
+    )  # fmt: skip
+
+
+def board_build(parameters: BoardParameters, rtl: Path = DUT / "board") -> Build:
+    """Return the whole board as a library; see simulated_board.py. ``rtl``: another folder of its files."""
+    return Build(
+        parameters.name, BOARD_TOP, parameters.rtl,
+        (*rtl_sources(), *mesh_sources(), *board_sources(rtl)), (SIM / "board_player.cpp",),
+        tuple(mesh_files()), defines={"CLOCKS_PER_BIT": parameters.clocks_per_bit},
+    )  # fmt: skip
+
+
+def safety_build(rtl: Path = DUT / "board") -> Build:
+    """Return the board's safety module as a library; see verif/board/safety.py. ``rtl``: as above."""
+    return Build(
+        "safety", "triaxis_safety", {}, (*rtl_sources(), *mesh_sources(), rtl / "triaxis_safety.sv"),
+        (VERIF / "board" / "safety.cpp",), tuple(mesh_files()),
+    )  # fmt: skip
+
+
+def _pins(name: str, top: str, parameters: dict[str, int], sources: tuple[Path, ...], dut: Path) -> Build:
+    """Return a program for cocotb. It is not the bottleneck under Python: compiled quickly."""
+    from cocotb_tools.config import share_dir
+
+    main = share_dir / "lib" / "verilator" / "verilator.cpp"
+    return Build(
+        name, top, parameters, sources, (main,), tuple(core_files(dut)), dut=dut, form=Form.PINS,
+        assertions=True, speed=QUICK,
+    )  # fmt: skip
+
+
+def pin_build(configuration: Configuration, dut: Path = DUT) -> Build:
+    """Return the core with its pins and its assertions as a program for cocotb."""
+    sources = (CORE_SVA / "public.vlt", *rtl_sources(dut), *assertions(CORE_SVA))
+    return _pins(configuration.name, CORE_TOP, configuration.parameters, sources, dut)
+
+
+def mesh_pin_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:
+    """Return the mesh engine with its pins and its assertions as a program for cocotb."""
+    sources = (
+        MESH_SVA / "public.vlt", *rtl_sources(dut), *mesh_sources(dut), *assertions(MESH_SVA),
+    )  # fmt: skip
+    return _pins(f"mesh_{configuration.name}", MESH_TOP, configuration.parameters, sources, dut)
+
+
+def bare_build() -> Build:
+    """Return a program for cocotb with nothing in it: the mesh engine stands beside it, as a library."""
+    folder = VERIF / "mesh"
+    return _pins("bare", BARE_TOP, {}, (folder / "bare_tb.vlt", folder / f"{BARE_TOP}.sv"), DUT)
+
+
+def burst_build(configuration: Configuration, dut: Path = DUT, with_assertions: bool = True) -> Build:
+    """Return the core under the bus-functional model of bursts as a program for cocotb."""
+    sources = (
+        _BURST / "burst_tb.vlt", *rtl_sources(dut), *sorted(_BURST.glob("*.sv")),
+        *(assertions(CORE_SVA) if with_assertions else ()),
+    )  # fmt: skip
+    return Build(
+        configuration.name, BURST_TOP, configuration.parameters, sources, tuple(sorted(_BURST.glob("*.cpp"))),
+        tuple(core_files(dut)), tuple(sorted(_BURST.glob("*.h"))),
+        {**_core_defines(configuration), "PERIOD_PS": 1000 * PERIOD_NS}, dut, Form.BURST,
+        assertions=with_assertions,
+    )  # fmt: skip

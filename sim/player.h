@@ -1,0 +1,226 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the players of all blocks share: the Verilated model with what its build has of mutants, coverage
+// counters and a trace; how a play ends; and what becomes of errors that would end the process. Included by
+// the one source of each library; see verilate.py and player.py.
+
+#ifndef TRIAXIS_SIM_PLAYER_H_
+#define TRIAXIS_SIM_PLAYER_H_
+
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "Vtop.h"
+#include "verilated.h"
+
+#if VM_COVERAGE
+#include "verilated_cov.h"
+#endif
+#if VM_TRACE_SAIF
+#include "verilated_saif_c.h"
+#endif
+#ifdef SELECTABLE
+#include "Vtop_triaxis_mutant.h"
+#endif
+
+// What Verilator's library calls where it would end the process: a mutant's combinational logic may run in a
+// circle and never settle.
+void vl_fatal(const char*, int, const char*, const char* message) { throw std::runtime_error(message); }
+
+namespace triaxis {
+
+// How a play ends; player.py names them.
+enum Symptom : int32_t {
+  kPassed = 0,
+  kWrongWord,
+  kWrongTag,
+  kUnexpected,
+  kHang,
+  kWrongLatency,
+  kNotReady,
+  kUnstable,
+  kNotQuiet,
+  kAssertion,
+  kDiverged,
+  kWrongStatus,
+  kWrongClocks,
+  kWrongCounters,
+  kWrongNear,
+  kLostNear,
+  kWrongCount,
+  kWrongHandshake,
+  kEarlySummary,
+};
+
+// Chance of a stall in 256, decided by a generator of our own so that plays repeat.
+class Stalls {
+ public:
+  Stalls(int64_t seed, int64_t chance) : state_(static_cast<uint64_t>(seed) * 2 + 1), chance_(chance) {}
+  bool Now() {
+    if (chance_ == 0) return false;
+    state_ ^= state_ << 13;
+    state_ ^= state_ >> 7;
+    state_ ^= state_ << 17;
+    return static_cast<int64_t>((state_ >> 32) & 255) < chance_;
+  }
+
+ private:
+  uint64_t state_;
+  int64_t chance_;
+};
+
+#if VM_TRACE_SAIF
+class Followed;
+
+// Where what toggles is left, nowhere if empty, and the model that there is.
+static std::string trace_file;
+static Followed* latest = nullptr;
+
+// A model that follows its own switching activity.
+class Followed {
+ public:
+  explicit Followed(Vtop& model, VerilatedContext& context) : context_(context) {
+    model.trace(&activity_, kAllLevels);
+    latest = this;
+    Follow();
+  }
+  ~Followed() {
+    if (activity_.isOpen()) activity_.close();
+    latest = nullptr;
+  }
+
+  // Time, and what toggled, count from here.
+  void Follow() {
+    if (activity_.isOpen()) activity_.close();
+    if (!trace_file.empty()) activity_.open(trace_file.c_str());
+  }
+
+  // Inputs are changed between clocks: what they do is seen with the next edge.
+  void Note(bool level) {
+    if (level == level_) return;
+    level_ = level;
+    if (!activity_.isOpen()) return;
+    context_.timeInc(kHalfPeriod);
+    activity_.dump(context_.time());
+  }
+
+ private:
+  static constexpr int kAllLevels = 99;
+  // Half a clock of 100 MHz in the model's time unit, a picosecond.
+  static constexpr uint64_t kHalfPeriod = 5000;
+
+  VerilatedContext& context_;
+  VerilatedSaifC activity_;
+  bool level_ = false;
+};
+#endif
+
+// A model and its context, with mutant number `selected` where the build holds mutants.
+class Bench {
+ public:
+  explicit Bench(uint32_t selected) {
+    // An assertion that fails counts an error; it must not end the process.
+    context_.errorLimit(std::numeric_limits<int>::max());
+#if VM_COVERAGE
+    context_.coveragep()->forcePerInstance(true);
+#endif
+#if VM_TRACE_SAIF
+    context_.traceEverOn(true);
+#endif
+    model_ = std::make_unique<Vtop>(&context_);
+#if VM_TRACE_SAIF
+    followed_ = std::make_unique<Followed>(*model_, context_);
+#endif
+#ifdef SELECTABLE
+    model_->__PVT__triaxis_mutant->selected = selected;
+#else
+    (void)selected;
+#endif
+#if VM_COVERAGE
+    LeaveInitialValues(*model_);
+    context_.coveragep()->zero();
+#endif
+  }
+
+  // A model takes its scopes out of the thread's context: not out of another one's, which may be gone.
+  ~Bench() { Verilated::threadContextp(&context_); }
+
+  Vtop& model() { return *model_; }
+  bool asserted() const { return context_.errorCount() != 0; }
+
+  void Eval() { model_->eval(); }
+
+  // Inputs that were changed since the last call settle before the edge, in the same evaluation.
+  void Clock() {
+    Level(true);
+    Level(false);
+  }
+
+#if VM_COVERAGE
+  // Ends the file with a line by which the reader sees that it is whole: Verilator does not notice a full disk.
+  void WriteCoverage(const char* file) {
+    context_.coveragep()->write(file);
+    std::ofstream(file, std::ios::app) << "# end\n";
+  }
+#endif
+
+ private:
+  template <typename Model>
+  void SetClock(Model& model, bool level) {
+    if constexpr (requires { model.clk_i; }) model.clk_i = level;
+  }
+
+  void Level(bool level) {
+    SetClock(*model_, level);
+    model_->eval();
+#if VM_TRACE_SAIF
+    followed_->Note(level);
+#endif
+  }
+
+  // What happens before the first clock in reset is no coverage: signals leave the simulator's initial values.
+  template <typename Model>
+  void LeaveInitialValues(Model& model) {
+    if constexpr (requires { model.rst_ni; }) model.rst_ni = 0;
+    SetClock(model, false);
+    model.eval();
+    Clock();
+  }
+
+  VerilatedContext context_;
+  std::unique_ptr<Vtop> model_;
+#if VM_TRACE_SAIF
+  std::unique_ptr<Followed> followed_;
+#endif
+};
+
+}  // namespace triaxis
+
+#if VM_TRACE_SAIF
+// What toggles from here on is written to a file, until an empty name is given.
+extern "C" void triaxis_trace(const char* file) {
+  triaxis::trace_file = file;
+  if (triaxis::latest) triaxis::latest->Follow();
+}
+#endif
+
+// The functions by which a library's models are made, freed and asked for their coverage.
+#define TRIAXIS_PLAYER(Player)                                                             \
+  extern "C" void* triaxis_open(uint32_t selected) { return new Player(selected); }        \
+  extern "C" void triaxis_close(void* player) { delete static_cast<Player*>(player); }     \
+  TRIAXIS_COVERAGE(Player)
+#if VM_COVERAGE
+#define TRIAXIS_COVERAGE(Player)                                                           \
+  extern "C" void triaxis_coverage(void* player, const char* file) {                       \
+    static_cast<Player*>(player)->bench.WriteCoverage(file);                               \
+  }
+#else
+#define TRIAXIS_COVERAGE(Player)
+#endif
+
+#endif  // TRIAXIS_SIM_PLAYER_H_

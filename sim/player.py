@@ -1,0 +1,71 @@
+"""The libraries of Verilated models as Python sees them: what all players share. See player.h."""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+# How a play ends, in the order of player.h.
+SYMPTOMS = (
+    "", "wrong word", "wrong tag", "unexpected result", "hangs", "wrong latency", "not ready",
+    "result changes while it waits", "not quiet in reset", "assertion", "does not settle",
+    "wrong status", "wrong number of clocks", "wrong counters", "wrong near pair", "near pair lost",
+    "wrong number of triangles", "ready or busy at a wrong time", "summary too early",
+)  # fmt: skip
+ASSERTION = "assertion"
+
+
+class Player:
+    """A library that is loaded, and the model in it, with the mutant of that number where it holds any."""
+
+    def __init__(self, library: Path, selected: int = 0) -> None:
+        """Load the library, and make a model."""
+        self.library: Any = ctypes.CDLL(str(library))
+        self.library.triaxis_open.restype = ctypes.c_void_p
+        self.library.triaxis_open.argtypes = [ctypes.c_uint32]
+        self.library.triaxis_close.argtypes = [ctypes.c_void_p]
+        self.library.triaxis_close.restype = None
+        self.model: int | None = None
+        self.renew(selected)
+
+    def renew(self, selected: int = 0) -> None:
+        """Free the model, and make another one."""
+        self.free()
+        self.model = self.library.triaxis_open(selected)
+
+    def free(self) -> None:
+        """Free the model."""
+        if self.model is not None:
+            self.library.triaxis_close(self.model)
+            self.model = None
+
+    def __del__(self) -> None:
+        """Free the model."""
+        if hasattr(self, "model"):
+            self.free()
+
+    def unload(self) -> None:
+        """Free the model, and unload the library: thousands of them would be too many."""
+        import _ctypes
+
+        self.free()
+        _ctypes.dlclose(self.library._handle)
+
+    def write_coverage(self, file: Path) -> None:
+        """Write what the model's counters have counted since its first clock in reset."""
+        self.library.triaxis_coverage.restype = None
+        self.library.triaxis_coverage.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
+        self.library.triaxis_coverage(self.model, str(file).encode())
+
+
+@contextmanager
+def followed(library: Any, file: Path) -> Iterator[None]:
+    """Write what toggles in the model of a traced build while the block runs to a file: SAIF, at 100 MHz."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    library.triaxis_trace.restype = None
+    library.triaxis_trace(str(file).encode())
+    try:
+        yield
+    finally:
+        library.triaxis_trace(b"")

@@ -1,0 +1,304 @@
+"""One way from RTL to something that runs: Verilator, then the C++ compiler, for every build of the design.
+
+A `Build` says what varies. Verilator's make files are not used: they compile its library and its headers anew
+for each model, which is most of a small build.
+"""
+
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from functools import cache
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.native import cxx, target
+from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.paths import BUILD, DUT, SIM
+from triaxis.sim.toolchain import verilator
+
+# Verilator's prefix of all models: players know no other name.
+PREFIX = "Vtop"
+# Of the model's code: what runs for milliseconds costs more to compile than to run.
+QUICK, LIGHT, MANY, FAST = "-O0", "-Og", "-O1", "-O2"
+
+COUNTERS = (
+    "--coverage-line", "--coverage-toggle", "--coverage-expr",
+    # Signals of any width: Verilator leaves out those above 256 bits otherwise, and does not say so.
+    "--coverage-max-width", "65536",
+    # Without it, an instance of a module that is not inlined shares the counters of the first one.
+    "--flatten",
+)  # fmt: skip
+# Older ones count toggles without their direction.
+_OLDEST_WITH_COUNTERS = (5, 48)
+
+_RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
+_CONTROL = ".vlt"
+
+
+class Form(Enum):
+    """What is made of a model: a library, or a program for cocotb, which drives the clock itself or not.
+
+    The program that does keeps the time too; cocotb's own main program is asked for it.
+    """
+
+    LIBRARY = "library"
+    BURST = "burst"
+    PINS = "simulation"
+
+
+@dataclass(frozen=True)
+class Build:
+    """A top module with its parameters and its C++, and how it is built.
+
+    ``sources``: RTL and control files of Verilator, in order; ``above``, those that it depends on besides.
+    ``cpp``: of the player or the program; ``headers``, what that includes. ``dut``: the folder of the RTL,
+    which may be another one with the same files. ``counters``: of line, toggle and expression coverage.
+    ``assertions``: those in the sources are checked. ``traced``: it follows its own switching activity.
+    ``selectable``: it holds mutants, one of which is selected by its number. ``speed``: of the model's code.
+    ``split``: statements in a C++ file, 0 all in one. ``objects``: compiled already.
+    """
+
+    name: str
+    top: str
+    parameters: Mapping[str, int]
+    sources: tuple[Path, ...]
+    cpp: tuple[Path, ...]
+    above: tuple[Path, ...] = ()
+    headers: tuple[Path, ...] = ()
+    defines: Mapping[str, int] = field(default_factory=dict)
+    dut: Path = DUT
+    form: Form = Form.LIBRARY
+    counters: bool = False
+    assertions: bool = False
+    traced: bool = False
+    selectable: bool = False
+    speed: str = FAST
+    split: int | None = None
+    objects: tuple[Path, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """Return in a word for each what is special about it, for the names of folders."""
+        marks = {
+            "covered": self.counters, "traced": self.traced, "mutated": self.selectable,
+            "unasserted": self.form is Form.BURST and not self.assertions,
+        }  # fmt: skip
+        return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
+
+    @property
+    def flags(self) -> list[str]:
+        """Return the arguments of Verilator, but for those that name files and folders."""
+        arguments = [
+            # Warnings are for lint: only errors end a build.
+            "--cc", "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal",
+            # No signal is public: Verilator's default for cocotb costs most of the speed.
+            "--no-public-flat-rw", "--x-assign", "fast", "--x-initial", "fast", "--prefix", PREFIX,
+            "--assert" if self.assertions else "--no-assert",
+        ]  # fmt: skip
+        if self.speed == FAST:
+            arguments.append("-O3")
+        if self.counters:
+            arguments += COUNTERS
+        elif self.speed == FAST:
+            # Functions of moderate length: g++ makes code of the whole core in one function that runs a third
+            # slower.
+            arguments += ["--output-split-cfuncs", "1000"]
+        if self.traced:
+            arguments.append("--trace-saif")
+        if self.split is not None:
+            arguments += ["--output-split", str(self.split)]
+        if self.form is not Form.LIBRARY:
+            arguments += ["--vpi", "--timescale", "1ns/1ps"]
+        return arguments
+
+    @property
+    def preprocessed(self) -> list[str]:
+        """Return the definitions with which C++ is compiled."""
+        trace = int(self.traced)
+        values = {
+            "VERILATOR": 1, "VM_COVERAGE": int(self.counters), "VM_SC": 0, "VM_TRACE": trace,
+            "VM_TRACE_FST": 0, "VM_TRACE_VCD": 0, "VM_TRACE_SAIF": trace,
+        }  # fmt: skip
+        # Simulation time is kept by the model itself, not by a function of the main program.
+        if self.form is not Form.PINS:
+            values["VL_TIME_CONTEXT"] = 1
+        # Verilator's library throws what would end the process: see player.h.
+        if self.form is Form.LIBRARY:
+            values["VL_USER_FATAL"] = 1
+        return [f"-D{name}={value}" for name, value in values.items()]
+
+    @property
+    def hashed(self) -> str:
+        """Return a hash of everything that goes in. The folder of the RTL stands for its contents."""
+        files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
+        return content_hash(
+            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, self.speed,
+            repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
+            # Counters are told by the files that they are of.
+            str(self.dut) if self.counters else "",
+        )  # fmt: skip
+
+
+_PLAYERS = (SIM / "player.h", SIM / "counters" / "verilated_cov.h")
+
+
+def elaboration(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> list[str]:
+    """Return the beginning of every command of Verilator: itself, and what it elaborates."""
+    return [
+        str(verilator().executable), "--top-module", top, f"-I{dut / 'core'}",
+        *(f"-G{name}={value}" for name, value in parameters.items()),
+    ]  # fmt: skip
+
+
+def verilate_command(build: Build, folder: Path) -> list[str]:
+    """Return the command with which Verilator writes a model's C++ into a folder."""
+    first = [source for source in build.sources if source.suffix == _CONTROL]
+    rest = [source for source in build.sources if source.suffix != _CONTROL]
+    head = elaboration(build.top, build.parameters, build.dut)
+    return [*head, *build.flags, "--Mdir", str(folder), *map(str, [*first, *rest])]
+
+
+def verilate(build: Build, jobs: int = 2) -> Path:
+    """Return the folder with the library or the program, built where needed; see `product`."""
+    if build.counters and verilator().version < _OLDEST_WITH_COUNTERS:
+        raise InputError(
+            f"code coverage: Verilator {verilator()}: 5.048 or newer is needed; unset VERILATOR to use the "
+            "package index's"
+        )
+    folder = BUILD / build.form.value / f"{build.kind}-{build.hashed[:12]}"
+
+    def make(partial: Path) -> None:
+        print(f"building {build.kind} (once) ..", file=sys.stderr, flush=True)
+        (partial / "obj").mkdir()
+        run_tool(verilate_command(build, partial / "obj"), partial, build.kind)
+        compile_model(build, partial / "obj", partial, jobs)
+
+    return built(folder, make)
+
+
+def product(build: Build) -> str:
+    """Return the name of the file that a build is for. cocotb's runner looks for that of the top module."""
+    return "libtop.so" if build.form is Form.LIBRARY else build.top
+
+
+def library(build: Build, jobs: int = 2) -> Path:
+    """Return the shared library of a build, built where needed."""
+    return verilate(build, jobs) / product(build)
+
+
+def described(build: Build) -> Path:
+    """Return the file in which Verilator describes the elaborated design (JSON)."""
+    build = replace(build, counters=False, cpp=(), headers=())
+    key = content_hash((), build.hashed, str(build.dut))
+    folder = BUILD / "elaborated" / f"{build.name}-{key[:12]}"
+
+    def make(partial: Path) -> None:
+        command = verilate_command(build, partial)
+        command[command.index("--cc")] = "--json-only"
+        run_tool(command, partial, f"{build.kind}, elaboration")
+
+    return built(folder, make) / f"{PREFIX}.tree.json"
+
+
+@cache
+def _include() -> Path:
+    answer = subprocess.run(
+        [str(verilator().executable), "--getenv", "VERILATOR_ROOT"],
+        capture_output=True, text=True, check=True, env=verilator().environment(),
+    )  # fmt: skip
+    return Path(answer.stdout.strip()) / "include"
+
+
+def compiler(build: Build, speed: str) -> list[str]:
+    """Return the C++ compiler with all flags for a build's sources, but for those of the model itself."""
+    include = _include()
+    counting = [f"-I{SIM / 'counters'}"] if build.counters else []
+    position = ["-fPIC", "-fno-gnu-unique"] if build.form is Form.LIBRARY else []
+    return [
+        cxx(), "-std=c++20", "-pthread", "-march=native", "-w", "-faligned-new", speed, *position,
+        *build.preprocessed, *counting, f"-I{include}", f"-I{include / 'vltstd'}", f"-I{SIM}",
+    ]  # fmt: skip
+
+
+def _runtime(build: Build) -> Path:
+    """Return Verilator's own library, compiled once for all models of a kind: it is most of a small build."""
+    names = [*_RUNTIME, *(["verilated_cov"] if build.counters else ())]
+    sources = [
+        _include() / f"{name}.cpp" for name in [*names, *(["verilated_saif_c"] if build.traced else ())]
+    ]
+    command = compiler(build, FAST)
+    key = content_hash(sources, str(verilator()), target(cxx()), *_without_folders(command))
+
+    def make(partial: Path) -> None:
+        objects = [partial / f"{source.stem}.o" for source in sources]
+        for source, compiled in zip(sources, objects, strict=True):
+            run_tool([*command, "-c", str(source), "-o", str(compiled)], partial, "Verilator's library")
+        run_tool(["ar", "rc", str(partial / "libruntime.a"), *map(str, objects)], partial, "libruntime.a")
+
+    return built(BUILD / "runtime" / key[:12], make) / "libruntime.a"
+
+
+def _headers(build: Build) -> Path:
+    """Return Verilator's headers, compiled once for all models of one kind and speed."""
+    command = compiler(build, build.speed)
+    key = content_hash((), "headers", str(verilator()), target(cxx()), *_without_folders(command))
+
+    def make(partial: Path) -> None:
+        header = partial / "model.h"
+        header.write_text("#include <verilated.h>\n")
+        run_tool([*command, "-x", "c++-header", str(header), "-o", f"{header}.gch"], partial, "headers")
+
+    return built(BUILD / "runtime" / key[:12], make) / "model.h"
+
+
+def _without_folders(command: Sequence[str]) -> list[str]:
+    return [argument for argument in command if not argument.startswith("-I")]
+
+
+def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
+    """Compile what Verilator wrote to ``model``, with the player, into a library or program in ``folder``."""
+    runtime = _runtime(build)
+    places = [f"-I{model}", *(f"-I{place}" for place in sorted({path.parent for path in build.headers}))]
+    defines = [f"-D{name}={value}" for name, value in build.defines.items()]
+    flags = [
+        "-include",
+        str(_headers(build)),
+        *places,
+        *defines,
+        *(["-DSELECTABLE"] if build.selectable else ()),
+    ]
+    units = sorted(model.glob(f"{PREFIX}*.cpp"), key=lambda unit: (-unit.stat().st_size, unit))
+    units += build.cpp
+    if jobs == 1:
+        # One unit is quicker than many that include the same.
+        whole = model / "whole.cc"
+        whole.write_text("".join(f'#include "{unit}"\n' for unit in units))
+        units = [whole]
+
+    def compiled(unit: Path) -> str:
+        # What runs once, at the start, is half of the code.
+        speed = QUICK if unit.stem.endswith("__Slow") else build.speed
+        output = model / f"{unit.stem}.o"
+        run_tool([*compiler(build, speed), *flags, "-c", str(unit), "-o", str(output)], folder, build.kind)
+        return str(output)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        objects = list(pool.map(compiled, units))
+    made = folder / product(build)
+    command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, build.objects), str(runtime)]
+    run_tool([*command, *_linked(build)], folder, build.kind)
+    for file in objects:
+        Path(file).unlink()
+    return made
+
+
+def _linked(build: Build) -> list[str]:
+    if build.form is Form.LIBRARY:
+        return ["-shared"]
+    from cocotb_tools.config import libs_dir
+
+    # Python reaches the burst's own functions in the program.
+    return ["-rdynamic", f"-Wl,-rpath,{libs_dir}", f"-L{libs_dir}", "-lcocotbvpi_verilator"]
