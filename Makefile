@@ -93,7 +93,7 @@ COLD_BUSY ?= 1
 cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: an hour or two
 	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" .ci/cold
 
-lint: $(READY) ## check style and types: Verilator, verible, ruff, basedpyright
+lint: $(READY) ## check style, types and imports: Verilator, verible, ruff, import-linter, basedpyright
 	@$(BIN)/python -m triaxis.verif.lint
 
 format: $(READY) ## format the RTL and the Python code

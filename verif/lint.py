@@ -1,4 +1,4 @@
-"""Style, types, testplan: Verilator and verible on the RTL, ruff and basedpyright on Python."""
+"""Style, types, imports, testplan: Verilator, verible; ruff, import-linter, basedpyright."""
 
 import argparse
 import json
@@ -131,6 +131,7 @@ def lint(fix: bool) -> bool:
     )
     good &= _run("ruff check", [_bin("ruff"), "check", "."])
     good &= _run("ruff format", [_bin("ruff"), "format", "--check", "."])
+    good &= _run("import-linter", [_bin("lint-imports"), "--no-cache"])
     good &= _testplan()
     return good & _types()
 
