@@ -25,7 +25,7 @@
 #include <deque>
 #include <memory>
 
-#include "Vtop.h"
+#include "player.h"
 
 namespace {
 

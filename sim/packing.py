@@ -28,10 +28,10 @@ def data_words(
     size = -(-data_bytes(width) // _WORD) * _WORD
     words = np.zeros((len(flat), size), np.uint8)
     if width in (8, 16, 32):
-        words[:, : used // 8] = flat.astype(f"<i{width // 8}").view(np.uint8).reshape(len(flat), -1)
+        words[:, : used // 8] = flat.astype(f"<i{width // 8}").view(np.uint8).reshape(len(flat), used // 8)
     elif width % 8 == 0:
         whole = flat.view(np.uint8).reshape(len(flat), COORDINATES, _WORD)
-        words[:, : used // 8] = whole[:, :, : width // 8].reshape(len(flat), -1)
+        words[:, : used // 8] = whole[:, :, : width // 8].reshape(len(flat), used // 8)
     else:
         words = _bits(flat, width, size)
         if padding is not None:

@@ -36,6 +36,8 @@ _OLDEST_WITH_COUNTERS = (5, 48)
 
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
 _CONTROL = ".vlt"
+# A library may be loaded into a program that has a model of the same name in it.
+_SHARED = ("-shared", "-Wl,-Bsymbolic")
 
 
 class Form(Enum):
@@ -135,7 +137,8 @@ class Build:
         """Return a hash of everything that goes in. The folder of the RTL stands for its contents."""
         files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
         return content_hash(
-            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, self.speed,
+            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_SHARED,
+            self.speed,
             repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
             # Counters are told by the files that they are of.
             str(self.dut) if self.counters else "",
@@ -297,7 +300,7 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
 
 def _linked(build: Build) -> list[str]:
     if build.form is Form.LIBRARY:
-        return ["-shared"]
+        return list(_SHARED)
     from cocotb_tools.config import libs_dir
 
     # Python reaches the burst's own functions in the program.

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "Vtop.h"
+#include "player.h"
 
 namespace {
 

@@ -1,11 +1,9 @@
 """What a run over the mutants comes to, and where it is kept.
 
-build/mutation/mutation.json is the evidence of the last full run. Where it reached 100 %, the same without
-times and machines is kept beside this file and committed, so that a sign-off of a fresh clone need not run
-mutants again while the RTL is the same.
+build/mutation/mutation.json is the evidence of the last full run. A sign-off takes it while the RTL and all
+that kills mutants are the same, and runs the mutants otherwise.
 """
 
-import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -13,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence, write_evidence
 from triaxis.sim.player import ASSERTION
@@ -24,7 +21,6 @@ from triaxis.verif.mutation.killers import KILLERS, killers_hash
 from triaxis.verif.mutation.outcomes import Outcome
 
 EVIDENCE = FOLDER / "mutation.json"
-STORED = Path(__file__).with_name("result.json")
 
 RUN, BY_ASSERTION, BY_ELABORATION = "run", "assertion", "elaboration"
 KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "not elaborated"
@@ -196,44 +192,24 @@ def write_result(result: MutationResult, command: str, path: Path = EVIDENCE) ->
     return write_evidence(path, _content(result, command), KILLERS)
 
 
-def store_result(result: MutationResult, path: Path = STORED) -> Path:
-    """Keep a full run that passed for fresh clones: the same wherever and whenever it ran.
+def known_result(evidence: Path = EVIDENCE) -> dict[str, Any] | None:
+    """Return the last full result in build/, if it is of this RTL and of what kills its mutants today.
 
-    Raises ValueError where it did not pass.
+    None without one. Raises InputError where the file is damaged.
     """
-    if not result.passed:
-        raise ValueError("only a run without problems is stored")
-    content = {**_content(result, "triaxis prove mutate"), "seconds": None}
-    for mutant in content["mutants"]:
-        del mutant["seconds"]
-    content["mutants"].sort(key=lambda mutant: mutant["id"])
-    # One mutant a line: a change of one is a change of one line.
-    mutants = ",\n".join(json.dumps(mutant, sort_keys=True) for mutant in content.pop("mutants"))
-    head = json.dumps(content, indent=1, sort_keys=True)
-    return write_whole(path, head[: head.rindex("}")].rstrip() + f',\n "mutants": [\n{mutants}\n]}}\n')
-
-
-def stored_result(evidence: Path = EVIDENCE, stored: Path = STORED) -> dict[str, Any] | None:
-    """Return the last full result on this RTL by today's tests: that of build/, else the committed one.
-
-    None without either. Raises InputError where a file is damaged.
-    """
+    content = read_evidence(evidence)
     now = rtl_hash(), killers_hash()
-    for path in (evidence, stored):
-        content = read_evidence(path)
-        if content is not None and (content["rtl_hash"], content.get("killers_hash")) == now:
-            return content
-    return None
+    return content if content and (content["rtl_hash"], content.get("killers_hash")) == now else None
 
 
 def fates_in(content: Mapping[str, Any], equivalents: Path = EQUIVALENTS) -> list[Fate]:
-    """Return the fates of the mutants in a stored result.
+    """Return the fates of the mutants in a result that was written.
 
     Raises InputError where one is not whole, where they contradict the list of equivalent mutants, or where
     the file's counts are not theirs.
     """
     try:
-        fates = [Fate(**({"seconds": None} | mutant)) for mutant in content["mutants"]]
+        fates = [Fate(**mutant) for mutant in content["mutants"]]
         listed = {name for entry in read_equivalents(equivalents) for name in entry.mutants}
         wrong = next(filter(None, (_contradiction(fate, listed) for fate in fates)), None)
         wrong = wrong or _miscount(content, fates)

@@ -16,7 +16,16 @@ from triaxis.verif.faults.result import write_json
 from triaxis.verif.formal import proving as formal
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
-from triaxis.verif.mutation.result import EQUIVALENT, KILLED, Fate, fates_in, grouped, stored_result
+from triaxis.verif.mutation.result import (
+    EQUIVALENT,
+    KILLED,
+    Fate,
+    fates_in,
+    grouped,
+    known_result,
+    write_result,
+)
+from triaxis.verif.mutation.run import mutate
 from triaxis.verif.signoff.plan import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
@@ -71,17 +80,21 @@ def proofs_part(progress: Progress) -> Evidence | None:
     return read_evidence(formal.write_result(result, "triaxis prove formal"))
 
 
-def mutation_part() -> Evidence | None:
-    """Return the stored result of mutation, where it is of this RTL; its totals are counted again.
+def mutation_part(seed: int, progress: Progress) -> Evidence | None:
+    """Run the mutants, unless a full result of this RTL and of what kills them is there; count its totals.
 
     Raises InputError where it is of other mutants than today's generator makes.
     """
-    content = stored_result()
+    content = known_result()
     if content is None:
-        return None
+        found = mutate(seed, progress=progress)
+        content = read_evidence(write_result(found, f"triaxis prove mutate --seed {seed}"))
+        assert content is not None
+    else:
+        progress(len(content["mutants"]))
     fates = fates_in(content)
     if sorted(fate.id for fate in fates) != sorted(mutant_names()):
-        raise InputError("the stored result is of other mutants than today's: run `make mutate`")
+        raise InputError("the result in build/mutation/ is of other mutants than today's: run `make mutate`")
     reasons = {name: entry for entry in read_equivalents() for name in entry.mutants}
     kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "killers_hash", "seed")
     return {

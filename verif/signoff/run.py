@@ -8,6 +8,7 @@ from triaxis.sim.validity import provenance
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.catching import signed_off_names
 from triaxis.verif.formal.proving import proof_names
+from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.signoff import simulation
 from triaxis.verif.signoff.gate import PARTS, SOURCES
 from triaxis.verif.signoff.parts import (
@@ -32,6 +33,7 @@ def step_count(seed: int, volume: int) -> int:
         + CODE_COVERAGE_STEPS
         + len(signed_off_names())
         + len(proof_names())
+        + len(mutant_names())
     )
 
 
@@ -43,7 +45,6 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
     PAGE.unlink(missing_ok=True)
     before = provenance(SOURCES)
     parts: dict[str, Part] = {}
-    parts["mutation"] = attempt(mutation_part, "no stored result is of this RTL: run `make mutate`")
     coverage: list[ModelReport] = []
 
     def simulated() -> Evidence:
@@ -56,6 +57,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
     parts["faults"] = attempt(lambda: faults_part(seed, progress))
     parts["code_coverage"] = attempt(lambda: code_coverage_part(seed, progress))
     parts["proofs"] = attempt(lambda: proofs_part(progress))
+    parts["mutation"] = attempt(lambda: mutation_part(seed, progress))
     parts["testplan"] = attempt(lambda: testplan_part(parts, coverage or None))
     ordered = {name: parts[name] for name in PARTS}
     return Signoff(ordered, before, seed, volume, time.monotonic() - start)

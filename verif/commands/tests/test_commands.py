@@ -31,7 +31,7 @@ def test_only_ordinary_files_are_read(tmp_path, reader):
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (("NoTest",), "unknown; one of: SeedVectorsTest"),
+        (("NoTest",), "unknown; one of: RegressionsTest"),
         (("RandomTest", "--config", "w99"), "must read w<width>_m<margin bits>"),
         (("RandomTest", "--config", "w99_m0"), "8..32"),
         (("RandomTest", "--pairs", "0"), "at least 1"),

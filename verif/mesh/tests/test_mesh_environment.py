@@ -84,7 +84,7 @@ def test_command(capsys):
     assert "skipped with a proof" in capsys.readouterr().out
     for more, message in (
         (["--soak"], "go with tests of the core"),
-        (["--fault", "F7"], "of the wrapper"),
+        (["--fault", "F7"], "is in the wrapper"),
         (["--config", "mesh_w16"], "must read"),
         (["--config", "w16_m0"], "needs another --config"),
     ):

@@ -199,12 +199,7 @@ def test_the_fifo_from_generator_to_result(tmp_path, seed):
     content = json.loads(path.read_text())
     assert content["total"]["score"] == 100
     assert content["files"]["dut/core/triaxis_fifo.sv"]["mutants"] == len(found.fates)
-    stored = result.store_result(found, tmp_path / "result.json")
-    again = result.store_result(replace(found, seconds=1.0), tmp_path / "again.json")
-    lines = [text for text in stored.read_text().splitlines() if "git_" not in text]
-    assert lines == [text for text in again.read_text().splitlines() if "git_" not in text]
-    assert 'seconds": null' in stored.read_text()
-    taken = result.stored_result(tmp_path / "none.json", stored)
+    taken = result.known_result(path)
     assert taken is not None
     assert {fate.id for fate in result.fates_in(taken)} == {fate.id for fate in found.fates}
 
@@ -265,19 +260,14 @@ def one(killed=None):
 
 
 @pytest.mark.parametrize("what", ["rtl_hash", "killers_hash"])
-def test_a_stored_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
+def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
     found = one()
     assert found.fates[0].fate == EQUIVALENT
-    stored = result.store_result(found, tmp_path / "result.json")
-    assert result.stored_result(tmp_path / "none.json", stored) is not None
+    path = result.write_result(found, "test", tmp_path / "mutation.json")
+    assert result.known_result(path) is not None
     monkeypatch.setattr(result, what, lambda: "another")
-    assert result.stored_result(tmp_path / "none.json", stored) is None
-
-
-def test_a_run_that_failed_is_not_stored(tmp_path):
-    found = result.MutationResult((), ("something survives",), 1, 1.0, "", "")
-    with pytest.raises(ValueError, match="without problems"):
-        result.store_result(found, tmp_path / "result.json")
+    assert result.known_result(path) is None
+    assert result.known_result(tmp_path / "none.json") is None
 
 
 def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypatch):

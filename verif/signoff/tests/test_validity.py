@@ -31,7 +31,7 @@ def test_all_that_a_simulation_loads_counts_and_no_more() -> None:
     loaded = {str(Path(name).resolve().relative_to(ROOT)) for name in json.loads(answer.stdout)}
     found = names(SOURCES)
     assert len(loaded) > 40 and loaded <= found
-    assert {"sim/core_harness.cpp", "verif/core/sva/triaxis_core_sva.sv", "golden/bulk.cpp"} <= found
+    assert {"sim/core_player.cpp", "verif/core/sva/triaxis_core_sva.sv", "golden/bulk.cpp"} <= found
     assert not any(name.startswith(("host/cli", "bench", "docs")) or "/tests/" in name for name in found)
 
 
