@@ -94,7 +94,12 @@ void PutBits(void* bytes, int position, int width, uint64_t value) {
 // Notes the pair that reaches the core, where the build lets it be seen: see mesh_public.vlt.
 template <typename Root>
 bool NoteReached(const Root& root, Answer& answer) {
-  if constexpr (requires { root.triaxis_mesh__DOT__core_valid; }) {
+  if constexpr (requires {
+                  root.triaxis_mesh__DOT__core_valid;
+                  root.triaxis_mesh__DOT__core_ready;
+                  root.triaxis_mesh__DOT__core_a;
+                  root.triaxis_mesh__DOT__core_b;
+                }) {
     if (!root.triaxis_mesh__DOT__core_valid || !root.triaxis_mesh__DOT__core_ready) return false;
     answer.Reached(root.triaxis_mesh__DOT__core_a, root.triaxis_mesh__DOT__core_b);
     return true;
