@@ -50,12 +50,10 @@ def test_seeds_follow_from_one_and_no_two_runs_share_theirs(definition, seed):
 
 def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
     """The contract with dvsim: what it makes of the file and of our view of the testplan."""
-    pytest.importorskip("dvsim", reason="dvsim is not installed: run `make regress`, which installs it")
-    from dvsim.testplan import Testplan
-
+    dvsim = pytest.importorskip("dvsim.testplan", reason="dvsim is not installed: `make regress` installs it")
     view = tmp_path / "testplan.hjson"
     write_view(view, list(definition.items.values()))
-    points = Testplan(str(view), tmp_path, "triaxis").testpoints
+    points = dvsim.Testplan(str(view), tmp_path, "triaxis").testpoints
     assert all(point.tests or point.not_mapped for point in points)
     assert any("VolumeTest_w16_m0" in point.tests for point in points)
     path = tmp_path / "cfg.hjson"
