@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
         "Run every test in every configuration of the core, measure coverage, catch the faults of the "
-        "catalogue, prove, take the stored mutation result, and judge. Writes build/signoff/."
+        "catalogue, prove, run every mutant, and judge. Writes build/signoff/."
     )
     add_seed(parser)
     parser.add_argument(
