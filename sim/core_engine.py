@@ -1,4 +1,4 @@
-"""The Verilated core as Python sees it: plays of any traffic, and a function on arrays."""
+"""The Verilated core as Python sees it: a bus-functional model of its streams, and a function on arrays."""
 
 import ctypes
 from collections.abc import Callable
@@ -13,103 +13,133 @@ from triaxis.golden.errors import ToldError
 from triaxis.golden.pairs import VERDICT, Pairs, Verdicts
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import core_build
-from triaxis.sim.packing import data_words, user_words
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import SYMPTOMS, Player
 from triaxis.sim.result import decode
 from triaxis.sim.verilate import MANY, library
 
 _CHUNK = 1 << 16
+# Clocks that the last results of a burst may take once nothing stalls them: far above any latency.
+_DRAIN = 128
+# Clocks in a burst at full speed that are not of its pairs: far more than there can be.
+_SLACK = 1000
 
-# What happens in a clock of a schedule, of which each step is a sum; see core_player.cpp.
-OFFER, TAKE, RESET = 1, 2, 4
-# What became of a pair.
-DELIVERED, DISCARDED = 1, 2
-
-Steps = npt.NDArray[np.uint8]
-_FLOWING = np.array([OFFER | TAKE], np.uint8)
+Array = npt.NDArray[Any]
+_ALWAYS = np.zeros(0, np.uint16)
 
 
 class CoreError(ToldError, RuntimeError):
     """A block broke its interface: it hangs, or returns tags out of order."""
 
 
-class _Traffic(ctypes.Structure):
+class _Burst(ctypes.Structure):
     _fields_ = (
-        ("data", ctypes.c_void_p),
-        ("user", ctypes.c_void_p),
+        ("pairs", ctypes.c_void_p),
+        ("margins", ctypes.c_void_p),
+        ("tags", ctypes.c_void_p),
         ("count", ctypes.c_int64),
-        ("steps", ctypes.c_void_p),
-        ("num_steps", ctypes.c_int64),
-        ("expected", ctypes.c_void_p),
-        ("latency", ctypes.c_int64),
-        ("words", ctypes.c_void_p),
-        ("states", ctypes.c_void_p),
+        ("runs", ctypes.c_void_p),
+        ("num_runs", ctypes.c_int64),
+        ("budget", ctypes.c_int64),
     )
 
 
-class _Counts(ctypes.Structure):
-    _fields_ = (("checked", ctypes.c_int64), ("clocks", ctypes.c_int64))
+class _Progress(ctypes.Structure):
+    _fields_ = tuple(
+        (name, ctypes.c_int64) for name in ("accepted", "active", "asserted", "clock", "first", "last")
+    )
 
 
 @dataclass(frozen=True)
-class Sent:
-    """What a core is sent: words of TDATA (N, S) and TUSER (N,), by steps (K,), one a clock, repeated."""
+class Progress:
+    """How far a core is: pairs of its burst that were accepted, whether the burst goes on, all clocks so far.
 
-    data: npt.NDArray[np.uint8]
-    user: npt.NDArray[np.uint64]
-    steps: Steps
-
-
-@dataclass(frozen=True)
-class Played:
-    """What came of N pairs: result words (N,), whether each was delivered or discarded (N,), what was wrong.
-
-    ``checked``: how many results came back right before; ``clocks``: from the first accepted pair to the last
-    result.
+    ``asserted``: an assertion has failed. ``symptom``: what else is wrong, "" where nothing is.
+    ``streaming``: clocks from the first pair that was accepted to the last result.
     """
 
-    words: npt.NDArray[np.uint16]
-    states: npt.NDArray[np.uint8]
+    accepted: int
+    active: bool
+    asserted: bool
+    clock: int
+    streaming: int
     symptom: str
-    checked: int
-    clocks: int
-
-
-def core_words(
-    pairs: npt.NDArray[np.signedinteger[Any]],
-    margins: npt.NDArray[np.integer[Any]],
-    tags: npt.NDArray[np.integer[Any]],
-    configuration: Configuration,
-    steps: Steps = _FLOWING,
-    padding: npt.NDArray[np.uint8] | None = None,
-) -> Sent:
-    """Return pairs (N, 2, 3, 3) with margins, tags and padding (N,) as they are sent; see `data_words`."""
-    data = data_words(pairs, configuration.width, padding)
-    return Sent(data, user_words(margins, tags, configuration), np.ascontiguousarray(steps, np.uint8))
 
 
 class CorePlayer(Player):
-    """The core of a library."""
+    """The core of a library behind a bus-functional model; in reset at first."""
 
-    def play(self, sent: Sent, expected: npt.NDArray[np.uint16] | None = None, latency: int = -1) -> Played:
-        """Play from reset; end at the first thing that is wrong.
+    def watch(self, watched: bool) -> None:
+        """Monitor the input stream, or do not: it costs time."""
+        self.library.triaxis_watch(ctypes.c_void_p(self.model), int(watched))
 
-        ``expected`` (N,), ``latency`` in clocks: what must come back. Without, the core is trusted with the
-        rules of its streams, and only tags are checked.
+    def set_pace(self, runs: npt.NDArray[np.uint16]) -> None:
+        """Take results by a pattern of clocks on and off, alternating, repeated; empty: always."""
+        self.library.triaxis_pace(ctypes.c_void_p(self.model), _address(runs), ctypes.c_int64(len(runs)))
+
+    def set_reset(self, active: bool) -> None:
+        """Assert reset, or release it, between two edges."""
+        self.library.triaxis_reset(ctypes.c_void_p(self.model), int(active))
+
+    def start(self, pairs: Array, margins: Array, tags: Array, runs: Array, budget: int) -> None:
+        """Begin to offer pairs (N, 2, 3, 3) with margins (N,) and tags (N,).
+
+        ``runs``: clocks on and off, as in `set_pace`. ``budget``: clocks after which it is given up.
         """
-        count = len(sent.user)
-        words, states = np.zeros(count, np.uint16), np.zeros(count, np.uint8)
-        traffic = _Traffic(
-            sent.data.ctypes.data, sent.user.ctypes.data, count, sent.steps.ctypes.data, len(sent.steps),
-            None if expected is None else expected.ctypes.data, latency, words.ctypes.data,
-            states.ctypes.data,
+        # Held here: C++ keeps pointers to them while the burst is under way.
+        self._held = (
+            np.ascontiguousarray(pairs, np.int32), np.ascontiguousarray(margins, np.uint32),
+            np.ascontiguousarray(tags, np.uint32),
         )  # fmt: skip
-        counts = _Counts()
-        play = self.library.triaxis_play
-        play.argtypes = [ctypes.c_void_p] * 3
-        symptom = play(self.model, ctypes.byref(traffic), ctypes.byref(counts))
-        return Played(words, states, SYMPTOMS[symptom], counts.checked, counts.clocks)
+        burst = _Burst(
+            *(array.ctypes.data for array in self._held), len(pairs), runs.ctypes.data, len(runs), budget
+        )
+        self.library.triaxis_start(ctypes.c_void_p(self.model), ctypes.byref(burst))
+
+    def run(self, clocks: int) -> Progress:
+        """Run for so many clocks at most: to the end of the burst, or until beats are to be fetched.
+
+        Also until an assertion fails for the first time.
+        """
+        progress = _Progress()
+        symptom = self.library.triaxis_run(
+            ctypes.c_void_p(self.model), ctypes.c_int64(clocks), ctypes.byref(progress)
+        )
+        return Progress(
+            progress.accepted, bool(progress.active), bool(progress.asserted), progress.clock,
+            progress.last - progress.first + 1, SYMPTOMS[symptom],
+        )  # fmt: skip
+
+    def input_beats(self) -> tuple[Array, Array, Array, Array, bool]:
+        """Return pairs, margins, tags and waits of what was accepted up to the next reset.
+
+        And whether one follows. Waits are the clocks that each was offered before.
+        """
+        count = self._available("input")
+        arrays = (
+            np.empty((count, 2, 3, 3), np.int32), np.empty(count, np.uint32), np.empty(count, np.uint32),
+            np.empty(count, np.uint16),
+        )  # fmt: skip
+        return *arrays, self._fetch("input", count, arrays)
+
+    def output_beats(self) -> tuple[Array, Array, Array, bool]:
+        """Return words, tags and waits of the results that were taken, as `input_beats` does."""
+        count = self._available("output")
+        arrays = (np.empty(count, np.uint16), np.empty(count, np.uint32), np.empty(count, np.uint16))
+        return *arrays, self._fetch("output", count, arrays)
+
+    def _available(self, side: str) -> int:
+        available = getattr(self.library, f"triaxis_{side}_available")
+        available.restype = ctypes.c_int64
+        return available(ctypes.c_void_p(self.model))
+
+    def _fetch(self, side: str, count: int, arrays: tuple[Array, ...]) -> bool:
+        fetch = getattr(self.library, f"triaxis_{side}_fetch")
+        return bool(fetch(ctypes.c_void_p(self.model), ctypes.c_int64(count), *map(_address, arrays)))
+
+
+def _address(array: Array) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
 
 
 class RtlEngine:
@@ -132,14 +162,7 @@ class RtlEngine:
 
         Coordinates and margins must be in range: see `triaxis.golden.pairs.check_pairs`.
         """
-        tags = np.arange(len(pairs)) & ((1 << self.configuration.tag_bits) - 1)
-        if not self.configuration.margin_bits:
-            margins = np.zeros(len(pairs), np.uint32)
-        self._player.renew()
-        played = self._player.play(core_words(pairs, margins, tags, self.configuration))
-        if played.symptom:
-            raise CoreError(f"core {self.configuration.name}: {played.symptom}")
-        return played.words, played.clocks
+        return streamed(self._player, self.configuration, pairs, margins)
 
     def verdicts(
         self,
@@ -155,6 +178,35 @@ class RtlEngine:
             if progress:
                 progress(len(verdicts[chunk]))
         return verdicts
+
+
+def streamed(
+    player: CorePlayer, configuration: Configuration, pairs: Array, margins: Array
+) -> tuple[npt.NDArray[np.uint16], int]:
+    """Return the result words of pairs (N, 2, 3, 3) at margins (N,) at full speed from reset, and the clocks.
+
+    Raises CoreError where the core hangs, or returns tags out of order.
+    """
+    words: list[npt.NDArray[np.uint16]] = []
+    player.renew()
+    player.watch(False)
+    player.run(1)
+    player.set_reset(False)
+    tag_mask = (1 << configuration.tag_bits) - 1
+    clocks = 0
+    for start in range(0, len(pairs), _CHUNK):
+        some = pairs[start : start + _CHUNK]
+        tags = (start + np.arange(len(some))) & tag_mask
+        player.start(some, margins[start : start + _CHUNK], tags, _ALWAYS, len(some) + _SLACK)
+        at = player.run(len(some) + _SLACK)
+        at = player.run(_DRAIN)
+        came, came_tags, _, _ = player.output_beats()
+        wrong = at.symptom or ("" if len(came) == len(some) else "hangs")
+        if wrong or not np.array_equal(came_tags, tags):
+            raise CoreError(f"core {configuration.name}: {wrong or 'wrong tag'}")
+        clocks = at.streaming
+        words.append(came)
+    return np.concatenate([np.zeros(0, np.uint16), *words]), clocks
 
 
 def configuration_for(width: int, margin: int) -> Configuration:

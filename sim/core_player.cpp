@@ -1,11 +1,14 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The Verilated core behind C functions: plays words into the AXI4-Stream ports as a schedule says, with gaps,
-// back-pressure and resets, takes what comes of them, and stops at the first thing that is wrong. See
-// core_engine.py.
+// The Verilated core behind C functions: a bus-functional model of both its streams, for whole bursts. It offers
+// pairs with gaps, takes results with stalls, and notes what moves on either stream. Everything is sampled
+// before the rising edge and driven after it, as the pin agents do. Driver and monitors share nothing but the
+// pins: the one packs coordinates into TDATA and the other unpacks them, each by code of its own, so that a
+// fault in one shows against the other. See core_engine.py.
 
 #include <cstring>
+#include <vector>
 
 #include "player.h"
 
@@ -13,194 +16,341 @@ namespace {
 
 using triaxis::Symptom;
 
-// Clocks without an accepted pair or a result after which the core is taken to hang: far above any latency
-// plus any gap in a schedule.
-constexpr int64_t kPatience = 1000;
-// Clocks after the last result in which no other one may come: more than the queue holds.
-constexpr int64_t kTail = 80;
+constexpr int kCoordinates = 18;
+constexpr int kUsedBits = kCoordinates * WIDTH;
+constexpr int kDataBits = 8 * ((kUsedBits + 7) / 8);
+constexpr int kDataWords = (kDataBits + 31) / 32;
+constexpr uint64_t kCoordinateMask = (uint64_t{1} << WIDTH) - 1;
+static_assert(TAG_BITS + MARGIN_BITS <= 64, "TUSER travels in 64 bits");
 
-constexpr uint8_t kOffer = 1;  // a new pair is offered
-constexpr uint8_t kTake = 2;   // a result is taken
-constexpr uint8_t kReset = 4;  // reset is asserted
+// Beats in a monitor's buffer at which they are to be fetched.
+constexpr size_t kFull = size_t{1} << 16;
 
-constexpr uint8_t kDelivered = 1;
-constexpr uint8_t kDiscarded = 2;
-
-struct Traffic {
-  // What is sent: the words of TDATA and TUSER as the model holds them, and how, over and over.
-  const uint8_t* data;
-  const uint64_t* user;
-  int64_t count;
-  const uint8_t* steps;
-  int64_t num_steps;
-  // The words that must come back and after how many clocks, none and negative where nobody knows: then the
-  // core is trusted with the rules of the streams, and only its tags are looked at.
-  const uint16_t* expected;
-  int64_t latency;
-  // What came of each pair: its word, and whether it was delivered or discarded.
-  uint16_t* words;
-  uint8_t* states;
-};
-
-struct Counts {
-  int64_t checked;  // results that were right
-  int64_t clocks;   // from the first pair that was accepted to the last result
-};
-
-struct Player {
-  explicit Player(uint32_t selected) : bench(selected) {}
-  triaxis::Bench bench;
-};
-
-class Play {
+// Alternating numbers of clocks on and off, used over and over. Empty: always on.
+class Pattern {
  public:
-  Play(triaxis::Bench& bench, const Traffic& traffic)
-      : bench_(bench), core_(bench.model()), traffic_(traffic), careful_(traffic.expected != nullptr) {}
-
-  Symptom Run() {
-    core_.clk_i = 0;
-    core_.s_axis_tvalid_i = 0;
-    Symptom symptom = Clock(kReset);
-    for (int64_t at = 0; symptom == triaxis::kPassed && !done();) {
-      symptom = Clock(traffic_.steps[at]);
-      if (++at == traffic_.num_steps) at = 0;
-      if (idle_ > kPatience) symptom = triaxis::kHang;
-    }
-    for (int64_t i = 0; careful_ && symptom == triaxis::kPassed && i < kTail; ++i) symptom = Clock(kTake);
-    return symptom;
+  void Set(const uint16_t* runs, int64_t count) {
+    runs_.assign(runs, runs + count);
+    next_ = 0;
+    left_ = runs_.empty() ? 0 : runs_[0];
+    on_ = true;
   }
-
-  Counts counts() const { return {checked_, last_ - first_ + 1}; }
+  // Whether the clock to come is on; an off clock is used up by asking, an on clock by Use().
+  bool On() {
+    if (runs_.empty()) return true;
+    Settle();
+    if (!on_) --left_;
+    return on_;
+  }
+  void Use() {
+    if (!runs_.empty()) --left_;
+  }
 
  private:
-  bool done() const { return oldest_ == traffic_.count && !offered_; }
+  // Ends: Python gives no pattern without a clock on.
+  void Settle() {
+    while (left_ == 0) {
+      next_ = (next_ + 1) % runs_.size();
+      left_ = runs_[next_];
+      on_ = !on_;
+    }
+  }
+  std::vector<uint16_t> runs_;
+  size_t next_ = 0;
+  int left_ = 0;
+  bool on_ = true;
+};
 
-  Symptom Clock(uint8_t step) {
-    const bool reset = (step & kReset) != 0;
-    if (reset) Discard();
-    if (!reset && !offered_ && next_ < traffic_.count && (step & kOffer)) Load();
-    // The outputs come from registers: those of a core that is trusted do not wait for its inputs to settle.
-    const bool settles = careful_ || core_.rst_ni == reset;
-    core_.rst_ni = !reset;
-    core_.s_axis_tvalid_i = offered_;
-    core_.m_axis_tready_i = (step & kTake) != 0;
-    if (settles) bench_.Eval();
-    const Symptom symptom = reset ? Quiet() : Exchange();
-    bench_.Clock();
+// A burst, as Python holds it: pairs with margins and tags, clocks on and off, the clocks that it may take.
+struct Burst {
+  const int32_t* pairs;
+  const uint32_t* margins;
+  const uint32_t* tags;
+  int64_t count;
+  const uint16_t* runs;
+  int64_t num_runs;
+  int64_t budget;
+};
+
+// How far things are: pairs of the burst that were accepted, whether it goes on, whether an assertion has
+// failed, and all clocks, those of the first pair and of the last result.
+struct Progress {
+  int64_t accepted, active, asserted, clock, first, last;
+};
+
+// What a monitor saw: the beats that moved, and before which of them a reset began.
+struct Monitor {
+  std::vector<uint32_t> tags;
+  std::vector<uint16_t> waits;
+  std::vector<size_t> resets;
+  size_t fetched = 0;
+  size_t resets_fetched = 0;
+  uint16_t wait = 0;
+  bool in_reset = true;
+
+  // A clock in reset.
+  void Reset() {
+    if (!in_reset) resets.push_back(tags.size());
+    in_reset = true;
+    wait = 0;
+  }
+  // A clock in which a beat is offered; returns whether it moves.
+  bool Clock(uint32_t tag, bool ready) {
+    if (!ready) {
+      if (wait != UINT16_MAX) ++wait;
+      return false;
+    }
+    tags.push_back(tag);
+    waits.push_back(wait);
+    wait = 0;
+    return true;
+  }
+  bool full() const { return tags.size() - fetched >= kFull; }
+  // Beats before the next reset, or before the end.
+  int64_t Available() const {
+    return (resets_fetched < resets.size() ? resets[resets_fetched] : tags.size()) - fetched;
+  }
+  void Fetch(int64_t count, uint32_t* to_tags, uint16_t* to_waits) const {
+    std::memcpy(to_tags, tags.data() + fetched, sizeof *to_tags * count);
+    std::memcpy(to_waits, waits.data() + fetched, sizeof *to_waits * count);
+  }
+  // Returns whether a reset follows what was fetched; it is then fetched too.
+  bool TakeReset() {
+    if (resets_fetched == resets.size() || resets[resets_fetched] != fetched) return false;
+    ++resets_fetched;
+    return true;
+  }
+  // True where everything was fetched and the buffers are empty again.
+  bool Recycle() {
+    if (fetched != tags.size() || resets_fetched != resets.size()) return false;
+    tags.clear();
+    waits.clear();
+    resets.clear();
+    fetched = resets_fetched = 0;
+    return true;
+  }
+};
+
+void Pack(const int32_t* pair, uint32_t padding, uint32_t* words) {
+  std::memset(words, 0, sizeof *words * kDataWords);
+  for (int i = 0; i < kCoordinates; ++i) {
+    const uint64_t bits = static_cast<uint64_t>(int64_t{pair[i]}) & kCoordinateMask;
+    const int word = i * WIDTH / 32;
+    const int shift = i * WIDTH % 32;
+    words[word] |= static_cast<uint32_t>(bits << shift);
+    if (shift + WIDTH > 32) words[word + 1] |= static_cast<uint32_t>(bits >> (32 - shift));
+  }
+  // What is above the coordinates has no meaning: it is anything.
+  if constexpr (kUsedBits < kDataBits) {
+    const uint32_t unused = padding & ((uint32_t{1} << (kDataBits - kUsedBits)) - 1);
+    words[kUsedBits / 32] |= unused << (kUsedBits % 32);
+  }
+}
+
+// Takes coordinates off the low end of a window of bits that is filled word by word.
+void Unpack(const uint32_t* words, int32_t* coordinates) {
+  uint64_t window = 0;
+  int filled = 0;
+  int next = 0;
+  for (int i = 0; i < kCoordinates; ++i) {
+    if (filled < WIDTH) {
+      window |= static_cast<uint64_t>(words[next++]) << filled;
+      filled += 32;
+    }
+    const uint32_t raw = static_cast<uint32_t>(window) << (32 - WIDTH);
+    coordinates[i] = static_cast<int32_t>(raw) >> (32 - WIDTH);
+    window >>= WIDTH;
+    filled -= WIDTH;
+  }
+}
+
+class Player {
+ public:
+  explicit Player(uint32_t selected) : bench(selected), core_(bench.model()) { bench.Fall(); }
+
+  void Start(const Burst& burst) {
+    burst_ = burst;
+    offered_ = accepted_ = cycles_ = 0;
+    gaps_.Set(burst.runs, burst.num_runs);
+  }
+  void SetPace(const uint16_t* runs, int64_t count) { stalls_.Set(runs, count); }
+  // Between two edges, at once.
+  void SetReset(bool active) {
+    core_.rst_ni = !active;
+    bench.Eval();
+  }
+
+  // Runs for some clocks, or to the end of the burst, or until there is something to be fetched or to be said.
+  void Run(int64_t clocks) {
+    const bool burst = active();
+    const bool asserted = bench.asserted();
+    for (; clocks > 0; --clocks) {
+      Clock();
+      if (burst != active() || output.full() || input.full() || asserted != bench.asserted()) return;
+    }
+  }
+
+  Progress progress() const { return {accepted_, active(), bench.asserted(), clock_, first_, last_}; }
+
+  triaxis::Bench bench;
+  bool watched = true;
+  Monitor input, output;
+  std::vector<int32_t> coordinates;
+  std::vector<uint32_t> margins;
+  std::vector<uint16_t> words;
+
+ private:
+  bool active() const { return accepted_ < burst_.count && cycles_ <= burst_.budget; }
+
+  void Clock() {
+    const bool reset = !core_.rst_ni;
+    const bool offered = core_.s_axis_tvalid_i;
+    const bool moves = offered && core_.s_axis_tready_o;
+    if (active()) ++cycles_;
+    if (reset) {
+      input.Reset();
+      output.Reset();
+    } else {
+      input.in_reset = output.in_reset = false;
+      if (offered && watched) WatchInput(moves);
+      if (core_.m_axis_tvalid_o) WatchOutput();
+    }
+    bench.Rise();
+    Drive(reset, offered, moves);
+    const bool ready = stalls_.On();
+    if (ready) stalls_.Use();
+    core_.m_axis_tready_i = ready;
+    bench.Fall();
     ++clock_;
-    if (symptom != triaxis::kPassed) return symptom;
-    return bench_.asserted() ? triaxis::kAssertion : triaxis::kPassed;
   }
 
-  void Load() {
-    std::memcpy(&core_.s_axis_tdata_i, traffic_.data + next_ * sizeof core_.s_axis_tdata_i,
-                sizeof core_.s_axis_tdata_i);
-    std::memcpy(&core_.s_axis_tuser_i, traffic_.user + next_, sizeof core_.s_axis_tuser_i);
-    offered_ = true;
+  void WatchInput(bool moves) {
+    uint32_t data[kDataWords];
+    std::memcpy(data, &core_.s_axis_tdata_i, sizeof data);
+    const uint64_t user = core_.s_axis_tuser_i;
+    if (!input.Clock(static_cast<uint32_t>(user >> MARGIN_BITS), moves)) return;
+    margins.push_back(static_cast<uint32_t>(user & ((uint64_t{1} << MARGIN_BITS) - 1)));
+    const size_t at = coordinates.size();
+    coordinates.resize(at + kCoordinates);
+    Unpack(data, coordinates.data() + at);
   }
 
-  // An offered pair is withdrawn and offered again later; what the core holds is lost.
-  void Discard() {
-    offered_ = waiting_ = false;
-    for (; oldest_ < next_; ++oldest_) traffic_.states[oldest_] = kDiscarded;
-    eager_ = true;
-    awake_ = 0;
-  }
-
-  Symptom Quiet() const {
-    return core_.s_axis_tready_o || core_.m_axis_tvalid_o ? triaxis::kNotQuiet : triaxis::kPassed;
-  }
-
-  Symptom Exchange() {
-    ++idle_;
-    if (careful_) {
-      const Symptom symptom = KeepsRules();
-      if (symptom != triaxis::kPassed) return symptom;
-    }
-    if (core_.m_axis_tvalid_o && core_.m_axis_tready_i) {
-      const Symptom symptom = Deliver();
-      if (symptom != triaxis::kPassed) return symptom;
-    }
-    eager_ = eager_ && core_.m_axis_tready_i;
-    if (offered_ && core_.s_axis_tready_o) {
-      if (first_ < 0) first_ = clock_;
-      accepted_[next_++ % kRemembered] = clock_;
-      offered_ = false;
-      idle_ = 0;
-    }
-    return triaxis::kPassed;
-  }
-
-  Symptom KeepsRules() {
-    // Ready from the second clock on after reset, for a user who has taken every result at once so far.
-    if (eager_ && awake_ > 0 && !core_.s_axis_tready_o) return triaxis::kNotReady;
-    ++awake_;
-    if (waiting_ && !(core_.m_axis_tvalid_o && core_.m_axis_tdata_o == word_ && core_.m_axis_tuser_o == tag_)) {
-      return triaxis::kUnstable;
-    }
-    waiting_ = core_.m_axis_tvalid_o && !core_.m_axis_tready_i;
-    word_ = core_.m_axis_tdata_o;
-    tag_ = core_.m_axis_tuser_o;
-    return triaxis::kPassed;
-  }
-
-  Symptom Deliver() {
-    if (oldest_ == next_) return triaxis::kUnexpected;
-    const int64_t pair = oldest_++;
-    idle_ = 0;
+  void WatchOutput() {
+    if (!output.Clock(core_.m_axis_tuser_o, core_.m_axis_tready_i)) return;
+    words.push_back(core_.m_axis_tdata_o);
     last_ = clock_;
-    if (core_.m_axis_tuser_o != traffic_.user[pair] >> MARGIN_BITS) return triaxis::kWrongTag;
-    traffic_.words[pair] = core_.m_axis_tdata_o;
-    traffic_.states[pair] = kDelivered;
-    if (careful_) {
-      if (core_.m_axis_tdata_o != traffic_.expected[pair]) return triaxis::kWrongWord;
-      const int64_t taken = clock_ - accepted_[pair % kRemembered];
-      if (eager_ && traffic_.latency >= 0 && taken != traffic_.latency) return triaxis::kWrongLatency;
-    }
-    ++checked_;
-    return triaxis::kPassed;
   }
 
-  // Far more than can be in flight.
-  static constexpr int64_t kRemembered = 1024;
+  // A beat that was offered and not accepted when a reset strikes is offered again after it.
+  void Drive(bool reset, bool offered, bool moves) {
+    if (reset) {
+      waiting_ = waiting_ || offered;
+      core_.s_axis_tvalid_i = 0;
+    } else if (waiting_) {
+      core_.s_axis_tvalid_i = 1;
+      waiting_ = false;
+    } else if (!offered || moves) {
+      if (moves) {
+        ++accepted_;
+        if (first_ < 0) first_ = clock_;
+      }
+      Offer();
+    }
+  }
 
-  triaxis::Bench& bench_;
+  void Offer() {
+    uint32_t data[kDataWords] = {};
+    uint64_t user = 0;
+    const bool next = offered_ < burst_.count && active() && gaps_.On();
+    if (next) {
+      gaps_.Use();
+      padding_ = padding_ * 1664525u + 1013904223u;
+      Pack(burst_.pairs + kCoordinates * offered_, padding_ >> 16, data);
+      const uint64_t tag = burst_.tags[offered_];
+      user = (tag << MARGIN_BITS) | (MARGIN_BITS ? burst_.margins[offered_] : 0u);
+      ++offered_;
+    }
+    core_.s_axis_tvalid_i = next;
+    std::memcpy(&core_.s_axis_tdata_i, data, sizeof data);
+    core_.s_axis_tuser_i = user;
+  }
+
   Vtop& core_;
-  const Traffic traffic_;
-  const bool careful_;
-  int64_t accepted_[kRemembered] = {};
-  // Pairs before `next_` were accepted, those before `oldest_` are no longer in flight.
-  int64_t next_ = 0;
-  int64_t oldest_ = 0;
-  int64_t idle_ = 0;
+  Burst burst_ = {};
+  Pattern gaps_, stalls_;
+  int64_t offered_ = 0;
+  int64_t accepted_ = 0;
+  int64_t cycles_ = 0;
   int64_t clock_ = 0;
   int64_t first_ = -1;
   int64_t last_ = -1;
-  int64_t checked_ = 0;
-  int64_t awake_ = 0;
-  uint64_t tag_ = 0;
-  uint16_t word_ = 0;
-  bool offered_ = false;
+  uint32_t padding_ = 1;
   bool waiting_ = false;
-  bool eager_ = true;
 };
+
+Player& Of(void* player) { return *static_cast<Player*>(player); }
 
 }  // namespace
 
 TRIAXIS_PLAYER(Player)
 
-// The size of one element of `data`.
-extern "C" int64_t triaxis_data_bytes() { return sizeof Vtop::s_axis_tdata_i; }
+extern "C" {
 
-// Plays pairs from reset on. Returns the symptom.
-extern "C" int32_t triaxis_play(void* player, const Traffic* traffic, Counts* counts) {
-  Play play{static_cast<Player*>(player)->bench, *traffic};
-  Symptom symptom = triaxis::kDiverged;
+// Whether the input is monitored.
+void triaxis_watch(void* player, int32_t watched) { Of(player).watched = watched; }
+
+// Starts a burst. Its arrays must live until it is over.
+void triaxis_start(void* player, const Burst* burst) { Of(player).Start(*burst); }
+
+// The pace at which results are taken: clocks on and off, alternating.
+void triaxis_pace(void* player, const uint16_t* runs, int64_t count) { Of(player).SetPace(runs, count); }
+
+void triaxis_reset(void* player, int32_t active) { Of(player).SetReset(active); }
+
+// Runs for so many clocks at most. Returns the symptom.
+int32_t triaxis_run(void* player, int64_t clocks, Progress* progress) {
+  Symptom symptom = triaxis::kPassed;
   try {
-    symptom = play.Run();
+    Of(player).Run(clocks);
   } catch (const std::runtime_error&) {
     // Combinational logic that does not settle.
+    symptom = triaxis::kDiverged;
   }
-  *counts = play.counts();
+  *progress = Of(player).progress();
   return symptom;
 }
+
+// Beats that the next fetch gives: those before the next reset.
+int64_t triaxis_input_available(void* player) { return Of(player).input.Available(); }
+
+int64_t triaxis_output_available(void* player) { return Of(player).output.Available(); }
+
+// Copies exactly count beats; returns 1 where a reset follows them at once.
+int32_t triaxis_input_fetch(void* player, int64_t count, int32_t* pairs, uint32_t* margins, uint32_t* tags,
+                            uint16_t* waits) {
+  Player& from = Of(player);
+  const size_t at = from.input.fetched;
+  from.input.Fetch(count, tags, waits);
+  std::memcpy(pairs, from.coordinates.data() + kCoordinates * at, sizeof *pairs * kCoordinates * count);
+  std::memcpy(margins, from.margins.data() + at, sizeof *margins * count);
+  from.input.fetched += count;
+  const bool reset = from.input.TakeReset();
+  if (from.input.Recycle()) {
+    from.coordinates.clear();
+    from.margins.clear();
+  }
+  return reset;
+}
+
+int32_t triaxis_output_fetch(void* player, int64_t count, uint16_t* words, uint32_t* tags, uint16_t* waits) {
+  Player& from = Of(player);
+  const size_t at = from.output.fetched;
+  from.output.Fetch(count, tags, waits);
+  std::memcpy(words, from.words.data() + at, sizeof *words * count);
+  from.output.fetched += count;
+  const bool reset = from.output.TakeReset();
+  if (from.output.Recycle()) from.words.clear();
+  return reset;
+}
+
+}  // extern "C"

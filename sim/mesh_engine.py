@@ -16,7 +16,8 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import mesh_build
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import SYMPTOMS, Player
-from triaxis.sim.verilate import MANY, library
+from triaxis.sim.verilate import MANY
+from triaxis.sim.verilate import library as built_library
 
 Move = tuple[int, int, int]
 
@@ -174,15 +175,23 @@ _NO_STALLS = Traffic()
 class MeshEngine:
     """The engine in one configuration, built on first use."""
 
-    def __init__(self, configuration: MeshConfiguration, dut: Path = DUT, traced: bool = False) -> None:
+    def __init__(
+        self,
+        configuration: MeshConfiguration,
+        dut: Path = DUT,
+        traced: bool = False,
+        library: Path | None = None,
+    ) -> None:
         """Build the engine where needed, load and reset it. ``dut``: another folder of the same files.
 
-        ``traced``: a build that follows its own switching activity; see `triaxis.sim.player.followed`.
+        ``library``: that of another build of it, which is there. ``traced``: a build that follows its own
+        switching activity; see `triaxis.sim.player.followed`.
         """
         self.configuration = configuration
         self.counts: tuple[int, int] = (0, 0)
         build = mesh_build(configuration, dut)
-        self._player = MeshPlayer(library(replace(build, traced=True, speed=MANY) if traced else build))
+        usual = replace(build, traced=True, speed=MANY) if traced else build
+        self._player = MeshPlayer(library or built_library(usual))
         self.library = self._player.library
 
     def load(

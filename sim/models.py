@@ -1,10 +1,10 @@
 """The builds of each block: core, wrapper, mesh engine, board. Variants are made by `replace`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.build import core_files, mesh_files
-from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
@@ -13,10 +13,9 @@ from triaxis.sim.verilate import QUICK, Build, Form
 CORE_TOP, MESH_TOP, DETECTOR_TOP, BOARD_TOP = (
     "triaxis_core", "triaxis_mesh", "CollisionDetector", "nexys4ddr_top",
 )  # fmt: skip
-BURST_TOP, BARE_TOP = "triaxis_burst_tb", "triaxis_bare_tb"
+BARE_TOP = "triaxis_bare_tb"
 
 CORE_SVA, MESH_SVA = VERIF / "core" / "sva", VERIF / "mesh" / "sva"
-_BURST = VERIF / "core" / "burst"
 
 
 def assertions(folder: Path) -> tuple[Path, ...]:
@@ -24,20 +23,23 @@ def assertions(folder: Path) -> tuple[Path, ...]:
     return tuple(sorted(folder.glob("*.sv")))
 
 
-def _core_defines(configuration: Configuration) -> dict[str, int]:
-    return {
+def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
+    """Return the core as a library; see core_engine.py."""
+    defines = {
         "WIDTH": configuration.width,
         "MARGIN_BITS": configuration.margin_bits,
         "TAG_BITS": configuration.tag_bits,
     }
-
-
-def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
-    """Return the core as a library; see core_engine.py."""
     return Build(
         configuration.name, CORE_TOP, configuration.parameters, tuple(rtl_sources(dut)),
-        (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=_core_defines(configuration), dut=dut,
+        (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=defines, dut=dut,
     )  # fmt: skip
+
+
+def asserted(build: Build) -> Build:
+    """Return a library of the core or of the mesh engine that checks the environment's assertions."""
+    rules = CORE_SVA if build.top == CORE_TOP else MESH_SVA
+    return replace(build, assertions=True, sources=(*build.sources, *assertions(rules)))
 
 
 def detector_build(width: int, dut: Path = DUT) -> Build:
@@ -106,20 +108,5 @@ def mesh_pin_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:
 
 
 def bare_build() -> Build:
-    """Return a program for cocotb with nothing in it: the mesh engine stands beside it, as a library."""
-    folder = VERIF / "mesh"
-    return _pins("bare", BARE_TOP, {}, (folder / "bare_tb.vlt", folder / f"{BARE_TOP}.sv"), DUT)
-
-
-def burst_build(configuration: Configuration, dut: Path = DUT, with_assertions: bool = True) -> Build:
-    """Return the core under the bus-functional model of bursts as a program for cocotb."""
-    sources = (
-        _BURST / "burst_tb.vlt", *rtl_sources(dut), *sorted(_BURST.glob("*.sv")),
-        *(assertions(CORE_SVA) if with_assertions else ()),
-    )  # fmt: skip
-    return Build(
-        configuration.name, BURST_TOP, configuration.parameters, sources, tuple(sorted(_BURST.glob("*.cpp"))),
-        tuple(core_files(dut)), tuple(sorted(_BURST.glob("*.h"))),
-        {**_core_defines(configuration), "PERIOD_PS": 1000 * PERIOD_NS}, dut, Form.BURST,
-        assertions=with_assertions,
-    )  # fmt: skip
+    """Return a program for cocotb with nothing in it: what is under test stands beside it, as a library."""
+    return _pins("bare", BARE_TOP, {}, (SIM / "bare_tb.vlt", SIM / f"{BARE_TOP}.sv"), DUT)

@@ -16,13 +16,8 @@ def data_bytes(width: int) -> int:
     return (COORDINATES * width + 7) // 8
 
 
-def data_words(
-    pairs: npt.NDArray[np.signedinteger], width: int, padding: npt.NDArray[np.uint8] | None = None
-) -> npt.NDArray[np.uint8]:
-    """Return TDATA for pairs (N, 2, 3, 3), as bytes (N, S) of whole words as Verilator keeps it.
-
-    ``padding`` (N,): what TDATA holds above the coordinates, a byte of which the bits that exist are used.
-    """
+def data_words(pairs: npt.NDArray[np.signedinteger], width: int) -> npt.NDArray[np.uint8]:
+    """Return TDATA for pairs (N, 2, 3, 3), as bytes (N, S) of whole words as Verilator keeps it."""
     flat = np.ascontiguousarray(pairs, np.int32).reshape(-1, COORDINATES)
     used = COORDINATES * width
     size = -(-data_bytes(width) // _WORD) * _WORD
@@ -34,9 +29,6 @@ def data_words(
         words[:, : used // 8] = whole[:, :, : width // 8].reshape(len(flat), used // 8)
     else:
         words = _bits(flat, width, size)
-        if padding is not None:
-            unused = 8 * data_bytes(width) - used
-            words[:, used // 8] |= (padding & ((1 << unused) - 1)) << (used % 8) & 255
     return words
 
 

@@ -57,6 +57,9 @@ enum Symptom : int32_t {
   kEarlySummary,
 };
 
+// Half a clock of 100 MHz in the model's time unit, a picosecond.
+constexpr uint64_t kHalfPeriod = 5000;
+
 // Chance of a stall in 256, decided by a generator of our own so that plays repeat.
 class Stalls {
  public:
@@ -111,8 +114,6 @@ class Followed {
 
  private:
   static constexpr int kAllLevels = 99;
-  // Half a clock of 100 MHz in the model's time unit, a picosecond.
-  static constexpr uint64_t kHalfPeriod = 5000;
 
   VerilatedContext& context_;
   VerilatedSaifC activity_;
@@ -156,9 +157,11 @@ class Bench {
   void Eval() { model_->eval(); }
 
   // Inputs that were changed since the last call settle before the edge, in the same evaluation.
+  void Rise() { Level(true); }
+  void Fall() { Level(false); }
   void Clock() {
-    Level(true);
-    Level(false);
+    Rise();
+    Fall();
   }
 
 #if VM_COVERAGE
@@ -180,6 +183,9 @@ class Bench {
     model_->eval();
 #if VM_TRACE_SAIF
     followed_->Note(level);
+#else
+    // What assertions report comes with the time.
+    context_.timeInc(kHalfPeriod);
 #endif
   }
 

@@ -41,13 +41,9 @@ _SHARED = ("-shared", "-Wl,-Bsymbolic")
 
 
 class Form(Enum):
-    """What is made of a model: a library, or a program for cocotb, which drives the clock itself or not.
-
-    The program that does keeps the time too; cocotb's own main program is asked for it.
-    """
+    """What is made of a model: a library, or a program for cocotb."""
 
     LIBRARY = "library"
-    BURST = "burst"
     PINS = "simulation"
 
 
@@ -86,7 +82,7 @@ class Build:
         """Return in a word for each what is special about it, for the names of folders."""
         marks = {
             "covered": self.counters, "traced": self.traced, "mutated": self.selectable,
-            "unasserted": self.form is Form.BURST and not self.assertions,
+            "asserted": self.form is Form.LIBRARY and self.assertions,
         }  # fmt: skip
         return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
 
@@ -124,12 +120,9 @@ class Build:
             "VERILATOR": 1, "VM_COVERAGE": int(self.counters), "VM_SC": 0, "VM_TRACE": trace,
             "VM_TRACE_FST": 0, "VM_TRACE_VCD": 0, "VM_TRACE_SAIF": trace,
         }  # fmt: skip
-        # Simulation time is kept by the model itself, not by a function of the main program.
-        if self.form is not Form.PINS:
-            values["VL_TIME_CONTEXT"] = 1
-        # Verilator's library throws what would end the process: see player.h.
+        # A library keeps the time itself, and throws what would end the process: see player.h.
         if self.form is Form.LIBRARY:
-            values["VL_USER_FATAL"] = 1
+            values |= {"VL_TIME_CONTEXT": 1, "VL_USER_FATAL": 1}
         return [f"-D{name}={value}" for name, value in values.items()]
 
     @property
@@ -303,5 +296,4 @@ def _linked(build: Build) -> list[str]:
         return list(_SHARED)
     from cocotb_tools.config import libs_dir
 
-    # Python reaches the burst's own functions in the program.
-    return ["-rdynamic", f"-Wl,-rpath,{libs_dir}", f"-L{libs_dir}", "-lcocotbvpi_verilator"]
+    return [f"-Wl,-rpath,{libs_dir}", f"-L{libs_dir}", "-lcocotbvpi_verilator"]

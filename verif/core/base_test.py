@@ -28,7 +28,7 @@ class CoreTest(EnvironmentTest):
     def fast_model(self) -> BurstBfm:
         """Return the burst model."""
         use_bursts()
-        return BurstBfm(self.dut)
+        return BurstBfm()
 
     async def traffic(self) -> None:
         """Run `stimulus` under a watchdog; wait for the last result."""

@@ -1,54 +1,113 @@
-"""Drivers and monitors that work on whole bursts, through a bus-functional model in the simulator.
+"""Drivers and monitors that work on whole bursts, through the bus-functional model of a library.
 
 They take the places of the pin-level ones by factory override (`use_bursts`); agents, sequences and
-scoreboard are the same. The model's C++ part, verif/core/burst/burst_bfm.cpp, lives in the simulator
-executable, which is this process.
+scoreboard are the same. The model, sim/core_player.cpp, runs hundreds of thousands of clocks a second beside
+a simulator that has nothing in it; a pin needs Python at each clock.
 """
 
-import ctypes
+from heapq import heappop, heappush
+from itertools import count
+from pathlib import Path
 from typing import Any
 
+import cocotb
 import numpy as np
 import numpy.typing as npt
-from cocotb.triggers import ValueChange
+from cocotb.triggers import Event, Timer
 from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
+from triaxis.sim.core_engine import CorePlayer
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.core.pin_agents import ReadyDriver, SinkMonitor, SourceDriver, SourceMonitor, check_margins
-from triaxis.verif.testbench.environment import bfm_of, settings_of
-from triaxis.verif.testbench.failures import HungError
+from triaxis.verif.testbench.environment import FastModel, bfm_of, settings_of
+from triaxis.verif.testbench.failures import HungError, found
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048
 # How much longer than its paces suggest a burst may take, and what comes on top for its ends.
 _BUDGET_FACTOR = 4
 _BUDGET_CYCLES = 10_000
+# Clocks after which the model returns in any case.
+_MOST_CLOCKS = 1 << 30
 
 Array = npt.NDArray[Any]
 
 
-def _address(array: Array) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
+class BurstBfm(FastModel):
+    """The one that knows the library; drivers and monitors know only this.
 
+    Its clock runs while a burst is under way or someone waits for it, up to the next moment that someone has
+    asked for, and stands still while Python decides what comes next.
+    """
 
-class BurstBfm:
-    """The one that knows the C functions; drivers and monitors know only this."""
-
-    def __init__(self, dut: Any) -> None:
-        """Find the functions in this process; ``dut`` is the top level, triaxis_burst_tb."""
-        self.wake = ValueChange(dut.wake_i)
-        self._library = ctypes.CDLL(None)
-        for name in ("burst_accepted", "input_available", "output_available"):
-            getattr(self._library, f"triaxis_{name}").restype = ctypes.c_int64
+    def __init__(self) -> None:
+        """Nobody waits, and nobody is told of anything yet."""
+        self.monitors: list[BurstMonitor] = []
+        self._due: list[tuple[int, int, Event]] = []
+        self._numbers = count()
+        self._wanted, self._over = Event(), Event()
+        self._bursting = self._asserted = False
+        self._clock = self._accepted = 0
         self._sink_pace = FULL_SPEED
+
+    def open(self, library: Path, selected: int) -> None:
+        """Load the library, and let it run."""
+        self.player = CorePlayer(library, selected)
+        cocotb.start_soon(self._run())
+
+    async def _run(self) -> None:
+        while True:
+            # Whoever can go on does so at this very clock.
+            await Timer(1, "ns")
+            if not self._bursting and not self._due:
+                self._wanted.clear()
+                await self._wanted.wait()
+                continue
+            self._advance(self._due[0][0] - self._clock if self._due else _MOST_CLOCKS)
+
+    def _advance(self, clocks: int) -> None:
+        """Run until something is due; tell those who wait for it."""
+        progress = self.player.run(clocks)
+        self._clock, self._accepted = progress.clock, progress.accepted
+        if progress.asserted and not self._asserted:
+            self._asserted = True
+            found("assertion")
+        if progress.symptom:
+            found(progress.symptom)
+            raise HungError(f"the core {progress.symptom}")
+        for monitor in self.monitors:
+            monitor.flush()
+        if self._bursting and not progress.active:
+            self._bursting = False
+            self._over.set()
+        while self._due and self._due[0][0] <= self._clock:
+            heappop(self._due)[2].set()
+
+    async def clocks(self, count: int) -> None:
+        """Wait for some clocks."""
+        come = Event()
+        heappush(self._due, (self._clock + count, next(self._numbers), come))
+        self._wanted.set()
+        await come.wait()
+
+    async def reset(self, cycles: int) -> None:
+        """Hold the core in reset for some clocks."""
+        self.player.set_reset(True)
+        await self.clocks(cycles)
+        self.player.set_reset(False)
+        await self.clocks(1)
+
+    def close(self, counters: Path) -> None:
+        """Write what the library's build has counted; raise AssertionError where an assertion has failed."""
+        self.player.write_coverage(counters)
+        assert not self._asserted, "an assertion failed"
 
     def set_sink_pace(self, pace: Pace, rng: np.random.Generator) -> None:
         """Take results at this pace from the next clock on."""
-        runs = pace.runs(rng, _RUNS)
         self._sink_pace = pace
-        self._library.triaxis_sink_pace(_address(runs), ctypes.c_int64(len(runs)))
+        self.player.set_pace(pace.runs(rng, _RUNS))
 
     async def send(
         self, pairs: Array, margins: Array, tags: Array, gaps: Pace, rng: np.random.Generator
@@ -65,28 +124,17 @@ class BurstBfm:
             )
         if not count:
             return
-        # Held here: C++ keeps pointers to them while the burst is under way.
-        held = (
-            np.ascontiguousarray(pairs, np.int32),
-            np.ascontiguousarray(margins, np.uint32),
-            np.ascontiguousarray(tags, np.uint32),
-        )
-        runs = gaps.runs(rng, _RUNS)
         duty = min(gaps.duty, self._sink_pace.duty)
         budget = int(_BUDGET_FACTOR * count / duty) + _BUDGET_CYCLES
-        self._library.triaxis_burst_start(
-            *map(_address, held),
-            ctypes.c_int64(count),
-            _address(runs),
-            ctypes.c_int64(len(runs)),
-            ctypes.c_int64(budget),
-        )
-        while self._library.triaxis_burst_active():
-            await self.wake
-        accepted = self._library.triaxis_burst_accepted()
-        if accepted < count:
+        self.player.start(pairs, margins, tags, gaps.runs(rng, _RUNS), budget)
+        self._bursting = True
+        self._over.clear()
+        self._wanted.set()
+        await self._over.wait()
+        if self._accepted < count:
+            found("hangs")
             raise HungError(
-                f"{accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
+                f"{self._accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"
             )
 
@@ -94,24 +142,13 @@ class BurstBfm:
         """Return the pairs that the input monitor saw accepted, up to the next reset, and whether a reset
         began right after the last.
         """
-        count = self._library.triaxis_input_available()
-        pairs = np.empty((count, 2, 3, 3), np.int32)
-        margins, tags = np.empty(count, np.uint32), np.empty(count, np.uint32)
-        waits = np.empty(count, np.uint16)
-        reset = self._library.triaxis_input_fetch(
-            ctypes.c_int64(count), *map(_address, (pairs, margins, tags, waits))
-        )
-        return PairBatch(pairs, margins, tags, waits), bool(reset)
+        *arrays, reset = self.player.input_beats()
+        return PairBatch(*arrays), reset
 
     def output_beats(self) -> tuple[ResultBatch, bool]:
         """Return the results that the output monitor saw taken, as `input_beats` does."""
-        count = self._library.triaxis_output_available()
-        words, tags = np.empty(count, np.uint16), np.empty(count, np.uint32)
-        waits = np.empty(count, np.uint16)
-        reset = self._library.triaxis_output_fetch(
-            ctypes.c_int64(count), *map(_address, (words, tags, waits))
-        )
-        return ResultBatch(words, tags, waits), bool(reset)
+        *arrays, reset = self.player.output_beats()
+        return ResultBatch(*arrays), reset
 
 
 class BurstSourceDriver(SourceDriver):
@@ -139,17 +176,14 @@ class BurstMonitor(uvm_monitor):
     """Publishes what the model's monitor of one stream saw, whenever the model asks for it."""
 
     ap: uvm_analysis_port
-    moved: int
 
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
         self.bfm: BurstBfm = bfm_of(self)
+        self.bfm.monitors.append(self)
 
     async def run_phase(self) -> None:
-        """Fetch when woken."""
-        while True:
-            await self.bfm.wake
-            self.flush()
+        """Wait to be asked."""
 
     def fetch(self) -> tuple[PairBatch | ResultBatch, bool]:
         """Return the beats up to the next reset, and whether a reset began right after them."""
@@ -160,7 +194,6 @@ class BurstMonitor(uvm_monitor):
         reset = True
         while reset:
             batch, reset = self.fetch()
-            self.moved += len(batch)
             if len(batch):
                 self.ap.write(batch)
             if reset:

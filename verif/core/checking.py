@@ -20,7 +20,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
-from triaxis.verif.testbench.failures import Blame
+from triaxis.verif.testbench.failures import Blame, found
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
 
 # Failures described in full; beyond that they are only counted.
@@ -127,6 +127,7 @@ class Checker:
         # Each batch is gone through several times.
         until = self.checked + i + 1
         self.until_failure = min(self.until_failure or until, until)
+        found(message, until)
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)

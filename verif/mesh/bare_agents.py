@@ -6,12 +6,14 @@ hundreds of thousands of clocks a second: pin by pin Python has a step for each 
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from random import Random
 from typing import Any
 
 import numpy as np
 from pyuvm import uvm_factory
 
+from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Traffic
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.items import (
@@ -34,17 +36,30 @@ from triaxis.verif.mesh.pin_agents import (
     RunMonitor,
     SummaryMonitor,
 )
-from triaxis.verif.testbench.environment import bfm_of, settings_of
+from triaxis.verif.testbench.environment import FastModel, bfm_of, settings_of
 
 
-class BareBfm:
+class BareBfm(FastModel):
     """The one that knows the library; drivers hand it items, monitors say who is told of what."""
 
-    def __init__(self, engine: MeshEngine) -> None:
-        """Take the engine; nobody is told of anything yet."""
-        self.engine = engine
+    def __init__(self, configuration: MeshConfiguration) -> None:
+        """Nobody is told of anything yet."""
+        self.configuration = configuration
         self.publish: dict[type, Callable[[Any], None]] = {}
         self._held = [0, 0]
+
+    def open(self, library: Path, selected: int) -> None:
+        """Load the library."""
+        self.engine = MeshEngine(self.configuration, library=library)
+
+    async def clocks(self, count: int) -> None:
+        """Wait for nothing: between two items the clock stands still."""
+
+    async def reset(self, cycles: int) -> None:
+        """Do nothing: it begins with a reset."""
+
+    def close(self, counters: Path) -> None:
+        """Write what the library's build has counted."""
 
     def load(self, item: LoadItem, random: Random) -> None:
         """Load a mesh."""

@@ -1,13 +1,11 @@
 """What all tests of the engine share: its environment, scenes, and the end of the test."""
 
-from triaxis.sim.mesh_engine import MeshEngine
 from triaxis.verif.mesh.bare_agents import BareBfm, use_bare_engine
 from triaxis.verif.mesh.env import MeshEnv
 from triaxis.verif.mesh.items import RunItem, Scene
 from triaxis.verif.mesh.sequences import SceneSequence
 from triaxis.verif.mesh.shapes import Shapes
 from triaxis.verif.testbench.environment import EnvironmentTest, create
-from triaxis.verif.testbench.settings import dut_from_environment
 
 # Clocks after the last summary in which anything too many would show.
 _SURPLUS_CYCLES = 64
@@ -19,7 +17,6 @@ class MeshEngineTest(EnvironmentTest):
     def build_phase(self) -> None:
         """Make the environment."""
         super().build_phase()
-        self.clocked = self.on_pins
         self.configuration = self.settings.mesh_configuration
         self.shapes = Shapes(self.rng, self.configuration)
         self.env = create(MeshEnv, "env", self)
@@ -27,7 +24,7 @@ class MeshEngineTest(EnvironmentTest):
     def fast_model(self) -> BareBfm:
         """Return the bare engine's model."""
         use_bare_engine()
-        return BareBfm(MeshEngine(self.settings.mesh_configuration, dut_from_environment()))
+        return BareBfm(self.settings.mesh_configuration)
 
     async def traffic(self) -> None:
         """Run `stimulus`; a summary too many would show after it."""

@@ -18,7 +18,7 @@ from triaxis.sim.mesh_engine import Mode, Status
 from triaxis.verif.mesh.expectation import begins, difference, expected_status, first_of, moved
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
-from triaxis.verif.testbench.failures import Blame
+from triaxis.verif.testbench.failures import Blame, found
 
 # Failures described in full; beyond that they are only counted.
 DESCRIBED = 10
@@ -66,11 +66,12 @@ class SceneChecker:
         if due == Status.COMPLETE:
             a = moved(run.a, run.request.translation)
             answer = scene_answer(a, run.b, run.request.margin, self.configuration.group)
-        found = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, answer)]
+        wrong = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, answer)]
         if answer is not None:
-            found += [(message, Blame.JUDGES) for message in self._judge(run, answer)]
-        for message, blame in found:
+            wrong += [(message, Blame.JUDGES) for message in self._judge(run, answer)]
+        for message, blame in wrong:
             self.failed += 1
+            found(message, self.pairs)
             if len(self.failures) < DESCRIBED:
                 self.failures.append(SceneFailure(message, run, blame))
         self.runs += 1

@@ -1,14 +1,12 @@
-"""What cocotb loads in the simulator: the one test that the settings name.
-
-Registering a test costs a tenth of a second each (pyuvm inspects the whole stack), so only the one
-that runs is registered, here and not where it is defined.
-"""
+"""What cocotb loads in the simulator: the one test that the settings name."""
 
 from importlib import import_module
 
-import pyuvm
+import cocotb
+from pyuvm import uvm_root
 
 from triaxis.verif.testbench.settings import CORE_TESTS, MESH_TESTS, from_environment
+from triaxis.verif.testbench.trials import judged, next_test
 
 _SETTINGS = from_environment()
 # By name: the tests' modules import this package, which must not import them. And only those that are needed:
@@ -17,6 +15,13 @@ _OF_MESH_ENGINE = (MESH_TESTS, "triaxis.verif.mesh.sabotage_tests")
 _OF_CORE = (CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests")
 _NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE
 _MODULES = [import_module(name) for name in _NAMES]
-_FOUND = [vars(module)[_SETTINGS.test] for module in _MODULES if _SETTINGS.test in vars(module)]
+_NAME = next_test(_SETTINGS).test
 
-SELECTED = pyuvm.test()(_FOUND[0])
+
+# Not by pyuvm's decorator, which inspects the whole stack: a tenth of a second.
+@cocotb.test(name=_NAME)
+async def selected(_: object) -> None:
+    """Run the test."""
+    test = next(vars(module)[_NAME] for module in _MODULES if _NAME in vars(module))
+    with judged():
+        await uvm_root().run_test(test)

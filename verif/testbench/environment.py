@@ -32,7 +32,15 @@ from pyuvm import (
 
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.clocking import PERIOD_NS
-from triaxis.verif.testbench.settings import PIN, RunSettings, from_environment, result_file
+from triaxis.verif.testbench.settings import (
+    PIN,
+    RunSettings,
+    counters_file,
+    from_environment,
+    library_from_environment,
+    result_file,
+)
+from triaxis.verif.testbench.trials import Model, next_model
 
 Component = TypeVar("Component", bound=uvm_component)
 
@@ -137,11 +145,28 @@ class CountingScoreboard(uvm_scoreboard):
         write_whole(path, json.dumps({**counts, **taken}, indent=2) + "\n")
 
 
+class FastModel:
+    """The bus-functional model of a library, in the place of the pins."""
+
+    def open(self, library: Path, selected: int) -> None:
+        """Load the library, with that mutant where it holds any, and let it run."""
+        raise NotImplementedError
+
+    async def clocks(self, count: int) -> None:
+        """Wait for some clocks."""
+        raise NotImplementedError
+
+    async def reset(self, cycles: int) -> None:
+        """Hold it in reset for some clocks."""
+        raise NotImplementedError
+
+    def close(self, counters: Path) -> None:
+        """Write what its build has counted; raise AssertionError where an assertion failed."""
+        raise NotImplementedError
+
+
 class EnvironmentTest(uvm_test):
     """What all tests share: settings, clock, reset. Tests override `stimulus`, environments the rest."""
-
-    # Whether there is a clock at the top level, and a reset to begin with.
-    clocked = True
 
     def build_phase(self) -> None:
         """Take the settings from the runner, and let every component find them."""
@@ -151,27 +176,28 @@ class EnvironmentTest(uvm_test):
         self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
         self.on_pins = self.settings.agent == PIN
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
-        bfm = None if self.on_pins else self.fast_model()
-        for key, value in ((_SETTINGS, self.settings), (_DUT, self.dut), (_BFM, bfm)):
+        self.bfm = None if self.on_pins else self.fast_model()
+        for key, value in ((_SETTINGS, self.settings), (_DUT, self.dut), (_BFM, self.bfm)):
             ConfigDB().set(None, "*", key, value)
 
-    def fast_model(self) -> Any:
+    def fast_model(self) -> FastModel:
         """Return the bus-functional model that takes the place of the pins, and have its agents made."""
         raise NotImplementedError
 
     async def run_phase(self) -> None:
         """Run the test."""
         self.raise_objection()
+        model = next_model(type(self).__name__, Model("", library_from_environment()))
         # The solver's handler of interrupts would jump out of the worker's thread, or of the simulator.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         # Whatever else happens, no run lasts for ever.
         faulthandler.dump_traceback_later(self.settings.time_limit, exit=True)
-        # Where it is not driven on its pins, what is under test makes its own clock.
-        if self.on_pins:
+        if self.bfm:
+            self.bfm.open(Path(model.library), model.selected)
+        else:
             Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
-        if self.clocked:
             await self.between_edges()
-            await self.reset(_RESET_CYCLES)
+        await self.reset(_RESET_CYCLES)
         await self.traffic()
         self.drop_objection()
 
@@ -185,11 +211,16 @@ class EnvironmentTest(uvm_test):
 
     def check_phase(self) -> None:
         """Fail where anything reported an error, even if nothing else noticed."""
+        if self.bfm:
+            self.bfm.close(counters_file(Path(self.settings.folder)))
         uvm_report_server.get().assert_no_failures()
 
     async def clocks(self, count: int) -> None:
-        """Wait for some clocks. Bursts go on meanwhile, which they would not for each edge."""
-        await Timer(count * PERIOD_NS, "ns")
+        """Wait for some clocks."""
+        if self.bfm:
+            await self.bfm.clocks(count)
+        else:
+            await Timer(count * PERIOD_NS, "ns")
 
     async def between_edges(self) -> None:
         """Wait until a little after an edge: what happens between clocks must not happen at one."""
@@ -198,6 +229,9 @@ class EnvironmentTest(uvm_test):
 
     async def reset(self, cycles: int, late_ns: int = 0) -> None:
         """Hold what is under test in reset for some clocks, from some time after the edge on."""
+        if self.bfm:
+            await self.bfm.reset(cycles)
+            return
         if late_ns:
             await Timer(late_ns, "ns")
         self.dut.rst_ni.value = 0

@@ -1,5 +1,6 @@
 """How a run can fail, in types: no message needs to be read to know what a failure is about."""
 
+from collections.abc import Callable
 from enum import StrEnum
 
 
@@ -15,3 +16,18 @@ class Blame(StrEnum):
 
 class HungError(AssertionError):
     """What is under test does not come to the end of what it accepted."""
+
+
+_listener: Callable[[str, int], None] | None = None
+
+
+def listen(conclude: Callable[[str, int], None]) -> None:
+    """Have every failure told at once, with the pairs that were checked until then."""
+    global _listener
+    _listener = conclude
+
+
+def found(message: str, pairs: int = 0) -> None:
+    """Tell of a failure whoever listens; to a run that goes on to its end nobody does."""
+    if _listener:
+        _listener(message, pairs)

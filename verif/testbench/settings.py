@@ -11,11 +11,10 @@ from triaxis.sim.mesh_configuration import (
     is_mesh_configuration,
     parse_mesh_configuration,
 )
-from triaxis.sim.paths import DUT
 from triaxis.verif.testbench.golden_sample import Share
 
 _VARIABLE = "TRIAXIS_RUN"
-_DUT_VARIABLE = "TRIAXIS_DUT"
+_LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
 PIN, BURST = "pin", "burst"
 # Where the tests stand; the simulator's process loads them by name, which no import shows.
 CORE_TESTS, MESH_TESTS = "triaxis.verif.core.uvm_tests", "triaxis.verif.mesh.uvm_tests"
@@ -94,9 +93,9 @@ class RunSettings:
             f"--pairs {self.pairs}{options}"
         )
 
-    def to_environment(self, dut: Path = DUT) -> dict[str, str]:
-        """Return the environment variables that carry these settings, and the folder of the RTL."""
-        return {_VARIABLE: json.dumps(asdict(self)), _DUT_VARIABLE: str(dut)}
+    def to_environment(self, library: Path | None = None) -> dict[str, str]:
+        """Return the environment variables that carry these settings, and what library is under test."""
+        return {_VARIABLE: json.dumps(asdict(self)), _LIBRARY_VARIABLE: str(library or "")}
 
 
 def from_environment() -> RunSettings:
@@ -104,14 +103,24 @@ def from_environment() -> RunSettings:
     return RunSettings(**json.loads(os.environ[_VARIABLE]))
 
 
-def dut_from_environment() -> Path:
-    """Return the folder of the RTL under test."""
-    return Path(os.environ[_DUT_VARIABLE])
+def put_into_environment(settings: RunSettings) -> None:
+    """Put other settings into the environment of this process."""
+    os.environ |= {_VARIABLE: json.dumps(asdict(settings))}
+
+
+def library_from_environment() -> str:
+    """Return the library of what is under test, "" where that is driven on its pins."""
+    return os.environ[_LIBRARY_VARIABLE]
 
 
 def result_file(folder: Path) -> Path:
     """Return the file into which the scoreboard writes its counts."""
     return folder / "scoreboard.json"
+
+
+def counters_file(folder: Path) -> Path:
+    """Return the file into which a build with counters of code coverage writes them."""
+    return folder / "counters.dat"
 
 
 def coverage_file(folder: Path) -> Path:

@@ -14,10 +14,11 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.models import bare_build, burst_build, mesh_build, mesh_pin_build, pin_build
+from triaxis.sim.models import asserted, bare_build, core_build, mesh_build, mesh_pin_build, pin_build
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.sim.verilate import Build, verilate
-from triaxis.verif.testbench.settings import BURST, PIN, RunSettings, coverage_file, failure_file, result_file
+from triaxis.sim.verilate import Build, library, verilate
+from triaxis.verif.testbench.settings import PIN, RunSettings, coverage_file, failure_file, result_file
+from triaxis.verif.testbench.trials import Trials
 
 # How often an error line of the log is repeated to the user.
 _SHOWN = 5
@@ -91,27 +92,37 @@ def _errors(log: Path) -> tuple[str, ...]:
     return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
 
 
-def build_of(settings: RunSettings, dut: Path = DUT) -> Build:
-    """Return the program that simulates a run."""
+def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:
+    """Return the library that a run drives; None where it drives pins of the simulator itself."""
+    if settings.agent == PIN:
+        return None
+    of_mesh = settings.of_mesh_engine
+    build = (
+        mesh_build(settings.mesh_configuration, dut) if of_mesh else core_build(settings.configuration, dut)
+    )
+    return build if settings.soak else asserted(build)
+
+
+def program_of(settings: RunSettings, dut: Path = DUT) -> Build:
+    """Return the simulator that a run lives in: empty, where what is under test is a library."""
+    if settings.agent != PIN:
+        return bare_build()
     if settings.of_mesh_engine:
-        return mesh_pin_build(settings.mesh_configuration, dut) if settings.agent == PIN else bare_build()
-    if settings.agent == BURST:
-        return burst_build(settings.configuration, dut, with_assertions=not settings.soak)
+        return mesh_pin_build(settings.mesh_configuration, dut)
     return pin_build(settings.configuration, dut)
 
 
-def build_for(settings: RunSettings, dut: Path = DUT) -> Path:
-    """Return the folder of the simulator executable that a run needs, built where needed."""
-    if settings.of_mesh_engine and settings.agent != PIN:
-        # What the run loads; here so that it counts as a build.
-        verilate(mesh_build(settings.mesh_configuration, dut))
-    return verilate(build_of(settings, dut))
+def build_for(settings: RunSettings, dut: Path = DUT) -> tuple[Path, Path | None]:
+    """Return the folder of the simulator that a run needs, and its library if any, built where needed."""
+    model = model_of(settings, dut)
+    return verilate(program_of(settings, dut)), library(model) if model else None
 
 
-def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
-    """Build where needed, simulate, and say how it went. Never raises for a failing test."""
-    from cocotb_tools.runner import get_runner
+def run(settings: RunSettings, dut: Path = DUT, model: Path | None = None) -> RunResult:
+    """Build where needed, simulate, and say how it went. Never raises for a failing test.
 
+    ``model``: another library of what is under test than the usual one.
+    """
     folder = Path(settings.folder)
     # The pairs to be replayed may lie in the very folder that is about to be emptied.
     replay = read_input(Path(settings.replay)) if settings.replay else None
@@ -120,29 +131,55 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
         raise InputError(f"{folder}: cannot empty this folder: remove it, or make it writable")
     make_folder(folder)
     # After what can be refused at once: a build takes a minute.
-    build = build_for(settings, dut)
+    program, usual = build_for(settings, dut) if model is None else (verilate(program_of(settings)), model)
     if replay is not None:
         kept = folder / "replayed_pairs.npz"
         kept.write_bytes(replay)
         settings = dataclasses.replace(settings, replay=str(kept))
-    log, results = folder / "simulation.log", folder / "results.xml"
-    runner = get_runner("verilator")
     start = time.monotonic()
-    ended_well = False
+    ended_well = _simulate(settings, program, settings.to_environment(usual), folder)
+    seconds = time.monotonic() - start
+    counts, log = _counts(result_file(folder)), _log(folder)
+    passed = ended_well and _passed(_results(folder)) and counts is not None and counts["failed"] == 0
+    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+
+
+def run_trials(trials: Trials) -> None:
+    """Let tests that need the same simulator run on models, until each was noticed or all tests have run.
+
+    Raises InputError where one came to no verdict.
+    """
+    first = trials.tests[0]
+    environment = {**first.to_environment(), **trials.write()}
+    _simulate(first, verilate(program_of(first)), environment, trials.folder)
+    trials.check(_log(trials.folder))
+
+
+def _log(folder: Path) -> Path:
+    return folder / "simulation.log"
+
+
+def _results(folder: Path) -> Path:
+    return folder / "results.xml"
+
+
+def _simulate(settings: RunSettings, program: Path, environment: dict[str, str], folder: Path) -> bool:
+    """Run the simulator; return whether it ended well."""
+    from cocotb_tools.runner import get_runner
+
     # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
-        runner.test(
-            hdl_toplevel=build_of(settings).top,
+        get_runner("verilator").test(
+            hdl_toplevel=program_of(settings).top,
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testbench.entry",
-            test_filter=f"{settings.test}$",
             seed=settings.seed,
-            build_dir=build,
+            build_dir=program,
             test_dir=folder,
-            results_xml=str(results),
-            log_file=log,
+            results_xml=str(_results(folder)),
+            log_file=_log(folder),
             extra_env={
-                **settings.to_environment(dut),
+                **environment,
                 "COCOTB_ANSI_OUTPUT": "0",
                 "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
                 # A crash must end the process: the solver's loader would fork a debugger, which hangs.
@@ -152,11 +189,8 @@ def run(settings: RunSettings, dut: Path = DUT) -> RunResult:
                 "OPENBLAS_NUM_THREADS": "1",
             },
         )
-        ended_well = True
-    seconds = time.monotonic() - start
-    counts = _counts(result_file(folder))
-    passed = ended_well and _passed(results) and counts is not None and counts["failed"] == 0
-    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+        return True
+    return False
 
 
 def _counts(path: Path) -> dict[str, Any] | None:

@@ -81,13 +81,13 @@ def test_a_simulator_that_ends_badly_has_not_passed(tmp_path, seed, monkeypatch)
     """Whatever its results file says."""
     settings = burst("RandomTest", seed, 1000, tmp_path / "run")
     assert run(settings).passed
-    honest = build_for(settings)
+    honest, model = build_for(settings)
     crashing = tmp_path / "crashing"
     crashing.mkdir()
-    script = crashing / "triaxis_burst_tb"
-    script.write_text(f"#!/bin/sh\n{honest}/triaxis_burst_tb\nexit 3\n")
+    script = crashing / "triaxis_bare_tb"
+    script.write_text(f"#!/bin/sh\n{honest}/triaxis_bare_tb\nexit 3\n")
     script.chmod(0o755)
-    monkeypatch.setattr(simulation, "build_for", lambda *_: crashing)
+    monkeypatch.setattr(simulation, "build_for", lambda *_: (crashing, model))
     assert not run(settings).passed
 
 

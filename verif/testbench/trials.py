@@ -1,0 +1,185 @@
+"""Trials: the same tests on many models of the design, to see which of them a test notices.
+
+A model is a library, and a number where the library holds mutants. The simulator's process forks for each
+test, and where the test's run phase begins it forks again for each model that no test has noticed yet: so every
+trial is the real test with its sequences, scoreboard and assertions, without a simulator's start of its own. A
+trial ends at the first failure. What came of it is a line in a file.
+"""
+
+import json
+import os
+import resource
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.testbench import failures
+from triaxis.verif.testbench.settings import RunSettings, put_into_environment
+
+_VARIABLE = "TRIAXIS_TRIALS"
+# Seconds of the processor's time after which a trial is given up, undecided: models that hang are found to by
+# clocks long before.
+_CPU_LIMIT = 600
+_PASSED = ""
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a trial is of: a name, the library, the number of the mutant that is selected in it."""
+
+    name: str
+    library: str
+    selected: int = 0
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a test said of a model: the symptom, "" where it noticed nothing, and the pairs until then."""
+
+    name: str
+    test: str
+    symptom: str
+    pairs: int
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Tests, in the order in which they run, and the models that they run on. ``folder``: of all files."""
+
+    tests: tuple[RunSettings, ...]
+    models: tuple[Model, ...]
+    folder: Path
+
+    @property
+    def results(self) -> Path:
+        """Return the file of verdicts: one a line."""
+        return self.folder / "verdicts.jsonl"
+
+    def write(self) -> dict[str, str]:
+        """Write the plan; return the environment variable that names it."""
+        plan = {
+            "tests": [asdict(test) for test in self.tests],
+            "models": [asdict(one) for one in self.models],
+        }
+        path = self.folder / "trials.json"
+        path.write_text(json.dumps(plan))
+        return {_VARIABLE: str(path)}
+
+    @property
+    def told(self) -> int:
+        """Return the size of that file."""
+        return self.results.stat().st_size if self.results.exists() else 0
+
+    def verdicts(self) -> list[Verdict]:
+        """Return all verdicts so far."""
+        lines = self.results.read_text().splitlines() if self.results.exists() else []
+        return [Verdict(**json.loads(line)) for line in lines]
+
+    def unnoticed(self) -> list[Model]:
+        """Return the models that no test has noticed so far."""
+        noticed = {verdict.name for verdict in self.verdicts() if verdict.symptom}
+        return [model for model in self.models if model.name not in noticed]
+
+    def check(self, log: Path) -> None:
+        """Raise InputError unless every test gave a verdict on every model that was left to it."""
+        verdicts = {(verdict.name, verdict.test): verdict for verdict in self.verdicts()}
+        for model in self.models:
+            for test in self.tests:
+                verdict = verdicts.get((model.name, test.test))
+                if verdict is None:
+                    lines = log.read_text(errors="replace").splitlines() if log.exists() else []
+                    said = next((line for line in lines if "ERROR" in line), f"see {log}")
+                    raise InputError(f"{model.name}: no verdict of {test.test}: {said}")
+                if verdict.symptom:
+                    break
+
+
+def _planned() -> Trials | None:
+    path = os.environ.get(_VARIABLE)
+    if not path:
+        return None
+    plan = json.loads(Path(path).read_text())
+    tests = tuple(RunSettings(**test) for test in plan["tests"])
+    return Trials(tests, tuple(Model(**model) for model in plan["models"]), Path(path).parent)
+
+
+def next_test(settings: RunSettings) -> RunSettings:
+    """Return the settings of the one test to run: those given, or where trials are planned each in turn.
+
+    Returns once in a process for each test; the process that called ends when all have ended.
+    """
+    trials = _planned()
+    if trials is None:
+        return settings
+    status = 0
+    for test in trials.tests:
+        if not trials.unnoticed():
+            break
+        child = os.fork()
+        if not child:
+            put_into_environment(test)
+            return test
+        status = os.waitpid(child, 0)[1]
+        if status:
+            break
+    os._exit(1 if status else 0)
+
+
+def next_model(test: str, model: Model) -> Model:
+    """Return the model that a test runs on: the one given, or where trials are planned each in turn.
+
+    Returns once in a process for each model; the process that called ends when all have ended.
+    """
+    trials = _planned()
+    if trials is None:
+        return model
+    for one in trials.unnoticed():
+        before = trials.told
+        child = os.fork()
+        if not child:
+            _begin(trials, one, test)
+            return one
+        status = os.waitpid(child, 0)[1]
+        if trials.told == before:
+            os.write(2, f"ERROR {one.name}: {test} ended without a verdict: {_said(status)}\n".encode())
+            os._exit(1)
+    os._exit(0)
+
+
+def _said(status: int) -> str:
+    if not os.WIFSIGNALED(status):
+        return f"exit status {os.waitstatus_to_exitcode(status)}"
+    number = os.WTERMSIG(status)
+    if number == signal.SIGXCPU:
+        return f"not decided in {_CPU_LIMIT} seconds of the processor"
+    return f"killed by {signal.Signals(number).name}"
+
+
+def _begin(trials: Trials, model: Model, test: str) -> None:
+    """Make this process that of a trial."""
+    resource.setrlimit(resource.RLIMIT_CPU, (_CPU_LIMIT, _CPU_LIMIT + 1))
+    # Assertions report each time.
+    silent = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silent, 1)
+
+    def conclude(symptom: str, pairs: int) -> None:
+        verdict = Verdict(model.name, test, symptom, pairs)
+        with trials.results.open("a") as file:
+            file.write(json.dumps(asdict(verdict)) + "\n")
+        os._exit(0)
+
+    failures.listen(conclude)
+
+
+@contextmanager
+def judged() -> Iterator[None]:
+    """Conclude a trial with the end of its test, or with the error that ends it; do nothing in other runs."""
+    try:
+        yield
+    except Exception as error:
+        failures.found(f"{type(error).__name__}: {error}")
+        raise
+    failures.found(_PASSED)
