@@ -6,10 +6,14 @@ their own, so that one cut short is noticed.
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
 
 FIRST_LINE = "# SystemC::Coverage-3"
 LAST_LINE = "# end"
@@ -102,6 +106,16 @@ def read_lines(path: Path) -> list[str]:
     if lines[-1] != LAST_LINE or len(lines) == 2:
         raise InputError(f"{path}: cut short after line {len(lines)}: run again")
     return lines[1:-1]
+
+
+def add_files(paths: Sequence[Path], total: Path) -> None:
+    """Write the sum of what runs of one model counted; raise InputError where they are not of one model."""
+    files = [[line.rpartition(" ") for line in read_lines(path)] for path in paths]
+    if any([key for key, _, _ in file] != [key for key, _, _ in files[0]] for file in files[1:]):
+        raise InputError(f"{total.name}: counters of two builds, or damaged: run again")
+    sums = np.sum([[int(count) for _, _, count in file] for file in files], 0).tolist()
+    lines = [f"{key} {count}" for (key, _, _), count in zip(files[0], sums, strict=True)]
+    write_whole(total, "\n".join([FIRST_LINE, *lines, LAST_LINE]) + "\n")
 
 
 def read_counters(path: Path) -> Counters:

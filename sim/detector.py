@@ -8,7 +8,8 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import Pairs, check_pairs, coordinate_range
-from triaxis.sim.models import detector_build
+from triaxis.sim.core_engine import CoreError
+from triaxis.sim.models import DETECTOR_TOP, detector_build
 from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import SYMPTOMS, Player
@@ -20,22 +21,15 @@ WIDTH = 16
 class DetectorPlayer(Player):
     """The wrapper of a library."""
 
-    def play(
-        self, inputs: npt.NDArray[np.int64], expected: npt.NDArray[np.uint8] | None = None
-    ) -> tuple[npt.NDArray[np.bool_], str, int]:
-        """Return CollisionOccurs (N,) for inputs (N, 24), what is wrong, and how many were right before.
-
-        Ends at the first answer that is not the ``expected`` one.
-        """
-        collides, checked = np.zeros(len(inputs), np.uint8), ctypes.c_int64()
+    def play(self, inputs: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """Return CollisionOccurs (N,) for inputs (N, 24); CoreError where the wrapper does not settle."""
+        collides = np.zeros(len(inputs), np.uint8)
         detect = self.library.triaxis_detect
-        pointer = ctypes.c_void_p
-        detect.argtypes = [pointer, pointer, pointer, ctypes.c_int64, pointer, pointer]
-        symptom = detect(
-            self.model, inputs.ctypes.data, None if expected is None else expected.ctypes.data, len(inputs),
-            collides.ctypes.data, ctypes.byref(checked),
-        )  # fmt: skip
-        return collides.astype(np.bool_), SYMPTOMS[symptom], checked.value
+        detect.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
+        symptom = SYMPTOMS[detect(self.model, inputs.ctypes.data, len(inputs), collides.ctypes.data)]
+        if symptom:
+            raise CoreError(f"{DETECTOR_TOP}: {symptom}")
+        return collides.astype(np.bool_)
 
 
 def detector_inputs(pairs: Pairs, normals: npt.NDArray[np.int64], width: int) -> npt.NDArray[np.int64]:
@@ -55,4 +49,4 @@ def detect(pairs: Pairs, normals: npt.NDArray[np.int64], dut: Path = DUT) -> npt
     if normals.min(initial=0) < low or normals.max(initial=0) > high:
         raise InputError(f"normals: must be {low}..{high} (width {WIDTH})")
     player = DetectorPlayer(library(detector_build(WIDTH, dut)))
-    return player.play(detector_inputs(pairs, normals, WIDTH))[0]
+    return player.play(detector_inputs(pairs, normals, WIDTH))

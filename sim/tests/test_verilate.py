@@ -8,8 +8,9 @@ from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
+    asserted,
+    bare_build,
     board_build,
-    burst_build,
     core_build,
     detector_build,
     mesh_build,
@@ -23,7 +24,7 @@ from triaxis.sim.verilate import MANY, product, verilate_command
 CORE, MESH = Configuration(8, 8), MeshConfiguration(8, 0, depth=16, group=4, lanes=4)
 BLOCKS = (
     core_build(CORE), mesh_build(MESH), detector_build(8), board_build(BoardParameters(8, 0)), safety_build(),
-    pin_build(CORE), mesh_pin_build(MESH), burst_build(CORE), burst_build(CORE, with_assertions=False),
+    pin_build(CORE), mesh_pin_build(MESH), asserted(core_build(CORE)), bare_build(),
 )  # fmt: skip
 
 

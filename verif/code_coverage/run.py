@@ -1,6 +1,6 @@
-"""A run of its own that measures code coverage of dut/: builds with counters, plays, checks, assesses.
+"""Code coverage of dut/: what the environment's own tests reach, on builds that count.
 
-Results are checked against the bulk checker: coverage by a core that answers wrongly is worth nothing.
+The tests check every answer as always: coverage by a core that answers wrongly is worth nothing.
 """
 
 import signal
@@ -11,10 +11,9 @@ from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 
-import numpy as np
 from filelock import FileLock
 
-from triaxis.coverage.code_counters import Counters, read_counters
+from triaxis.coverage.code_counters import add_files, read_counters
 from triaxis.coverage.code_coverage import (
     Assessment,
     ModelCoverage,
@@ -26,29 +25,24 @@ from triaxis.coverage.code_coverage import (
 from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
-from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
-from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import DELIVERED, CoreError, CorePlayer, Steps
-from triaxis.sim.detector import DetectorPlayer, detector_inputs
+from triaxis.sim.detector import DetectorPlayer
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import RUN, MeshPlayer
 from triaxis.sim.models import core_build, detector_build, mesh_build
 from triaxis.sim.paths import BUILD, SIM, mesh_sources, rtl_sources
-from triaxis.sim.player import Player
 from triaxis.sim.validity import Sources
 from triaxis.sim.verilate import LIGHT, Build, described, library
-from triaxis.verif.code_coverage.stimulus import pairs_with_margins, stimulus
-from triaxis.verif.core.expectation import expected_words
-from triaxis.verif.core.stimulus.schedules import disturbed
-from triaxis.verif.mesh.script_stimulus import engine_directed, engine_extremes
+from triaxis.verif.core.detector_check import ask_at_random
+from triaxis.verif.testbench.settings import BURST, TEST_MODULES, counters_file
+from triaxis.verif.testbench.simulation import RunResult, run, run_settings
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
-SOURCES = Sources(("triaxis.verif.code_coverage.run",), ("coverage/waivers.toml",))
+SOURCES = Sources(("triaxis.verif.code_coverage.run", *TEST_MODULES), ("coverage/waivers.toml",))
 
 # Together they elaborate every generate block of dut/; the run fails if one is missing.
 CORES = (
@@ -68,23 +62,25 @@ ENGINES = (_MESH, replace(_MESH, margin_bits=0))
 # Of progress: the cores, the wrapper and the engines, each when it is built and when it is done.
 STEPS = 2 * (len(CORES) + 1 + len(ENGINES))
 
-# Every bin of every model was hit within half of this.
-PAIRS = 6_000
+# The tests that run on each model, those that reach most, and the pairs that each sends.
+PAIRS = 12_000
+_CORE_TESTS = {"MixedTest": PAIRS, "ExtremesTest": 3000, "StallsTest": 3600, "ResetsTest": 4000}
+_MESH_TESTS = {
+    "MeshRandomTest": 20_000, "MeshLimitsTest": 1, "MeshStallsTest": 5000, "MeshAbortTest": 2000,
+    "MeshResetsTest": 5000,
+}  # fmt: skip
+_JUDGED_ONE_IN = 1000
 _JOBS = 2
 
 
 @dataclass(frozen=True)
 class Run:
-    """One model: how many pairs it was played, how many were checked and how many were wrong.
-
-    Of the mesh engine, how many runs.
-    """
+    """One test on one model: how many pairs were checked and how many were wrong."""
 
     model: str
-    pairs: int
+    test: str
     checked: int
     wrong: int
-    clocks: int
     seconds: float
 
 
@@ -105,8 +101,8 @@ class CodeCoverage:
     @property
     def problems(self) -> list[str]:
         """Return what is wrong, apart from bins that are not covered."""
-        wrong = [f"{r.model}: {r.wrong} of {r.checked} results are wrong" for r in self.runs if r.wrong]
-        idle = [f"{r.model}: no result was checked" for r in self.runs if not r.checked]
+        wrong = [f"{r.model}: {r.test}: {r.wrong} of {r.checked} wrong" for r in self.runs if r.wrong]
+        idle = [f"{r.model}: {r.test}: nothing was checked" for r in self.runs if not r.checked]
         changed = ["the RTL changed during the run"] if self.changed else []
         return [*wrong, *idle, *changed, *self.assessment.problems]
 
@@ -127,8 +123,7 @@ def covered(configuration: Measured) -> Build:
     if isinstance(configuration, MeshConfiguration):
         build = mesh_build(configuration)
         # Counters change with the order of the control files.
-        seen = tuple(path for path in build.sources if path.suffix == ".sv")
-        build = replace(build, sources=(*seen, SIM / "counters" / "mesh_only.vlt"))
+        build = replace(build, sources=(*build.sources, SIM / "counters" / "mesh_only.vlt"))
     else:
         build = core_build(configuration) if configuration else detector_build(DETECTOR_WIDTH)
     # Little less speed than more optimising, for much less compiling.
@@ -137,12 +132,11 @@ def covered(configuration: Measured) -> Build:
 
 @dataclass(frozen=True)
 class _Job:
-    """One build to play."""
+    """One build, and the tests that run on it."""
 
     configuration: Measured
     seed: int
-    count: int
-    steps: Steps
+    pairs: int
     waivers: list[Waiver]
 
     @property
@@ -150,65 +144,58 @@ class _Job:
         """Return the build."""
         return covered(self.configuration)
 
+    @property
+    def of_engine(self) -> bool:
+        """Return whether it is of the mesh engine."""
+        return isinstance(self.configuration, MeshConfiguration)
+
     def build(self) -> None:
         """Build and elaborate the model, where needed."""
         library(self.model)
         described(self.model)
 
-    def run(self) -> tuple[Run, Assessment]:
-        """Play the model, check its results, and assess its coverage."""
-        start, model = time.perf_counter(), self.model
+    def run(self) -> tuple[list[Run], Assessment]:
+        """Run the tests, and assess the coverage of the model."""
+        model = self.model
         file = COUNTERS / f"{model.name}.dat"
+        runs = [self._ask_wrapper(file)] if self.configuration is None else self._run_tests(file)
         instances = read_elaboration(described(model), model.top)
-        path = library(model)
-        if isinstance(self.configuration, MeshConfiguration):
-            player = MeshPlayer(path)
-            played, checked, wrong, clocks = self._play_engine(player, self.configuration)
+        if self.of_engine:
             instances = {path: one for path, one in instances.items() if one.module in _ENGINE_MODULES}
-        elif self.configuration:
-            player = CorePlayer(path)
-            played, (checked, wrong, clocks) = self.count, self._play_core(player, self.configuration)
-        else:
-            player = DetectorPlayer(path)
-            played, (checked, wrong, clocks) = self.count, self._play_detector(player)
-        counted = _counted(player, file)
-        assessment = assess_model(ModelCoverage(model.name, counted, instances), self.waivers)
-        seconds = time.perf_counter() - start
-        return Run(model.name, played, checked, wrong, clocks, seconds), assessment
+        return runs, assess_model(ModelCoverage(model.name, read_counters(file), instances), self.waivers)
 
-    def _play_engine(self, player: MeshPlayer, engine: MeshConfiguration) -> tuple[int, int, int, int]:
-        """Return how many runs there were, how many were right, how many scripts went wrong, the clocks."""
-        plays = [*engine_directed(engine, self.seed), *engine_extremes(engine, self.seed)]
-        answers = [player.play(play.script) for play in plays]
-        runs = sum(int((play.script.steps["kind"] == RUN).sum()) for play in plays)
-        clocks = sum(int(play.script.clocks.clip(0).sum()) for play in plays)
-        return runs, sum(right for _, right in answers), sum(bool(wrong) for wrong, _ in answers), clocks
+    def _run_tests(self, file: Path) -> list[Run]:
+        """Run the environment's tests on the model, and add up what they covered."""
+        path, model = library(self.model), self.model.name
+        results: list[RunResult] = []
+        for test, pairs in (_MESH_TESTS if self.of_engine else _CORE_TESTS).items():
+            count = -(-self.pairs * pairs // PAIRS)
+            settings = run_settings(
+                test, model, self.seed, count, folder=COUNTERS / f"{model}-{test}", agent=BURST,
+                judged_one_in=_JUDGED_ONE_IN,
+            )  # fmt: skip
+            results.append(run(settings, model=path))
+            if not results[-1].passed:
+                raise InputError(f"code coverage: {results[-1].explain()}")
+        folders = [Path(result.settings.folder) for result in results]
+        add_files([counters_file(folder) for folder in folders], file)
+        for folder in folders:
+            counters_file(folder).unlink()
+        return [
+            Run(model, one.settings.test, one.counts["checked"], one.counts["failed"], one.seconds)
+            for one in results
+            if one.counts
+        ]
 
-    def _play_core(self, player: CorePlayer, configuration: Configuration) -> tuple[int, int, int]:
-        """Return how many results were checked, how many were wrong, and the clocks."""
-        rng = np.random.default_rng([self.seed, configuration.width, configuration.margin_bits])
-        sent, pairs, margins = stimulus(rng, self.count, configuration, self.steps)
-        played = player.play(sent)
-        if played.symptom:
-            raise CoreError(f"core {configuration.name}: {played.symptom}")
-        delivered = played.states == DELIVERED
-        wrong = delivered & (played.words != expected_words(bulk_facts(pairs, margins), configuration))
-        return int(delivered.sum()), int(wrong.sum()), played.clocks
-
-    def _play_detector(self, player: DetectorPlayer) -> tuple[int, int, int]:
-        rng = np.random.default_rng([self.seed, DETECTOR_WIDTH])
-        pairs, _ = pairs_with_margins(rng, self.count, DETECTOR_WIDTH, 0)
-        normals = rng.integers(*coordinate_range(DETECTOR_WIDTH), (self.count, 2, 3), endpoint=True)
-        collides, _, _ = player.play(detector_inputs(pairs, normals, DETECTOR_WIDTH))
-        return self.count, int((collides != bulk_facts(pairs, 0).near).sum()), 0
+    def _ask_wrapper(self, file: Path) -> Run:
+        start = time.perf_counter()
+        player = DetectorPlayer(library(self.model))
+        pairs, wrong = ask_at_random(player, self.seed, DETECTOR_WIDTH)
+        player.write_coverage(file)
+        return Run(self.model.name, "check_detector", pairs, wrong, time.perf_counter() - start)
 
 
-def _counted(player: Player, file: Path) -> Counters:
-    player.write_coverage(file)
-    return read_counters(file)
-
-
-def _run_job(job: _Job) -> tuple[Run, Assessment]:
+def _run_job(job: _Job) -> tuple[list[Run], Assessment]:
     return job.run()
 
 
@@ -217,12 +204,12 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[Run, Assessment]]:
+def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[list[Run], Assessment]]:
     """Build in threads, which only wait for compilers; then run in processes, whose work is Python's."""
     with ThreadPoolExecutor(_JOBS) as threads:
         for _ in threads.map(_Job.build, jobs):
             progress(1)
-    done: list[tuple[Run, Assessment]] = []
+    done: list[tuple[list[Run], Assessment]] = []
     pool = ProcessPoolExecutor(_JOBS, get_context("spawn"), initializer=_ignore_interrupts)
     try:
         for outcome in pool.map(_run_job, jobs):
@@ -235,20 +222,19 @@ def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[Ru
 
 def measure(
     seed: int,
-    count: int = PAIRS,
+    pairs: int = PAIRS,
     cores: Sequence[Configuration] = CORES,
     engines: Sequence[MeshConfiguration] = ENGINES,
     waivers: Path = WAIVERS,
     progress: Callable[[int], None] | None = None,
 ) -> CodeCoverage:
-    """Measure code coverage with ``count`` pairs on each core and on the wrapper, and scenes on each engine.
+    """Measure code coverage; ``pairs``: those that MixedTest sends on each core, other tests in proportion.
 
     ``progress`` is told of each model twice: when it is built, and when it is done.
     """
     start = time.perf_counter()
     read = read_waivers(waivers)
-    steps = disturbed(np.random.default_rng(seed))
-    jobs = [_Job(one, seed, count, steps, read) for one in (*cores, None, *engines)]
+    jobs = [_Job(one, seed, pairs, read) for one in (*cores, None, *engines)]
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
@@ -259,7 +245,8 @@ def measure(
             together.add(assessment)
         whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources()]), read)
         changed = rtl_hash() != before
-    return CodeCoverage([run for run, _ in done], whole, read, time.perf_counter() - start, before, changed)
+    runs = [run for some, _ in done for run in some]
+    return CodeCoverage(runs, whole, read, time.perf_counter() - start, before, changed)
 
 
 def _as_json(total: Total) -> dict[str, int | float | None]:

@@ -101,11 +101,12 @@ def _bin_count(testpoint: Testpoint, known: Inventory) -> int:
 def add_code(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``coverage code``."""
     parser.description = (
-        "Build the core with coverage counters, play and check it, and set what was not hit against "
+        "Run the environment's tests on builds with coverage counters, and set what was not hit against "
         "coverage/waivers.toml. Writes build/coverage/code.json."
     )
     add_seed(parser)
-    parser.add_argument("--pairs", type=positive, default=PAIRS, help=f"how many for each model ({PAIRS})")
+    told = f"of the test of all families, on each core ({PAIRS}); of others in proportion"
+    parser.add_argument("--pairs", type=positive, default=PAIRS, help=told)
     parser.add_argument(
         "--confirm-waivers", action="store_true",
         help="measure nothing: write into coverage/waivers.toml that all reasons were read again and hold",
@@ -131,8 +132,8 @@ def _print_code(result: CodeCoverage) -> None:
     categories = Counter(waiver.category for waiver in result.waivers)
     named = ", ".join(f"{count} {category}" for category, count in categories.items())
     print(f"{len(result.waivers)} waivers: {named}")
-    for model in result.runs:
-        print(f"{model.model}: {model.checked} results checked, {model.wrong} wrong, {model.seconds:.0f} s")
+    for run in result.runs:
+        print(f"{run.model}: {run.test}: {run.checked} checked, {run.wrong} wrong, {run.seconds:.0f} s")
     all_of_them = "all in the JSON file"
     print_list("NOT COVERED", [str(bin_) for bin_ in result.assessment.uncovered], _SHOWN, all_of_them)
     print_list("PROBLEM", result.problems, _SHOWN, all_of_them)

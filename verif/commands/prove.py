@@ -271,7 +271,7 @@ def _print_one(fate: Fate) -> None:
     print(f"  {fate.original}\n  {fate.changed}")
     if fate.by is not None:
         told = f" after {fate.pairs} pairs" if fate.pairs is not None else ""
-        what = f"{fate.test} {fate.family or ''} on {fate.target}"
+        what = f"{fate.test} on {fate.target}"
         print(f"  {fate.fate} by {fate.by}: {what}: {fate.symptom}{told}")
     else:
         print(f"  {fate.fate}")

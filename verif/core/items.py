@@ -43,7 +43,7 @@ class BurstItem(uvm_sequence_item):
     """Pairs (N, 2, 3, 3) at margins (N,), offered with gaps.
 
     ``stalls``: the pace at which results are taken from then on; None leaves it as it is. ``tags``
-    (N,): those of the pairs; None: the driver numbers them consecutively.
+    (N,): those of the pairs; None: the driver gives each pair another one.
     """
 
     def __init__(

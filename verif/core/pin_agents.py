@@ -76,6 +76,9 @@ class SourceBus(ValidatedBusDriver):
             self.on -= 1
 
 
+# Odd, so that tags return only after all others.
+_TAG_STEP = 0x9E37
+
 # Beats gathered before they are published together.
 _BATCH = 512
 
@@ -127,9 +130,10 @@ class SourceDriver(uvm_driver):
         check_margins(item, configuration.max_margin)
 
     def tags_of(self, item: BurstItem) -> npt.NDArray[np.int64]:
-        """Return the tags (N,) of an item's pairs."""
+        """Return the tags (N,) of an item's pairs: no two alike among the last, and every bit moves."""
         count = len(item.pairs)
-        tags = self.next_tag + np.arange(count) if item.tags is None else item.tags.astype(np.int64)
+        numbers = _TAG_STEP * (self.next_tag + np.arange(count))
+        tags = numbers if item.tags is None else item.tags.astype(np.int64)
         self.next_tag += count
         return tags & ((1 << self.settings.configuration.tag_bits) - 1)
 

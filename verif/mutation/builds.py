@@ -1,24 +1,18 @@
-"""Builds of mutants: all in one library that holds them, or one by itself; what plays them finds out.
+"""Libraries of RTL that holds mutants: with all, one of which is selected by its number, or one by itself."""
 
-And the folder in build/ where they are made, and what a run that was killed leaves there.
-"""
-
-import fcntl
+import os
 import re
 import shutil
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
-from triaxis.sim.core_engine import CorePlayer
-from triaxis.sim.detector import DetectorPlayer
-from triaxis.sim.mesh_engine import MeshPlayer
+from triaxis.sim.models import asserted
 from triaxis.sim.paths import BUILD, ROOT
 from triaxis.sim.programs import EndedError, run_limited
 from triaxis.sim.toolchain import verilator
@@ -26,62 +20,35 @@ from triaxis.sim.verilate import (
     FAST,
     MANY,
     PREFIX,
-    QUICK,
     Build,
     compile_model,
     compiler,
     library,
     verilate_command,
 )
-from triaxis.verif.mesh.scripts import EnginePlay
-from triaxis.verif.mutation.stimulus import Play
 from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
 
 FOLDER = BUILD / "mutation"
-
-_PREFIXES = ("dut-", "proof-", "exhaustive-", "mutant-")
-# Seconds: a file that is written whole and renamed is younger, and holds no lock.
-_YOUNG = 60
-
-# The runs that a model can be found out by.
-AnyPlay = Play | EnginePlay
+_WORK = "work-"
 
 
 @contextmanager
-def temporary(prefix: str) -> Iterator[Path]:
-    """Provide a folder that is removed afterwards, and that no `sweep` takes meanwhile."""
-    if prefix not in _PREFIXES:
-        raise ValueError(f"{prefix}: not one of {', '.join(_PREFIXES)}")
+def temporary() -> Iterator[Path]:
+    """Provide a folder that is removed afterwards; its name has the number of this process in it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with (FOLDER / ".lock").open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_SH)
-        with tempfile.TemporaryDirectory(dir=FOLDER, prefix=prefix) as name:
-            yield Path(name)
+    with tempfile.TemporaryDirectory(dir=FOLDER, prefix=f"{_WORK}{os.getpid()}-") as name:
+        yield Path(name)
 
 
 def sweep(folder: Path = FOLDER) -> None:
-    """Remove what runs left that were killed, unless another run is at work in the folder now."""
-    folder.mkdir(parents=True, exist_ok=True)
-    before = time.time() - _YOUNG
-    with (folder / ".lock").open("w") as file:
+    """Remove what processes left that are no more."""
+    for path in folder.glob(f"{_WORK}*"):
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return
-        for path in folder.iterdir():
-            if _left(path) and path.stat().st_mtime < before:
-                _remove(path)
-
-
-def _left(path: Path) -> bool:
-    return path.name.endswith(".partial") or (path.is_dir() and path.name.startswith(_PREFIXES))
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)
+            os.kill(int(path.name.split("-")[1]), 0)
+        except ProcessLookupError:
+            shutil.rmtree(path, ignore_errors=True)
+        except (PermissionError, ValueError):
+            continue
 
 
 class ElaborationError(Exception):
@@ -107,9 +74,7 @@ def _build(target_: AnyTarget, dut: Path, assertions: bool) -> Build:
     build = target_.build(dut)
     if isinstance(target_, EngineTarget) and target_.exact_core:
         build = replace(build, objects=(_exact_checker(build),))
-    if not (assertions and target_.assertions):
-        return build
-    return replace(build, assertions=True, sources=(*build.sources, *target_.assertions))
+    return asserted(build) if assertions and target_.assertions else build
 
 
 def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
@@ -118,7 +83,7 @@ def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Pat
     ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
     build: the generator's fault, not a mutant's.
     """
-    build = replace(_build(target_, dut, True), selectable=True, assertions=True, speed=MANY, split=8000)
+    build = replace(_build(target_, dut, True), selectable=True, speed=MANY, split=8000)
     return library(replace(build, sources=(extra, *build.sources)), jobs)
 
 
@@ -148,77 +113,25 @@ def _refusal(status: int, errors: str, dut: Path, what: str) -> ElaborationError
 
 def elaboration_hash(target_: AnyTarget, dut: Path, assertions: bool) -> str:
     """Return a hash of the model that Verilator makes of some RTL: the same for RTL that does the same."""
-    with temporary("mutant-") as folder:
+    with temporary() as folder:
         return _elaborate(replace(_build(target_, dut, assertions), split=0), folder)
 
 
-def with_mutant_library(
-    target_: AnyTarget,
-    dut: Path,
-    use: Callable[["Library"], None],
-    assertions: bool = False,
-    optimise: str = QUICK,
-    unless: str = "",
-) -> None:
-    """Build one mutated copy of dut/, and call ``use`` with its library, which is then removed.
+def mutant_library(
+    target_: AnyTarget, dut: Path, folder: Path, assertions: bool = False, unless: str = ""
+) -> Path | None:
+    """Build one mutated copy of dut/ in a folder; None where its model's `elaboration_hash` is ``unless``.
 
-    ``assertions``: with those of the environment. ``unless``: the `elaboration_hash` of a model that need not
-    be built. Raises ElaborationError where Verilator refuses the RTL, InputError where it fails otherwise.
+    ``assertions``: with those of the environment. Raises ElaborationError where Verilator refuses the RTL,
+    InputError where it fails otherwise.
     """
+    folder.mkdir()
     build = replace(_build(target_, dut, assertions), split=0)
-    with temporary("mutant-") as folder:
-        if _elaborate(build, folder) != unless:
-            loaded = Library(compile_model(replace(build, speed=optimise), folder, folder, 1), target_)
-            try:
-                use(loaded)
-            finally:
-                loaded.close()
-
-
-@dataclass(frozen=True)
-class Killed:
-    """How a mutant was found out: the test and family, the model, what was wrong, after how many pairs.
-
-    Of the mesh engine, after how many runs.
-    """
-
-    test: str
-    family: str
-    target: str
-    symptom: str
-    pairs: int
-
-
-class Library:
-    """A shared library of mutants of one target."""
-
-    def __init__(self, path: Path, target_: AnyTarget) -> None:
-        """Load it."""
-        self.target = target_
-        players = {True: MeshPlayer, False: DetectorPlayer if target_.combinational else CorePlayer}
-        self._player = players[isinstance(target_, EngineTarget)](path)
-
-    def close(self) -> None:
-        """Unload it."""
-        self._player.unload()
-
-    def play(self, selected: int, plays: Sequence[AnyPlay]) -> Killed | None:
-        """Return how the mutant with that number is found out by the plays in turn; None where it is not."""
-        self._player.renew(selected)
-        before = 0
-        for play in plays:
-            symptom, checked = self._one(play)
-            before += checked
-            if symptom:
-                return Killed(play.test, play.family, self.target.name, symptom, before)
+    if _elaborate(build, folder) == unless:
         return None
-
-    def _one(self, play: AnyPlay) -> tuple[str, int]:
-        if isinstance(play, EnginePlay):
-            assert isinstance(self._player, MeshPlayer)
-            return self._player.play(play.script)
-        if isinstance(self._player, DetectorPlayer):
-            return self._player.play(play.inputs, play.collides)[1:]
-        assert isinstance(self._player, CorePlayer)
-        played = self._player.play(play.sent, play.expected, play.target.configuration.latency)
-        return played.symptom, played.checked
+    made = compile_model(build, folder, folder, 1)
+    # Thousands of models: only the library is needed.
+    for path in folder.glob(f"{PREFIX}*"):
+        with suppress(OSError):
+            path.unlink()
+    return made

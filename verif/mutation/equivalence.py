@@ -24,32 +24,31 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import MAX_WIDTH
+from triaxis.golden.pairs import MAX_WIDTH, Pairs
 from triaxis.sim.build import content_hash, mesh_files
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
-from triaxis.sim.verilate import FAST
+from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
-from triaxis.verif.core.stimulus.schedules import flowing
 from triaxis.verif.formal.proofs import engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
     ElaborationError,
-    Killed,
-    Library,
     elaboration_hash,
+    mutant_library,
     temporary,
-    with_mutant_library,
 )
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
-from triaxis.verif.mutation.stimulus import Play
 from triaxis.verif.mutation.targets import EngineTarget, Target, core_latencies
 
 FILE = Path(__file__).with_name("equivalents.toml")
@@ -140,7 +139,7 @@ def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str 
 
     Raises EndedError where the solver comes to no end: that says nothing of the mutants.
     """
-    with temporary("proof-") as folder:
+    with temporary() as folder:
         _copy(dut, folder / "gold", None)
         script = [_read(folder / "gold", entry, "gold")]
         for number, mutant in enumerate(mutants):
@@ -200,40 +199,31 @@ def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> st
     latency = core_latencies(dut, [(width, margin_bits)])
     assert latency is not None
     configuration = _Narrow(width, margin_bits, clocks=latency[0])
-    target = Target(configuration)
-    play = _all_inputs(target)
+    pairs, margins = _all_inputs(configuration)
+    due = expected_words(bulk_facts(pairs, margins), configuration)
     for mutant in mutants:
-        found: list[Killed | None] = []
-
-        def use(library: Library, found: list[Killed | None] = found) -> None:
-            found.append(library.play(0, [play]))
-
-        with temporary("exhaustive-") as folder:
+        with temporary() as folder:
             _copy(dut, folder / "dut", mutant)
             try:
-                with_mutant_library(target, folder / "dut", use, optimise=FAST)
-            except ElaborationError as error:
+                library = mutant_library(Target(configuration), folder / "dut", folder / "library")
+                assert library is not None
+                wrong = streamed(CorePlayer(library), configuration, pairs, margins)[0] != due
+            except (ElaborationError, CoreError) as error:
                 return f"{mutant.id}: not equivalent at {configuration.name}: {error}"
-        killed = found[0]
-        if killed is not None:
-            return f"{mutant.id}: not equivalent at {configuration.name}: {killed.symptom}"
+        if wrong.any():
+            return f"{mutant.id}: not equivalent at {configuration.name}: {wrong.sum()} wrong results"
     return None
 
 
-def _all_inputs(target: Target) -> Play:
+def _all_inputs(configuration: Configuration) -> tuple[Pairs, npt.NDArray[np.int64]]:
     """Return every pair at every margin, once, in an order that has no meaning."""
-    width, bits = target.configuration.width, target.configuration.margin_bits
+    width, bits = configuration.width, configuration.margin_bits
     rng = np.random.default_rng(0)
     words = rng.permutation(1 << (COORDINATES * width + bits))
     margins, numbers = words & ((1 << bits) - 1), words >> bits
     fields = (numbers[:, None] >> (width * np.arange(COORDINATES))) & ((1 << width) - 1)
     coordinates = np.where(fields >> (width - 1), fields - (1 << width), fields)
-    count = len(words)
-    return Play(
-        "Exhaustive", "all inputs", target, coordinates.reshape(-1, 2, 3, 3), margins,
-        rng.integers(0, 1 << target.configuration.tag_bits, count), rng.integers(0, 256, count, np.uint8),
-        flowing(),
-    )  # fmt: skip
+    return coordinates.reshape(-1, 2, 3, 3), margins
 
 
 def bound(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
@@ -279,7 +269,7 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
     for mutant in mutants:
         if not any(mutant.file in proof.dut_files for proof in proofs):
             return f"{mutant.id}: contract: the proofs of {entry.module} are not of {mutant.file}"
-        with temporary("proof-") as folder:
+        with temporary() as folder:
             _copy(dut, folder / "dut", mutant)
             for proof in proofs:
                 finding = proof.prove(folder / "dut", folder / proof.name)
@@ -303,7 +293,7 @@ def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) ->
     target = EngineTarget(configuration, exact_core=True)
     original = elaboration_hash(target, dut, False)
     for mutant in mutants:
-        with temporary("proof-") as folder:
+        with temporary() as folder:
             _copy(dut, folder / "dut", mutant)
             try:
                 same = elaboration_hash(target, folder / "dut", False) == original

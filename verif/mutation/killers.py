@@ -5,6 +5,7 @@ from pathlib import Path
 from triaxis.sim.build import content_hash
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
+from triaxis.verif.testbench.settings import TEST_MODULES
 
 # What generates, plays, judges and excuses mutants; most of its modules are named by none of the others.
 KILLERS = Sources(
@@ -12,7 +13,8 @@ KILLERS = Sources(
         f"triaxis.verif.mutation.{path.stem}"
         for path in sorted(Path(__file__).parent.glob("*.py"))
         if path.stem != "__init__"
-    ),
+    )
+    + TEST_MODULES,
     (
         "verif/mutation/*.toml",
         "verif/core/sva/*",

@@ -1,41 +1,32 @@
-"""Playing mutants in two processes: who is found out, by what, after how many pairs.
+"""Mutants under the environment's own tests: which test notices which mutant, after how many pairs.
 
-Short directed runs first, on each target in turn; volume after, for those that survive.
+All run-time mutants of a target are in one library; what is fixed at elaboration needs a library for each.
+Either is tried by `run_trials`, test by test, until a test fails. Short tests first, on each target in turn;
+volume after, for those that survive.
 """
 
 import multiprocessing
-import os
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
-from triaxis.sim.verilate import FAST, QUICK
-from triaxis.verif.mesh.script_stimulus import engine_directed, engine_volume
-from triaxis.verif.mesh.scripts import EnginePlay
+from triaxis.verif.core.detector_check import first_wrong
 from triaxis.verif.mutation.builds import (
-    AnyPlay,
     ElaborationError,
-    Killed,
-    Library,
     elaboration_hash,
+    mutant_library,
     schema_library,
     temporary,
-    with_mutant_library,
 )
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
-from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Mutant
-from triaxis.verif.mutation.outcomes import Outcome, Store
+from triaxis.verif.mutation.mutant import Mutant
+from triaxis.verif.mutation.outcomes import Killed, Outcome, Store
 from triaxis.verif.mutation.schema import mutated, write_schema
-from triaxis.verif.mutation.stimulus import directed, volume
 from triaxis.verif.mutation.targets import (
     FULL_PIECES,
-    MAIN,
     SMALLEST,
     TARGETS,
     AnyTarget,
@@ -44,140 +35,144 @@ from triaxis.verif.mutation.targets import (
     elaborated,
     right_latencies,
 )
+from triaxis.verif.testbench.settings import RunSettings
+from triaxis.verif.testbench.simulation import run_trials
+from triaxis.verif.testbench.trials import Model, Trials
 
-# Bursts of a mutant's volume on each target; the narrowest model is the fastest.
-_BURSTS = {MAIN.name: 32}
-_OTHER_BURSTS = 4
+# Mutants with a library of their own that are tried at a time: that many libraries are on the disk.
+_AT_A_TIME = 24
 # Fewer run-time mutants are built one by one: quicker than a build that can hold all.
 _FEW = 12
-
-_PACKAGE = "core/triaxis_pkg.sv"
-
-_SAVED_EVERY = 50
+# Times the pairs of a short test, where those close to a decision are wanted.
 _LONGER = 8
+_PACKAGE = "core/triaxis_pkg.sv"
+_LATENCIES = Killed("LatencyTable", "triaxis_pkg", "wrong latency", 0)
+# A model without a mutant, which every test must pass.
+_ORIGINAL = "no mutant"
+
+Progress = Callable[[int], None]
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What the processes share: plays and libraries by target, numbers, and the RTL."""
+class Stage:
+    """One way in which mutants that are left are tried: a target, with assertions or not, and tests."""
 
-    plays: Mapping[str, Sequence[AnyPlay]]
-    libraries: Mapping[str, Path]
-    numbers: Mapping[str, int]
-    targets: tuple[AnyTarget, ...]
-    elaborated: Mapping[str, Elaborated]
-    dut: Path
-    seed: int
-    volume: bool
+    target: AnyTarget
+    tests: tuple[RunSettings, ...]
+    assertions: bool = True
 
 
-_setting: Setting | None = None
-_loaded: dict[str, Library] = {}
+class Hunt:
+    """Tries mutants stage by stage; knows what became of them so far."""
 
+    def __init__(
+        self, catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, seed: int, jobs: int,
+        store: Store, progress: Progress,
+    ) -> None:  # fmt: skip
+        """Know what the store knows. ``numbers``: of the mutants that are tried in one library."""
+        self.catalogue, self.numbers, self.dut, self.seed, self.jobs = catalogue, numbers, dut, seed, jobs
+        self.store, self.killed, self._progress = store, store.killed, progress
+        self._elaborated: dict[str, Elaborated] = {}
+        self._libraries: dict[str, Path] = {}
 
-def _start(setting: Setting) -> None:
-    global _setting
-    _setting = setting
-    _loaded.clear()
-    # Assertions of a mutant report on the standard output, each time.
-    silent = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(silent, 1)
+    def holds(self, target: AnyTarget, mutant: Mutant) -> bool:
+        """Return whether a target elaborates a mutant."""
+        if not target.mutates(mutant.file):
+            return False
+        if target.name not in self._elaborated:
+            self._elaborated[target.name] = elaborated(target, self.dut)
+        return mutant.needs < 0 or self._elaborated[target.name].holds(mutant.file, mutant.needs)
 
+    def alive(self, target: AnyTarget, mutants: Iterable[Mutant]) -> list[Mutant]:
+        """Return those that a target elaborates and that nothing has noticed."""
+        return [one for one in mutants if one.id not in self.killed and self.holds(target, one)]
 
-def _here() -> Setting:
-    assert _setting is not None
-    return _setting
+    def selected(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
+        """Try run-time mutants, all in one library."""
+        alive = self.alive(stage.target, mutants)
+        if not alive:
+            return
+        library = self._library(stage.target)
+        models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
+        self._try(stage, [Model(_ORIGINAL, str(library)), *models])
 
+    def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
+        """Try mutants that need a library each; one that is elaborated to what the original is needs none."""
+        alive = self.alive(stage.target, mutants)
+        original = elaboration_hash(stage.target, self.dut, stage.assertions) if alive else ""
+        for start in range(0, len(alive), _AT_A_TIME):
+            with temporary() as folder, ThreadPoolExecutor(self.jobs) as pool:
+                jobs = [
+                    pool.submit(self._own_library, stage, mutant, original, folder / str(number))
+                    for number, mutant in enumerate(alive[start : start + _AT_A_TIME])
+                ]
+                models = [model for job in jobs if (model := job.result())]
+                if start == 0:
+                    healthy = mutant_library(stage.target, self.dut, folder / "original", stage.assertions)
+                    models.insert(0, Model(_ORIGINAL, str(healthy)))
+                self._try(stage, models)
 
-def targets_of(mutant: Mutant, setting: Setting) -> list[AnyTarget]:
-    """Return the targets that elaborate a mutant."""
-    return _where(mutant, setting.targets, setting)
+    def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
+        with mutated(self.dut, mutant) as dut:
+            if mutant.file == _PACKAGE and not right_latencies(dut):
+                self._notice(mutant.id, _LATENCIES)
+                return None
+            try:
+                library = mutant_library(stage.target, dut, folder, stage.assertions, original)
+            except ElaborationError as error:
+                said = _first_line(str(error))
+                self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0))
+                return None
+        return Model(mutant.id, str(library)) if library else None
 
+    def _library(self, target: AnyTarget) -> Path:
+        if target.name not in self._libraries:
+            with temporary() as whole:
+                extra = write_schema(self.catalogue, self.numbers, self.dut, whole / "dut", target)
+                self._libraries[target.name] = schema_library(target, whole / "dut", extra, self.jobs)
+        return self._libraries[target.name]
 
-def _where(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> list[AnyTarget]:
-    return [
-        target
-        for target in targets
-        if target.mutates(mutant.file)
-        and (mutant.needs < 0 or setting.elaborated[target.name].holds(mutant.file, mutant.needs))
-    ]
+    def _notice(self, name: str, killed: Killed) -> None:
+        if name == _ORIGINAL:
+            raise InputError(
+                f"{killed.target}, no mutant selected: {killed.symptom} in {killed.test}: the RTL is wrong, "
+                "or mutants change it unselected"
+            )
+        self.killed[name] = killed
+        self._progress(1)
 
+    def _try(self, stage: Stage, models: Sequence[Model]) -> None:
+        """Let the tests run on the models, in as many simulators as there are jobs."""
+        name = stage.target.name
+        if stage.target.combinational:
+            self._ask_wrapper(stage.target, models)
+            return
+        shares = [models[number :: self.jobs] for number in range(self.jobs)]
+        with temporary() as folder, ThreadPoolExecutor(self.jobs) as pool:
+            trials = []
+            for number, share in enumerate(filter(None, shares)):
+                place = folder / str(number)
+                place.mkdir()
+                tests = tuple(replace(test, folder=str(place)) for test in stage.tests)
+                trials.append(Trials(tests, tuple(share), place))
+            for done, _ in zip(trials, pool.map(run_trials, trials), strict=True):
+                for verdict in done.verdicts():
+                    if verdict.symptom:
+                        self._notice(
+                            verdict.name,
+                            Killed(verdict.test, name, _first_line(verdict.symptom), verdict.pairs),
+                        )
 
-def _judge(mutant: Mutant) -> Outcome:
-    """Play one mutant; runs in a process of the pool."""
-    setting, start = _here(), time.perf_counter()
-    targets = targets_of(mutant, setting)
-    if mutant.id in setting.numbers:
-        killed = _selected(mutant, targets, setting)
-    else:
-        killed = _built(mutant, targets, setting)
-    return Outcome(
-        mutant, killed, tuple(target.name for target in targets), round(time.perf_counter() - start, 3)
-    )
-
-
-def _selected(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Killed | None:
-    for target in targets:
-        if target.name not in _loaded:
-            _loaded[target.name] = Library(setting.libraries[target.name], target)
-        killed = _loaded[target.name].play(setting.numbers[mutant.id], setting.plays[target.name])
-        if killed:
-            return killed
-    return None
-
-
-def _built(mutant: Mutant, targets: Sequence[AnyTarget], setting: Setting) -> Killed | None:
-    """Build the mutant by itself and play it: first without assertions, which take longer to build."""
-    with mutated(setting.dut, mutant) as folder:
-        if mutant.file == _PACKAGE and not right_latencies(folder):
-            return Killed("LatencyTable", "every width", "triaxis_pkg", "wrong latency", 0)
-        quick = _quick(targets, mutant, setting) if mutant.kind == ELABORATION else []
-        for assertions in (False, True) if mutant.kind == ELABORATION else (True,):
-            for target in (*targets,) if assertions else (*quick, *targets):
-                if not (assertions and _told_before(mutant, target, targets)):
-                    killed = _alone(target, folder, setting.plays[target.name], assertions)
-                    if killed:
-                        return killed
-        for target in _where(mutant, FULL_PIECES, setting) if mutant.kind == ELABORATION else ():
-            killed = _alone(target, folder, setting.plays[target.name], False)
-            if killed:
-                return killed
-    return None
-
-
-def _quick(targets: Sequence[AnyTarget], mutant: Mutant, setting: Setting) -> list[AnyTarget]:
-    """Return what a mutant is built as first, for it takes least: the smallest core, engines without one."""
-    engines = [replace(target, exact_core=True) for target in targets if isinstance(target, EngineTarget)]
-    return [*_where(mutant, (SMALLEST,), setting), *engines]
-
-
-def _told_before(mutant: Mutant, target: AnyTarget, targets: Sequence[AnyTarget]) -> bool:
-    """Return whether a target without assertions has no more to tell where assertions are looked at."""
-    return not target.assertions and (
-        mutant.kind == ELABORATION or (target.combinational and len(targets) > 1)
-    )
-
-
-def _alone(
-    target: AnyTarget, folder: Path, plays: Sequence[AnyPlay], assertions: bool, optimise: str = QUICK
-) -> Killed | None:
-    found: list[Killed | None] = []
-
-    def use(library: Library) -> None:
-        found.append(library.play(0, plays))
-
-    original = _original_hash(target, assertions)
-    try:
-        with_mutant_library(target, folder, use, assertions, optimise, original)
-    except ElaborationError as error:
-        return Killed("elaboration", "", target.name, _first_line(str(error)), 0)
-    # Where the mutant is elaborated to what the original is, nothing can show it.
-    return found[0] if found else None
-
-
-@cache
-def _original_hash(target: AnyTarget, assertions: bool) -> str:
-    return elaboration_hash(target, _here().dut, assertions)
+    def _ask_wrapper(self, target: AnyTarget, models: Sequence[Model]) -> None:
+        with ProcessPoolExecutor(self.jobs, multiprocessing.get_context("spawn")) as processes:
+            width = target.configuration.width
+            answers = [
+                processes.submit(first_wrong, self.seed, width, Path(model.library), model.selected)
+                for model in models
+            ]
+            for model, answer in zip(models, answers, strict=True):
+                if pairs := answer.result():
+                    self._notice(model.name, Killed("check_detector", target.name, "wrong answer", pairs))
 
 
 def _first_line(message: str) -> str:
@@ -187,201 +182,73 @@ def _first_line(message: str) -> str:
     return " ".join(words)[:160]
 
 
-def _more(mutant: Mutant) -> Outcome:
-    """Play the volume to one that survived; runs in a process of the pool."""
-    setting, start = _here(), time.perf_counter()
-    targets = targets_of(mutant, setting)
-    killed = None
-    with mutated(setting.dut, mutant) as folder:
-        for target in targets:
-            plays, optimise = _volume(target)
-            killed = _alone(target, folder, plays, mutant.kind == RUNTIME, optimise)
-            if killed:
-                break
-    return Outcome(
-        mutant, killed, tuple(target.name for target in targets), round(time.perf_counter() - start, 3)
-    )
+def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
+    """Try all mutants with the short tests."""
+    runtime, others = _split(hunt)
+    for target in targets:
+        hunt.selected(Stage(target, target.tests(hunt.seed)), runtime)
+    # What takes least to build first; assertions, which take longer to build, last.
+    engines = [replace(target, exact_core=True) for target in targets if isinstance(target, EngineTarget)]
+    for target in (*((SMALLEST,) if of_core else ()), *engines, *targets):
+        hunt.built(Stage(target, target.tests(hunt.seed), False), others)
+    for target in targets:
+        if target.assertions:
+            hunt.built(Stage(target, target.tests(hunt.seed)), others)
+    # Only pairs close to a decision on a long axis show a piece that is cut.
+    for target in FULL_PIECES if of_core else ():
+        hunt.built(Stage(target, target.tests(hunt.seed, _LONGER), False), others)
 
 
-@cache
-def _volume(target: AnyTarget) -> tuple[Sequence[AnyPlay], str]:
-    """Return the volume of a target, and how to compile for it."""
-    setting = _here()
-    if isinstance(target, EngineTarget):
-        return measured(target, engine_volume(target.configuration, setting.seed), setting.dut), QUICK
-    bursts = _BURSTS.get(target.name, _OTHER_BURSTS)
-    return list(volume(target, setting.seed, bursts)), FAST
+def _volume(hunt: Hunt, targets: Sequence[AnyTarget], excused: frozenset[str]) -> None:
+    """Try those that survive with volume, but for those that are excused."""
+    runtime, others = _split(hunt, excused)
+    for target in targets:
+        stage = Stage(target, target.volume(hunt.seed))
+        if stage.tests:
+            hunt.selected(stage, runtime)
+            hunt.built(stage, others)
 
 
-def measured(target: EngineTarget, plays: Sequence[EnginePlay], dut: Path) -> Sequence[EnginePlay]:
-    """Fill in the clocks that the engine without mutants needs; InputError where it breaks the contract."""
-    found: list[Killed | None] = []
-
-    with_mutant_library(target, dut, lambda library: found.append(library.play(0, plays)))
-    if found[0] is not None:
-        wrong = found[0]
-        raise InputError(f"{target.name}: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL is wrong")
-    return plays
-
-
-def _libraries(
-    catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, targets: Sequence[AnyTarget], jobs: int
-) -> dict[str, Path]:
-    def made(target: AnyTarget) -> Path:
-        with temporary("dut-") as whole:
-            folder = whole / "dut"
-            extra = write_schema(catalogue, numbers, dut, folder, target)
-            return schema_library(target, folder, extra, max(1, jobs // 2))
-
-    with ThreadPoolExecutor(min(jobs, 2)) as pool:
-        return {target.name: path for target, path in zip(targets, pool.map(made, targets), strict=True)}
+def _split(hunt: Hunt, excused: frozenset[str] = frozenset()) -> tuple[list[Mutant], list[Mutant]]:
+    """Return the mutants that one library holds, and the others."""
+    wanted = [one for one in hunt.catalogue.mutants if one.id not in excused]
+    return [m for m in wanted if m.id in hunt.numbers], [m for m in wanted if m.id not in hunt.numbers]
 
 
 def judge(
     catalogue: Catalogue,
     seed: int,
     jobs: int,
-    pairs: int,
     excused: frozenset[str] = frozenset(),
     dut: Path = DUT,
     targets: tuple[AnyTarget, ...] = TARGETS,
     fresh: bool = False,
     with_volume: bool = True,
-    progress: Callable[[int], None] = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> list[Outcome]:
     """Return what becomes of each mutant of a catalogue.
 
     ``excused``: mutants recorded as equivalent, which get no volume. Raises InputError where the RTL
     without a mutant does not pass, or does not build.
     """
-    store = Store(dut, seed, pairs, fresh)
-    known = {m.id: outcome for m in catalogue.mutants if (outcome := store.get(m, "directed"))}
-    todo = [mutant for mutant in catalogue.mutants if mutant.id not in known]
-    progress(len(known))
-    targets = _wanted(targets, todo)
-    played = (*targets, *_wanted((SMALLEST, *FULL_PIECES), todo))
-    plays = _directed(played, todo, seed, pairs, jobs, dut)
-    numbers = runtime_numbers(todo)
+    store = Store(dut, seed, fresh)
+    todo = [one for one in catalogue.mutants if one.id not in store.killed and one.id not in store.surviving]
+    progress(len(catalogue.mutants) - len(todo))
+    numbers = runtime_numbers(catalogue.mutants)
     if len(numbers) <= _FEW:
         numbers = {}
-    libraries: dict[str, Path] = {}
-    if numbers:
-        libraries = _libraries(catalogue, runtime_numbers(catalogue.mutants), dut, targets, jobs)
-        numbers = runtime_numbers(catalogue.mutants)
-    setting = Setting(
-        plays, libraries, numbers, targets,
-        {target.name: elaborated(target, dut) for target in played}, dut, seed, with_volume,
-    )  # fmt: skip
-    if libraries:
-        _check_original(setting)
+    hunt = Hunt(replace(catalogue, mutants=tuple(todo)), numbers, dut, seed, jobs, store, progress)
+    wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
     try:
-        for outcome in _in_processes(_judge, todo, setting, jobs, progress):
-            known[outcome.mutant.id] = outcome
-            store.put(outcome, "directed")
-            if len(known) % _SAVED_EVERY == 0:
-                store.save()
+        _directed(hunt, wanted, any(one.file.startswith("core/") for one in todo))
+        if with_volume:
+            _volume(hunt, wanted, excused)
+            store.surviving |= {one.id for one in todo} - store.killed.keys()
     finally:
         store.save()
-    survivors = [
-        outcome.mutant
-        for outcome in known.values()
-        if outcome.killed is None and outcome.targets and outcome.mutant.id not in excused
+    progress(sum(one.id not in store.killed for one in todo))
+    return [
+        Outcome(one, store.killed.get(one.id), tuple(t.name for t in targets if hunt.holds(t, one)))
+        for one in catalogue.mutants
     ]
-    if with_volume:
-        for mutant in survivors:
-            if outcome := store.get(mutant, "volume"):
-                known[mutant.id] = outcome
-        left = [mutant for mutant in survivors if store.get(mutant, "volume") is None]
-        for outcome in _in_processes(_more, left, setting, jobs, lambda _: None):
-            known[outcome.mutant.id] = outcome
-            store.put(outcome, "volume")
-        store.save()
-    return [known[mutant.id] for mutant in catalogue.mutants]
-
-
-def _wanted(targets: Sequence[AnyTarget], mutants: Sequence[Mutant]) -> tuple[AnyTarget, ...]:
-    """Return the targets in which some of the mutants are looked for."""
-    files = {mutant.file for mutant in mutants}
-    return tuple(target for target in targets if any(map(target.mutates, files)))
-
-
-def _directed(
-    targets: Sequence[AnyTarget], mutants: Sequence[Mutant], seed: int, pairs: int, jobs: int, dut: Path
-) -> dict[str, Sequence[AnyPlay]]:
-    """Return the short plays by target, with all that is expected of them."""
-    engines = [target for target in targets if isinstance(target, EngineTarget)]
-    with ThreadPoolExecutor(jobs) as pool:
-        made = pool.map(
-            lambda target: measured(target, engine_directed(target.configuration, seed), dut), engines
-        )
-        plays: dict[str, Sequence[AnyPlay]] = dict(
-            zip((target.name for target in engines), made, strict=True)
-        )
-    # Only pairs close to a decision on a long axis show a piece that is cut.
-    longer = FULL_PIECES if any(mutant.kind == ELABORATION for mutant in mutants) else ()
-    for target in targets:
-        if not isinstance(target, EngineTarget):
-            found = directed(target, seed, _LONGER * pairs if target in longer else pairs)
-            # Once, not in each process.
-            for play in found:
-                _ = play.expected, play.inputs if target.combinational else play.sent
-            plays[target.name] = found
-    return plays
-
-
-def _check_original(setting: Setting) -> None:
-    """Raise InputError unless the builds with mutants, none selected, answer as they must."""
-    with _processes(setting, 1) as pool:
-        try:
-            wrong = pool.submit(_original).result()
-        except BrokenProcessPool as error:
-            raise InputError(
-                "the builds with mutants crash, none selected: wrong RTL or generator"
-            ) from error
-    if wrong is not None:
-        raise InputError(
-            f"{wrong.target}, no mutant selected: {wrong.symptom} in {wrong.test} ({wrong.family}): the RTL "
-            "is wrong, or mutants change it unselected"
-        )
-
-
-def _original() -> Killed | None:
-    setting = _here()
-    for target in setting.targets:
-        killed = Library(setting.libraries[target.name], target).play(0, setting.plays[target.name])
-        if killed:
-            return killed
-    return None
-
-
-def _in_processes(
-    work: Callable[[Mutant], Outcome],
-    mutants: Sequence[Mutant],
-    setting: Setting,
-    jobs: int,
-    progress: Callable[[int], None],
-) -> Iterator[Outcome]:
-    if not mutants:
-        return
-    running: dict[Future[Outcome], Mutant] = {}
-    with _processes(setting, jobs) as pool:
-        try:
-            # No more at a time than there are processes: a process that dies played one of them.
-            for mutant in mutants:
-                running[pool.submit(work, mutant)] = mutant
-                # The last one has none after it: then all are waited for.
-                while len(running) == jobs or (mutant is mutants[-1] and running):
-                    for future in wait(running, return_when=FIRST_COMPLETED).done:
-                        outcome = future.result()
-                        del running[future]
-                        progress(1)
-                        yield outcome
-        except BrokenProcessPool as error:
-            names = ", ".join(sorted(mutant.id for mutant in running.values()))
-            raise InputError(f"a process died that played one of {names}: play each with --mutant") from error
-
-
-def _processes(setting: Setting, jobs: int) -> ProcessPoolExecutor:
-    context = multiprocessing.get_context("fork")
-    return ProcessPoolExecutor(jobs, mp_context=context, initializer=_start, initargs=(setting,))

@@ -28,7 +28,7 @@ KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "no
 
 @dataclass(frozen=True)
 class Fate:
-    """What became of one mutant; by what, in which test, family and target, where it was killed."""
+    """What became of one mutant; by what, in which test and target, where it was killed."""
 
     id: str
     kind: str
@@ -38,11 +38,9 @@ class Fate:
     fate: str
     by: str | None
     test: str | None
-    family: str | None
     target: str | None
     symptom: str | None
     pairs: int | None
-    seconds: float | None
 
     @property
     def file(self) -> str:
@@ -108,11 +106,11 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
         by = BY_ASSERTION if killed.symptom == ASSERTION else RUN
         by = BY_ELABORATION if killed.test == BY_ELABORATION else by
         return Fate(
-            *fixed, KILLED, by, killed.test, killed.family or None, killed.target, killed.symptom,
-            None if by == BY_ELABORATION else killed.pairs, outcome.seconds,
+            *fixed, KILLED, by, killed.test, killed.target, killed.symptom,
+            None if by == BY_ELABORATION else killed.pairs,
         )  # fmt: skip
     fate = EQUIVALENT if equivalent else SURVIVING if outcome.targets else ABSENT
-    return Fate(*fixed, fate, None, None, None, None, None, None, outcome.seconds)
+    return Fate(*fixed, fate, None, None, None, None, None)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,6 @@ from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.killing import judge
 from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
-from triaxis.verif.mutation.stimulus import PAIRS
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 
 
@@ -28,7 +27,6 @@ def mutate(
     files: str | None = None,
     names: str | None = None,
     jobs: int = 2,
-    pairs: int = PAIRS,
     fresh: bool = False,
     dut: Path = DUT,
     targets: tuple[AnyTarget, ...] = TARGETS,
@@ -39,7 +37,7 @@ def mutate(
 ) -> MutationResult:
     """Return what becomes of the mutants of dut/, or of those whose file and name match.
 
-    ``pairs``: of each family in a directed run. ``fresh``: do everything again, whatever is known from
+    ``fresh``: do everything again, whatever is known from
     earlier runs. Raises InputError where the RTL without mutants fails.
     """
     start = time.perf_counter()
@@ -53,7 +51,7 @@ def mutate(
     evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
     # The smallest widths alone say too little: what only they show is played in volume as well.
     excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
-    outcomes = judge(found, seed, jobs, pairs, excused, dut, targets, fresh, with_volume, progress)
+    outcomes = judge(found, seed, jobs, excused, dut, targets, fresh, with_volume, progress)
     fates = tuple(fate_of(outcome, outcome.mutant.id in evidence.equivalent) for outcome in outcomes)
     problems = [
         *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),

@@ -173,7 +173,7 @@ def copy_rtl(
 @contextmanager
 def mutated(dut: Path, mutant: Mutant) -> Iterator[Path]:
     """Provide a copy of dut/ with that one mutant in it."""
-    with temporary("dut-") as folder:
+    with temporary() as folder:
         copy_rtl(dut, folder, mutant)
         _check_syntax(folder / mutant.file, mutant)
         yield folder

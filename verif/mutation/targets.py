@@ -3,7 +3,7 @@
 And which parts of dut/ a target elaborates, and what the package's functions give: by pyslang, in no time.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,9 +22,33 @@ from triaxis.sim.models import (
 from triaxis.sim.paths import DUT, VERIF
 from triaxis.sim.verilate import QUICK, Build
 from triaxis.verif.mutation.syntax import kind, read_source, span
+from triaxis.verif.testbench.golden_sample import MOST_SELDOM
+from triaxis.verif.testbench.settings import BURST, RunSettings
+
+# The tests that mutants are tried with and the pairs that each sends, the quickest to notice anything first:
+# what random pairs leave are mostly widths, which corners show.
+_CORE_TESTS = {
+    "ExtremesTest": 2400, "RandomTest": 300, "StallsTest": 1800, "DegenerateTest": 150, "CoplanarTest": 450,
+    "PenetratingTest": 150, "SliversTest": 150, "TouchingTest": 1500, "NearMissTest": 750, "TinyTest": 150,
+    "FarTest": 150, "RegressionsTest": 1, "ResetsTest": 3000, "MixedTest": 6000,
+}  # fmt: skip
+_MESH_TESTS = {
+    "MeshRandomTest": 2000, "MeshGapsTest": 200, "MeshLimitsTest": 1, "MeshStallsTest": 2000,
+    "MeshAbortTest": 1000, "MeshResetsTest": 2000, "MeshClocksTest": 1,
+}  # fmt: skip
+# Pairs of the volume, in the narrowest model, which is the fastest, and in others.
+_VOLUME, _OTHER_VOLUME, _MESH_VOLUME = 1 << 20, 1 << 17, 100_000
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
+
+
+def _runs(tests: Mapping[str, int], config: str, seed: int) -> tuple[RunSettings, ...]:
+    """Return the runs of tests with so many pairs each, of which the golden model judges few."""
+    return tuple(
+        RunSettings(test, seed, config, pairs, "", agent=BURST, judged_one_in=MOST_SELDOM)
+        for test, pairs in tests.items()
+    )
 
 
 @dataclass(frozen=True)
@@ -56,6 +80,19 @@ class Target:
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
         return file.startswith("core/")
+
+    def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
+        """Return the short tests, with so many times the pairs."""
+        return _runs(
+            {test: times * pairs for test, pairs in _CORE_TESTS.items()}, self.configuration.name, seed
+        )
+
+    def volume(self, seed: int) -> tuple[RunSettings, ...]:
+        """Return the long test; none of the wrapper, which has no environment."""
+        if self.combinational:
+            return ()
+        pairs = _VOLUME if self.configuration.width == MIN_WIDTH else _OTHER_VOLUME
+        return _runs({"VolumeTest": pairs}, self.configuration.name, seed)
 
 
 @dataclass(frozen=True)
@@ -92,6 +129,16 @@ class EngineTarget:
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
         return file.startswith("mesh/")
+
+    def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
+        """Return the short tests, with so many times the pairs."""
+        return _runs({test: times * pairs for test, pairs in _MESH_TESTS.items()}, self.name, seed)
+
+    def volume(self, seed: int) -> tuple[RunSettings, ...]:
+        """Return the long tests."""
+        return _runs(
+            {"MeshRandomTest": _MESH_VOLUME, "MeshAbortTest": _MESH_VOLUME // 10}, self.name, seed + 1
+        )
 
 
 AnyTarget = Target | EngineTarget

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cocotb_tools.runner import get_runner
+
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
@@ -165,8 +167,6 @@ def _results(folder: Path) -> Path:
 
 def _simulate(settings: RunSettings, program: Path, environment: dict[str, str], folder: Path) -> bool:
     """Run the simulator; return whether it ended well."""
-    from cocotb_tools.runner import get_runner
-
     # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
         get_runner("verilator").test(

@@ -1,9 +1,9 @@
 """Trials: the same tests on many models of the design, to see which of them a test notices.
 
 A model is a library, and a number where the library holds mutants. The simulator's process forks for each
-test, and where the test's run phase begins it forks again for each model that no test has noticed yet: so every
-trial is the real test with its sequences, scoreboard and assertions, without a simulator's start of its own. A
-trial ends at the first failure. What came of it is a line in a file.
+test, and where the test's run phase begins it forks again for each model that no test has noticed yet. So
+every trial is the real test with its sequences, scoreboard and assertions, without a start of the simulator.
+It ends at the first failure. What came of it is a line in a file.
 """
 
 import json

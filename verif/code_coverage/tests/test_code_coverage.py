@@ -6,7 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from triaxis.coverage.code_counters import Counters, read_counters
+from triaxis.coverage.code_counters import (
+    FIRST_LINE,
+    LAST_LINE,
+    Counters,
+    add_files,
+    read_counters,
+    read_lines,
+)
 from triaxis.coverage.code_coverage import (
     Assessment,
     Bin,
@@ -17,22 +24,11 @@ from triaxis.coverage.code_coverage import (
 )
 from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waivers import KINDS, Waiver, module_hash, read_waivers
-from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import (
-    DELIVERED,
-    DISCARDED,
-    OFFER,
-    RESET,
-    TAKE,
-    CorePlayer,
-    Sent,
-    Steps,
-    core_words,
-)
+from triaxis.sim.core_engine import CorePlayer
 from triaxis.sim.models import core_build
 from triaxis.sim.paths import mesh_sources, rtl_sources
 from triaxis.sim.verilate import COUNTERS, described, library, verilate_command
@@ -44,9 +40,8 @@ from triaxis.verif.code_coverage.run import (
     covered,
     write_json,
 )
-from triaxis.verif.code_coverage.stimulus import pairs_with_margins, stimulus
-from triaxis.verif.core.expectation import expected_words
-from triaxis.verif.core.stimulus.schedules import disturbed, flowing
+from triaxis.verif.testbench.settings import BURST, counters_file
+from triaxis.verif.testbench.simulation import run, run_settings
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
@@ -58,13 +53,14 @@ def core() -> CorePlayer:
     return CorePlayer(library(covered(SMALL)))
 
 
-def one_by_one(pairs: list[np.ndarray], steps: Steps | None = None) -> Sent:
-    none = np.zeros(len(pairs), np.int64)
-    return core_words(np.stack(pairs), none, none, SMALL, flowing() if steps is None else steps)
-
-
-def counted(core: CorePlayer, sent: Sent, tmp_path: Path) -> Counters:
-    assert core.play(sent).symptom == ""
+def counted(core: CorePlayer, pairs: list[np.ndarray], tmp_path: Path) -> Counters:
+    """Return what one pair after the other makes a core count."""
+    none, always = np.zeros(len(pairs), np.int64), np.zeros(0, np.uint16)
+    core.run(1)
+    core.set_reset(False)
+    core.start(np.stack(pairs), none, none, always, 100)
+    core.run(100)
+    core.run(100)
     core.write_coverage(tmp_path / "coverage.dat")
     return read_counters(tmp_path / "coverage.dat")
 
@@ -75,7 +71,7 @@ def test_bits_above_64_are_counted_each_by_itself(core: CorePlayer, tmp_path: Pa
     still = np.zeros((2, 3, 3), np.int64)
     moved = still.copy()
     moved[0, 1, 0] = 1 << 4  # The fourth coordinate: bit 3 * 8 + 4 of TDATA.
-    toggles = counted(core, one_by_one([still, moved, still]), tmp_path).toggles
+    toggles = counted(core, [still, moved, still], tmp_path).toggles
     data = {bit: toggles[TOP, f"s_axis_tdata_i[{bit}]"] for bit in range(18 * 8)}
     assert {bit for bit, t in data.items() if t.rises or t.falls} == {28}
     assert (data[28].rises, data[28].falls) == (1, 1)
@@ -84,23 +80,17 @@ def test_bits_above_64_are_counted_each_by_itself(core: CorePlayer, tmp_path: Pa
 @pytest.mark.simulator
 def test_nothing_is_counted_before_the_first_pair(core: CorePlayer, tmp_path: Path) -> None:
     """A constant 1 rises from the simulator's initial 0, once: no coverage."""
-    toggles = counted(core, one_by_one([np.zeros((2, 3, 3), np.int64)]), tmp_path).toggles
+    toggles = counted(core, [np.zeros((2, 3, 3), np.int64)], tmp_path).toggles
     assert toggles[TOP, "rst_ni"].falls == 0
     zero = toggles[f"{TOP}.u_datapath.u_flags", "det_zero_d[9]"]
     assert (zero.rises, zero.falls) == (0, 0)
 
 
-def played(
-    core: CorePlayer, rng: np.random.Generator, steps: Steps, tmp_path: Path, count: int = 300
-) -> tuple[Counters, np.ndarray]:
-    sent, pairs, margins = stimulus(rng, count, SMALL, steps)
-    seen = core.play(sent)
-    core.write_coverage(tmp_path / "coverage.dat")
-    expected = expected_words(bulk_facts(pairs, margins), SMALL)
-    delivered = seen.states == DELIVERED
-    assert delivered.any() and ((seen.states == DISCARDED) | delivered).all()
-    assert np.array_equal(seen.words[delivered], expected[delivered])
-    return read_counters(tmp_path / "coverage.dat"), seen.states
+def covered_by(test: str, tmp_path: Path, seed: int) -> Counters:
+    settings = run_settings(test, SMALL, seed, 2000, folder=tmp_path, agent=BURST, judged_one_in=1000)
+    result = run(settings, model=library(covered(SMALL)))
+    assert result.passed, result.explain()
+    return read_counters(counters_file(tmp_path))
 
 
 def assess(counters: Counters) -> Assessment:
@@ -120,33 +110,25 @@ def protocol_holes(found: Assessment) -> set[str]:
 
 
 @pytest.mark.simulator
-def test_what_the_protocol_needs_is_covered_with_back_pressure_and_resets_alone(
-    core: CorePlayer, rng: np.random.Generator, tmp_path: Path
-) -> None:
-    counters, _ = played(core, rng, flowing(), tmp_path)
+def test_what_a_test_covers_is_counted_while_it_runs(seed: int, tmp_path: Path) -> None:
+    counters = covered_by("RandomTest", tmp_path / "random", seed)
     found = assess(counters)
     assert found.problems == []
     assert found.totals["toggle"].total == 2 * len(counters.toggles) > 10_000
     holes = protocol_holes(found)
-    assert {"m_axis_tready_i:1->0", "rst_ni:1->0", "awake_q:1->0", "in_flight_q[5]:0->1"} <= holes
-    assert "((in_flight_q != Depth[5:0])==0) => 0" in holes
-    core.renew()
-    counters, _ = played(core, rng, disturbed(rng), tmp_path, 4000)
+    assert "in_flight_q[5]:0->1" in holes and "((in_flight_q != Depth[5:0])==0) => 0" in holes
+    counters.add(covered_by("StallsTest", tmp_path / "stalls", seed))
+    counters.add(covered_by("ResetsTest", tmp_path / "resets", seed))
     assert protocol_holes(assess(counters)) == set()
 
 
-@pytest.mark.simulator
-def test_a_core_whose_results_are_not_taken_hangs(core: CorePlayer) -> None:
-    pairs = [np.zeros((2, 3, 3), np.int64)] * 40
-    assert core.play(one_by_one(pairs, np.array([OFFER], np.uint8))).symptom == "hangs"
-
-
-@pytest.mark.simulator
-def test_resets_discard_what_is_in_flight(core: CorePlayer, rng: np.random.Generator, tmp_path: Path) -> None:
-    steps = np.full(60, OFFER | TAKE, np.uint8)
-    steps[50] |= RESET
-    _, states = played(core, rng, steps, tmp_path)
-    assert 0 < (states == DISCARDED).sum() < len(states)
+def test_counters_of_two_builds_are_not_added(tmp_path: Path) -> None:
+    for name, bins in (("a", ("C 'x' 1", "C 'y' 2")), ("b", ("C 'x' 3", "C 'y' 4")), ("c", ("C 'x' 3",))):
+        (tmp_path / name).write_text("\n".join([FIRST_LINE, *bins, LAST_LINE]) + "\n")
+    add_files([tmp_path / "a", tmp_path / "b"], tmp_path / "total")
+    assert read_lines(tmp_path / "total") == ["C 'x' 4", "C 'y' 6"]
+    with pytest.raises(InputError, match="counters of two builds"):
+        add_files([tmp_path / "a", tmp_path / "c"], tmp_path / "total")
 
 
 def declared_bits(tmp_path: Path, leave_out: int) -> set[str]:
@@ -183,18 +165,8 @@ def test_the_models_elaborate_every_generate_block() -> None:
     assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"} | of_engine
 
 
-@pytest.mark.parametrize("width", [8, 16, 32])
-def test_pairs_for_coverage(width: int, rng: np.random.Generator) -> None:
-    largest = (1 << width) - 1
-    pairs, margins = pairs_with_margins(rng, 400, width, largest)
-    low, high = coordinate_range(width)
-    assert pairs.shape == (400, 2, 3, 3) and margins.shape == (400,)
-    assert pairs.min() == low and pairs.max() == high
-    assert margins.min() >= 0 and margins.max() == largest
-
-
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
-    run = replace(Run("w16_m0", 10, 9, 0, 50, 1.0), **changes)
+    run = replace(Run("w16_m0", "MixedTest", 9, 0, 1.0), **changes)
     waiver = Waiver(1, "bounded", "because", "dut", module_hash(()), "toggle", ("m",), signals=("s",))
     return CodeCoverage([run], assessment, [waiver], 2.0, "a" * 64)
 
@@ -211,8 +183,8 @@ def hole() -> Bin:
     ("result", "passed", "problem"),
     [
         (lambda: coverage(all_hit()), True, None),
-        (lambda: coverage(all_hit(), wrong=2), False, "w16_m0: 2 of 9 results are wrong"),
-        (lambda: coverage(all_hit(), checked=0), False, "w16_m0: no result was checked"),
+        (lambda: coverage(all_hit(), wrong=2), False, "w16_m0: MixedTest: 2 of 9 wrong"),
+        (lambda: coverage(all_hit(), checked=0), False, "w16_m0: MixedTest: nothing was checked"),
         (lambda: coverage(replace(all_hit(), uncovered=[hole()])), False, None),
         (lambda: coverage(replace(all_hit(), problems=["a waiver"])), False, "a waiver"),
         (lambda: replace(coverage(all_hit()), changed=True), False, "the RTL changed during the run"),

@@ -2,23 +2,19 @@
 
 import json
 import os
-import signal
+import subprocess
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from triaxis.golden.axes import BOX_AXES
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.programs import yosys
-from triaxis.sim.result import AXIS_SHIFT, NEAR
-from triaxis.verif.mesh.script_stimulus import engine_directed
-from triaxis.verif.mutation import builds, killers, killing, outcomes, result
+from triaxis.verif.mutation import builds, killers, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
@@ -35,6 +31,8 @@ from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.targets import ENGINE_WORD, MAIN, AnyTarget
+from triaxis.verif.testbench.simulation import run_trials
+from triaxis.verif.testbench.trials import Model, Trials
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -67,14 +65,6 @@ def touching():
     return of("triaxis_interval", "relational", "points[i] >= ceiling")
 
 
-def decided_by_boxes(play):
-    """Return the play with only those of its pairs that a box axis separates."""
-    claim = play.expected >> AXIS_SHIFT
-    kept = np.flatnonzero((claim < BOX_AXES) & (play.expected & NEAR == 0))
-    names = ("pairs", "margins", "tags", "padding")
-    return replace(play, **{name: getattr(play, name)[kept] for name in names})
-
-
 def empty(folder: Path) -> Path:
     path = folder / "equivalents.toml"
     path.write_text("")
@@ -103,26 +93,61 @@ def run(folder, chosen, seed, equivalents=None, target: AnyTarget = MAIN):
     """Run without what earlier runs know, on one target, without volume."""
     return mutate(
         seed, targets=(target,), fresh=True, with_volume=False, chosen=chosen,
-        equivalents=equivalents or empty(folder), pairs=60,
+        equivalents=equivalents or empty(folder),
     )  # fmt: skip
 
 
+def weaken(monkeypatch, test, pairs):
+    """Leave a target only this test, with so few pairs."""
+    real = targets._runs
+    monkeypatch.setattr(
+        targets, "_runs", lambda *a: tuple(replace(one, pairs=pairs) for one in real(*a) if one.test == test)
+    )
+
+
 @pytest.mark.simulator
-def test_a_mutant_is_killed_and_a_weakened_stimulus_leaves_a_survivor(tmp_path, touching, seed, monkeypatch):
+def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_tests_that_do_not_see_it(
+    tmp_path, touching, seed, monkeypatch
+):
     found = run(tmp_path, few(touching), seed)
     assert found.passed
     fate = found.fates[0]
-    assert (fate.fate, fate.by, fate.symptom) == (KILLED, "run", "wrong word")
-    assert fate.test in ("ExtremesTest", "TouchingTest", "NearMissTest", "RandomTest", "CoplanarTest")
-    assert fate.pairs is not None and fate.pairs < 5000
-    # What its boxes decide, no interval test counts for.
-    real = killing.directed
-    monkeypatch.setattr(killing, "directed", lambda *a: [decided_by_boxes(play) for play in real(*a)[:5]])
+    assert (fate.fate, fate.by) == (KILLED, "run")
+    assert fate.test in {one.test for one in MAIN.tests(seed)} and "exact answer" in str(fate.symptom)
+    assert fate.pairs is not None and 0 < fate.pairs < 5000
+    weaken(monkeypatch, "RandomTest", 5)
     found = run(tmp_path, few(touching), seed)
     assert not found.passed
     assert found.fates[0].fate == SURVIVING
     assert touching.place in found.problems[0]
     assert f"triaxis prove mutate --mutant {touching.id}" in found.problems[0]
+
+
+@pytest.mark.simulator
+def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, touching, seed):
+    other = of("triaxis_extent", "relational", "points_i[i] <= points_i")
+    with mutated(DUT, touching) as broken, pytest.raises(InputError, match="the RTL is wrong"):
+        mutate(seed, targets=(MAIN,), fresh=True, chosen=few(other), equivalents=empty(tmp_path), dut=broken)
+
+
+@pytest.mark.simulator
+def test_a_trial_that_crashes_gives_no_verdict(tmp_path):
+    settings = MAIN.tests(1)[:1]
+    place = tmp_path / "trials"
+    place.mkdir()
+    crashing = tmp_path / "libcrash.so"
+    source = 'extern "C" void* triaxis_open(unsigned) { __builtin_trap(); }'
+    subprocess.run(
+        ["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", str(crashing)],
+        input=source,
+        text=True,
+        check=True,
+    )
+    trials = Trials(
+        tuple(replace(one, folder=str(place)) for one in settings), (Model("m", str(crashing)),), place
+    )
+    with pytest.raises(InputError, match=r"m: no verdict of ExtremesTest: .*killed by SIG"):
+        run_trials(trials)
 
 
 @pytest.mark.regress
@@ -206,26 +231,11 @@ def test_the_fifo_from_generator_to_result(tmp_path, seed):
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_a_mutant_of_the_engine_is_killed_and_a_weakened_stimulus_leaves_it(tmp_path, seed, monkeypatch):
+def test_a_mutant_of_the_engine_is_killed(tmp_path, seed):
     lost = of("triaxis_near_pairs", "unary", "|| (m_axis_near_tvalid_o) ||")
     found = run(tmp_path, few(lost), seed, target=ENGINE_WORD)
     assert found.passed
     assert found.fates[0].fate == KILLED and found.fates[0].target == ENGINE_WORD.name
-    real = killing.engine_directed
-    monkeypatch.setattr(
-        killing, "engine_directed", lambda *a: [play for play in real(*a) if play.family == "translations"]
-    )
-    found = run(tmp_path, few(lost), seed, target=ENGINE_WORD)
-    assert found.fates[0].fate == SURVIVING
-    assert f"triaxis prove mutate --mutant {lost.id}" in found.problems[0]
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_an_engine_that_breaks_its_contract_is_no_original(tmp_path, seed):
-    wrong = of("triaxis_overlap", "equality", "apart != '0")
-    with mutated(DUT, wrong) as broken, pytest.raises(InputError, match="the RTL is wrong"):
-        killing.measured(ENGINE_WORD, engine_directed(ENGINE_WORD.configuration, seed), broken)
 
 
 @pytest.mark.prover
@@ -254,7 +264,7 @@ def first():
 
 def one(killed=None):
     """Return the result of a run over one mutant, equivalent unless it was killed."""
-    outcome = killing.Outcome(first(), killed, ("w8_m8",), 0.0)
+    outcome = outcomes.Outcome(first(), killed, ("w8_m8",))
     fates = (result.fate_of(outcome, True),)
     return result.MutationResult(fates, (), 1, 1.0, result.rtl_hash(), result.killers_hash())
 
@@ -290,7 +300,7 @@ def test_the_killers_are_all_of_them_and_nothing_else():
     assert "meshcheck.py" not in names
 
 
-KILL = killing.Killed("MixedTest", "touching", "w8_m8", "wrong word", 3)
+KILL = outcomes.Killed("MixedTest", "w8_m8", "wrong word", 3)
 
 
 @pytest.mark.parametrize(
@@ -364,41 +374,24 @@ def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, m
         builds.elaboration_hash(target, tmp_path, False)
 
 
-def dies(_: object) -> killing.Outcome:
-    os.kill(os.getpid(), signal.SIGKILL)
-    raise AssertionError
-
-
-def test_a_process_that_dies_ends_the_run_and_names_its_mutants(seed):
-    mutants = catalogue().mutants[:5]
-    setting = killing.Setting({}, {}, {}, (), {}, DUT, seed, False)
-    with pytest.raises(InputError, match=f"a process died that played one of .*{mutants[0].id}"):
-        list(killing._in_processes(dies, mutants, setting, 2, lambda _: None))
-
-
-def test_what_killed_runs_left_is_swept_unless_another_is_at_work(tmp_path, monkeypatch):
+def test_what_processes_left_that_are_no_more_is_swept(tmp_path, monkeypatch):
     monkeypatch.setattr(builds, "FOLDER", tmp_path)
-    left = [
-        tmp_path / name for name in ("dut-a", "proof-b", "schema-w8_m8-c.partial", ".result.json-1.partial")
-    ]
-    kept = [tmp_path / name for name in ("proofs", "schema-w8_m8-c", "support-d")]
-    for path in (*left, *kept):
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    left, kept = tmp_path / f"work-{ended.pid}-a", tmp_path / "proofs"
+    for path in (left, kept):
         path.mkdir()
-        os.utime(path, (0, 0))
-    with builds.temporary("dut-") as mine:
+    with builds.temporary() as mine:
         builds.sweep(tmp_path)
-        assert all(path.exists() for path in (mine, *left, *kept))
-    builds.sweep(tmp_path)
-    assert [path for path in left if path.exists()] == []
-    assert all(path.exists() for path in kept)
+        assert mine.exists() and kept.exists() and not left.exists()
 
 
 def test_few_files_of_outcomes_are_kept_and_none_of_a_state_that_changed(tmp_path, monkeypatch):
     known = tmp_path / "known"
     for seed in range(4):
-        outcomes.Store(DUT, seed, 60, False).save()
+        outcomes.Store(DUT, seed, False).save()
     assert len(list(known.iterdir())) == 2
-    store = outcomes.Store(DUT, 9, 60, False)
+    store = outcomes.Store(DUT, 9, False)
     monkeypatch.setattr(outcomes, "killers_hash", lambda: "another")
     before = set(known.iterdir())
     store.save()
