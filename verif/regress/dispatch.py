@@ -4,20 +4,21 @@ import contextlib
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
 from triaxis.sim.validity import git
-from triaxis.verif.regress.definition import Definition
+from triaxis.verif.regress.definition import Definition, as_test
 from triaxis.verif.regress.launchers import Launcher
 from triaxis.verif.regress.records import PlannedRun
 
@@ -30,7 +31,10 @@ _PATIENCE_SECONDS = 15.0
 
 @dataclass(frozen=True)
 class Pass:
-    """One call of dvsim. ``folder``: of the regression; ``name``: tells its passes apart."""
+    """One call of dvsim. ``folder``: of the regression; ``name``: tells its passes apart.
+
+    ``failing``, ``testplan``: the files of the kept seeds, and of dvsim's view of the testplan.
+    """
 
     definition: Definition
     launcher: Launcher
@@ -64,61 +68,45 @@ def check_dvsim() -> None:
         raise InputError(f"{ROOT}: no git checkout: dvsim asks for the commit; clone the repository")
 
 
-@dataclass(frozen=True)
-class _Test:
-    """A test of the configuration that is written, with its seeds."""
-
-    name: str
-    runs: tuple[PlannedRun, ...]
-
-
-def _tests(runs: Iterable[PlannedRun]) -> list[_Test]:
-    """Return the runs in tests; runs of one item with other options, kept from before, get another name."""
-    groups: dict[tuple[str, ...], list[PlannedRun]] = {}
+def _tests(one: Pass, runs: Sequence[PlannedRun]) -> dict[str, list[PlannedRun]]:
+    """Return the runs by dvsim's name for their test; kept ones of other options than today's get another."""
+    tests: dict[str, list[PlannedRun]] = defaultdict(list)
     for run in runs:
-        groups.setdefault((run.item, run.test, run.config, *run.options), []).append(run)
-    tests: list[_Test] = []
-    for group in groups.values():
-        same = sum(test.runs[0].item == group[0].item for test in tests)
-        tests.append(_Test(group[0].item + (f"_{same + 1}" if same else ""), tuple(group)))
+        usual = run.options == one.definition.items[run.item].run.options
+        name = run.item if usual else f"{run.item}_{run.agent}_{run.pairs}_{run.judged_one_in}"
+        tests[name].append(run)
     return tests
 
 
-def _configuration(one: Pass, tests: Sequence[_Test]) -> dict[str, Any]:
-    """Return the content of the Hjson file for these tests: that of the definition, cut down to them."""
-    changes = {
+def _configuration(one: Pass, tests: Mapping[str, Sequence[PlannedRun]]) -> str:
+    """Return the Hjson file for these tests: the definition, cut down to them."""
+    content = {
+        **one.definition.content,
         "python": sys.executable,
         "job_prefix": one.launcher.prefix,
         "results_folder": str(one.folder),
         "failing_seeds": str(one.failing),
         "identity": one.identity,
         "testplan": str(one.testplan),
-        "primary_build_mode": tests[0].runs[0].config,
-        "tests": [
-            {
-                "name": test.name,
-                "uvm_test": test.runs[0].test,
-                "build_mode": test.runs[0].config,
-                "run_opts": list(test.runs[0].options),
-                "reseed": len(test.runs),
-            }
-            for test in tests
-        ],
+        "primary_build_mode": next(iter(tests.values()))[0].config,
+        "tests": [as_test(name, runs[0], len(runs)) for name, runs in tests.items()],
         "regressions": [],
     }
-    return one.definition.part(changes)
+    return json.dumps(content, indent=1) + "\n"
 
 
-def _command(one: Pass, configuration: Path, tests: Sequence[_Test]) -> list[str]:
+def _command(one: Pass, configuration: Path, tests: Mapping[str, Sequence[PlannedRun]]) -> list[str]:
+    # However we end, even killed: dvsim is told to, and no simulation goes on.
+    setpriv = shutil.which("setpriv")
     return [
-        sys.executable, "-m", "triaxis.verif.regress.die_with_parent", str(os.getpid()),
+        *((setpriv, "--pdeathsig", "TERM") if setpriv else ()),
         str(_DVSIM), str(configuration),
         "--proj-root", str(ROOT), "--scratch-root", str(one.scratch), "--branch", "regress",
         # Local names of an outer dvsim's configuration file are none of ours.
         "--max-parallel", str(one.launcher.jobs), "--max-odirs", "1", "--print-interval", "30",
-        "--items", *(test.name for test in tests),
+        "--items", *tests,
         # In the order in which dvsim makes its runs: test by test, seed by seed.
-        "--seeds", *(str(run.seed) for test in tests for run in test.runs),
+        "--seeds", *(str(run.seed) for runs in tests.values() for run in runs),
     ]  # fmt: skip
 
 
@@ -127,9 +115,9 @@ def run_pass(one: Pass, runs: Sequence[PlannedRun], watch: Callable[[], None]) -
 
     However this ends, none of its processes is left.
     """
-    tests = _tests(runs)
+    tests = _tests(one, runs)
     configuration = one.folder / f"dvsim-{one.name}.hjson"
-    write_whole(configuration, json.dumps(_configuration(one, tests), indent=1) + "\n")
+    write_whole(configuration, _configuration(one, tests))
     with one.log.open("w") as log:
         process = subprocess.Popen(
             _command(one, configuration, tests),
@@ -168,7 +156,6 @@ def _end(process: "subprocess.Popen[bytes]", launcher: Launcher) -> None:
 def last_error(log: Path) -> str:
     """Return the last line of a log that tells of an error, or its last line."""
     text = log.read_text(errors="replace") if log.exists() else ""
-    lines = _COLOUR.sub("", text).splitlines()
+    lines = [line for line in _COLOUR.sub("", text).splitlines() if line.strip()]
     wanted = [line for line in lines if "ERROR" in line or "Error" in line or "FATAL" in line]
-    found = (wanted or [line for line in lines if line.strip()] or ["it said nothing"])[-1]
-    return found.strip()
+    return (wanted or lines or ["it said nothing"])[-1].strip()

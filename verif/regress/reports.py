@@ -46,12 +46,12 @@ def write_results(outcome: Outcome) -> Path:
         "runs": [_run(record) for record in outcome.records],
         "buckets": [
             {
-                "message": bucket.message,
-                "runs": len(bucket.records),
-                "first_replay": bucket.records[0].replay,
-                "keys": [record.run.key for record in bucket.records],
+                "message": message,
+                "runs": len(records),
+                "first_replay": records[0].replay,
+                "keys": [record.run.key for record in records],
             }
-            for bucket in outcome.buckets
+            for message, records in outcome.buckets.items()
         ],
         "replayed_first": [seed.run.key for seed in outcome.replayed],
         "fixed": [seed.run.key for seed in outcome.fixed],

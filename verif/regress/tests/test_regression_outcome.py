@@ -7,11 +7,9 @@ from xml.etree import ElementTree
 import pytest
 
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed
-from triaxis.verif.regress.history import NightlyRecord
 from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.records import PlannedRun, RunRecord, State
 from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
@@ -30,7 +28,7 @@ FLAKY = FailingSeed(RUN, "sources", "it failed", flaky=True)
 
 def outcome(folder: Path = Path(), **changes) -> Outcome:
     goals = Regression("nightly", ("MixedTest_w16_m0",), None, 2000, True)
-    state = State("nightly", 7, 1.0, "sources", (10.0,))
+    state = State(7, 1.0, "sources", (10.0,))
     good = Outcome(
         goals, state, folder, "triaxis regress run nightly", "local", (RUN,), (PASSED,), (), (), 0,
         (ModelReport("core_w16_m0", (ITEM,)),), 4.0,
@@ -44,10 +42,6 @@ def covered(**changes):
 
 def test_all_well():
     assert outcome().problems == []
-    assert outcome().summary == (
-        "nightly, seed 7: 1 of 1 runs passed, 2000 pairs checked, 1990 judged by the golden model, "
-        "coverage 100.00 %, 4 s"
-    )
 
 
 @pytest.mark.parametrize(
@@ -75,25 +69,21 @@ def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message
 def test_page_shows_buckets_first_and_coverage_of_a_configuration_with_other_tags(tmp_path):
     run = replace(RUN, config="w13_m4_t1")
     models = (ModelReport("core_w13_m4", (replace(ITEM, hit=32, missing=("near",)),)),)
-    found = outcome(tmp_path, records=(replace(FAILED, run=run),), coverage=models)
-    write_junit(found)
-    write_results(found)
-    page = write_report(found).read_text()
+    page = write_report(outcome(tmp_path, records=(replace(FAILED, run=run),), coverage=models)).read_text()
     assert page.count("96.96") == 2
-    assert "1 run," in page and "1 runs" not in page.split("<h2>", 1)[1]
     assert page.index("Failure buckets") < page.index("Other problems")
-    assert "href='results.json'" in page and "href='junit.xml'" in page
-    assert rtl_hash() in page
-    assert "<details open" not in page
 
 
 def test_only_a_whole_nightly_goes_into_the_history(tmp_path):
     whole = Request("nightly")
     assert whole.is_whole_nightly
-    assert not replace(whole, regression="smoke").is_whole_nightly
-    assert not replace(whole, multiplier=0.5).is_whole_nightly
-    assert not replace(whole, folder=tmp_path).is_whole_nightly
-    assert not replace(whole, definition=tmp_path / "other.hjson").is_whole_nightly
+    for change in (
+        {"regression": "smoke"},
+        {"multiplier": 0.5},
+        {"folder": tmp_path},
+        {"definition": tmp_path},
+    ):
+        assert not replace(whole, **change).is_whole_nightly
 
 
 def test_smoke_has_no_goals_but_nothing_illegal_may_be_hit():
@@ -111,7 +101,6 @@ def test_results_and_history_tell_nothing_from_zero(tmp_path):
     assert result["runs"][0]["pairs_checked"] is None
     assert result["coverage"]["percent"] is None
     line = history_record(found)
-    assert isinstance(line, NightlyRecord)
     assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
     assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
 
