@@ -16,7 +16,7 @@ from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import BUILD, ROOT
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.definition import DEFINITION, NIGHTLY, in_checkout, read_definition, write_view
-from triaxis.verif.regress.dispatch import Pass, check_dvsim, last_error, run_pass
+from triaxis.verif.regress.dispatch import Dvsim, check_dvsim, last_error
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
 from triaxis.verif.regress.history import HISTORY, append_record
@@ -119,6 +119,9 @@ class _Regression:
         # Of a cluster's jobs: whoever continues in this folder ends what is left of them.
         tag = hashlib.sha256(str(self._folder).encode()).hexdigest()[:8]
         self._launcher = launcher(request.launcher, f"triaxis-{request.regression}-{tag}", request.jobs)
+        self._dvsim = Dvsim(
+            self._definition, self._launcher, self._folder, self._failing.path, self._testplan, self._identity
+        )
 
     def run(self) -> Outcome:
         """Run it, and write everything."""
@@ -173,44 +176,36 @@ class _Regression:
         # A failure of an earlier attempt must not pass for one of this.
         for run in missing:
             record_file(self._folder, run).unlink(missing_ok=True)
-        one = Pass(
-            self._definition,
-            self._launcher,
-            self._folder,
-            self._failing.path,
-            self._testplan,
-            self._identity,
-            name,
-        )
         begun = time.time()
 
         def watch() -> None:
             done = sum(record_file(self._folder, run).exists() for run in everything)
             self._watch(len(everything), done)
 
-        code = run_pass(one, missing, watch)
+        code = self._dvsim.run(name, missing, watch)
         if code < 0:
             raise InputError(f"dvsim was killed (signal {-code}): the same command goes on from here")
         if identity() != self._identity:
             raise InputError("the RTL or its environment changed during the regression: start it again")
-        self._account_for(one, missing, begun)
+        self._account_for(name, missing, begun)
 
-    def _account_for(self, one: Pass, runs: Sequence[PlannedRun], begun: float) -> None:
+    def _account_for(self, name: str, runs: Sequence[PlannedRun], begun: float) -> None:
         """Write a failed result for each run that left none: killed, out of time, or its build failed."""
+        dvsim_log = self._dvsim.log(name)
         reasons = {
-            run: self._why_silent(one, run) for run in runs if not record_file(self._folder, run).exists()
+            run: self._why_silent(name, run) for run in runs if not record_file(self._folder, run).exists()
         }
         if len(reasons) == len(runs) and not any(reasons.values()):
-            raise InputError(f"dvsim started no run: {last_error(one.log)} (log: {one.log})")
+            raise InputError(f"dvsim started no run: {last_error(dvsim_log)} (log: {dvsim_log})")
         for run, reason in reasons.items():
-            error = f"ERROR {reason or f'not started: {last_error(one.log)}'}"
-            log = one.run_log(run)
+            error = f"ERROR {reason or f'not started: {last_error(dvsim_log)}'}"
+            log = self._dvsim.run_log(name, run)
             record = record_of(run, self._folder, self._identity, begun, (error,), silent=True, log=log)
             write_record(self._folder, record)
 
-    def _why_silent(self, one: Pass, run: PlannedRun) -> str:
+    def _why_silent(self, name: str, run: PlannedRun) -> str:
         """Return why a run left no result, empty where it was not even started."""
-        failed_build, log = error_file(self._folder, run.config), one.run_log(run)
+        failed_build, log = error_file(self._folder, run.config), self._dvsim.run_log(name, run)
         if failed_build.exists():
             return failed_build.read_text().strip()
         if log.exists():
