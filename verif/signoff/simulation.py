@@ -104,7 +104,7 @@ class SimulationResult:
                 doubt = "" if scene.agrees else "; the golden model disagrees"
                 found.append(f"scene {scene.name}: {scene.found}, expected {scene.expected}{doubt}")
         if not self.mesh_counts["checked"]:
-            found.append("the mesh engine answered for no pair of a scene")
+            found.append("the mesh engine decided no pair of a scene")
         if not self.scenes:
             found.append("no scene was checked")
         if self.checked < self.least_pairs:
@@ -128,7 +128,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         "passed": not result.problems,
         "problems": result.problems,
         "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model; "
-        f"{result.mesh_counts['checked']:,} pairs of scenes answered for by the mesh engine",
+        f"{result.mesh_counts['checked']:,} pairs of scenes decided by the mesh engine",
         "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.valid_for.rtl_hash,
