@@ -3,7 +3,7 @@
 import os
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
@@ -218,7 +218,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
     )
 
 
-def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
+def _builds(runs: list[RunSettings]) -> Sequence[Callable[[], object]]:
     """Return the builds that the runs and scenes need; the widest take longest and come first."""
     wanted = {(r.config, r.agent): r for r in runs}.values()
     widest_first = sorted(wanted, key=lambda r: (-r.width, r.agent, r.config))

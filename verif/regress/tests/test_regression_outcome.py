@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -23,12 +24,12 @@ SMOKE = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
 ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
 
 
-def covered(model="core_w16_m0", **changes):
+def covered(model: str = "core_w16_m0", **changes: Any):
     return (ModelReport(model, (replace(ITEM, **changes),)),)
 
 
-MISSING = {"hit": 32, "missing": ("near",)}
-HIT = {"illegal_hits": (IllegalHit("flags", 1, "never"),)}
+MISSING: dict[str, Any] = {"hit": 32, "missing": ("near",)}
+HIT: dict[str, Any] = {"illegal_hits": (IllegalHit("flags", 1, "never"),)}
 
 
 def outcome(folder: Path = Path(), **changes) -> Outcome:
