@@ -1,4 +1,4 @@
-"""``triaxis signoff``: everything that a signature stands on, a verdict, and its page."""
+"""``triaxis signoff``: runs every part of a sign-off, and gives its verdict and its page."""
 
 import argparse
 from collections import defaultdict
