@@ -217,7 +217,7 @@ def begin(
             state = replace(left, started=(*left.started, time.time()))
             write_state(regression, state)
             return state
-        say(f"not continued: what was left unfinished is {differences}")
+        say(f"not continued: the unfinished regression there is {differences}")
     if regression.is_dir():
         shutil.rmtree(previous(regression), ignore_errors=True)
         regression.rename(previous(regression))

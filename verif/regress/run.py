@@ -158,7 +158,7 @@ class _Regression:
         tests = {(item.run.item, item.run.test, item.run.config) for item in self._definition.items.values()}
         known = [seed for seed in seeds if (seed.run.item, seed.run.test, seed.run.config) in tests]
         if len(known) < len(seeds):
-            self._say(f"{len(seeds) - len(known)} kept seeds not replayed: their tests are not in this file")
+            self._say(f"{len(seeds) - len(known)} kept seeds not replayed: this definition has no such tests")
         taken = known if self._request.regression == NIGHTLY else few_of_each_bucket(known)
         if len(taken) < len(known):
             self._say(f"{len(known) - len(taken)} kept seeds not replayed now: {NIGHTLY} replays them all")
@@ -209,7 +209,7 @@ class _Regression:
         if failed_build.exists():
             return failed_build.read_text().strip()
         if log.exists():
-            return f"killed, or ended by the limit against hanging, which decides nothing: {last_error(log)}"
+            return f"killed, or ended by its time limit, which says nothing of the design: {last_error(log)}"
         return ""
 
     def _outcome(

@@ -156,7 +156,7 @@ def test_only_the_same_unfinished_regression_is_continued(tmp_path):
     assert len(begin(folder, wanted, said.append, fresh=True).started) == 1
     assert read_state(previous(folder)) == third
     assert begin(folder, replace(wanted, seed=2), said.append).seed == 2
-    assert said == ["not continued: what was left unfinished is of seed 1"]
+    assert said == ["not continued: the unfinished regression there is of seed 1"]
 
 
 def test_time_between_a_kill_and_its_continuation_does_not_count():
