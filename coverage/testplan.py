@@ -9,7 +9,7 @@ holds
     tests       names of UVM tests; ["N/A"], as dvsim wants it, where no simulation belongs to it
     proofs      names of formal proofs
     faults      names of faults of the catalogue
-    checks      names of other runs that check: see verif/signoff/plan_check.py
+    checks      names of other runs that check: see verif/signoff/testplan.py
     bins        patterns of coverage bins, "<cover item>.<bin>"; "<cover item>" stands for all its bins
     assertions  "<module>.<label>"
     mutants     patterns of mutants, "<module>/<operator>/.."

@@ -2,9 +2,12 @@
 
 import argparse
 import json
+import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from triaxis.fpga.ecp5_timing import HARNESS as TIMING_HARNESS
@@ -46,34 +49,36 @@ def _bin(name: str) -> str:
     return str(Path(sys.executable).with_name(name))
 
 
-def _run(what: str, command: list[str]) -> bool:
+def _told(what: str, good: bool, output: str = "") -> bool:
+    """Print how a check went, in one piece: others may print at the same time."""
+    print(f"{'ok    ' if good else 'FAILED'} {what}\n{'' if good else output}", end="", flush=True)
+    return good
+
+
+def _run(what: str, command: Sequence[str]) -> bool:
     answer = subprocess.run(
-        command,
-        cwd=ROOT,
-        env=verilator().environment(),
-        capture_output=True,
-        text=True,
-        check=False,
+        command, cwd=ROOT, env=verilator().environment(), capture_output=True, text=True, check=False
     )
-    print(f"{'ok    ' if answer.returncode == 0 else 'FAILED'} {what}", flush=True)
-    if answer.returncode:
-        print(answer.stdout + answer.stderr, end="", flush=True)
-    return answer.returncode == 0
+    return _told(what, answer.returncode == 0, answer.stdout + answer.stderr)
 
 
-def _verilator(top: str, parameters: dict[str, int], sources: Sequence[Path] = ()) -> list[str]:
-    return [
-        *elaboration(top, parameters), "--lint-only", "-Wall", *map(str, [*rtl_sources(), *sources]),
-    ]  # fmt: skip
+def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
+    """Yield top, parameters, sources besides the core's, and name of all that is elaborated."""
+    for build in _BUILDS:
+        yield "triaxis_core", build.parameters, [], build.name
+    for engine in _MESH_BUILDS:
+        yield "triaxis_mesh", engine.parameters, mesh_sources(), engine.name
+    for board in _BOARD_BUILDS:
+        yield "nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()], board.name
+    yield TIMING_TOP, {"W": 16}, [TIMING_HARNESS], ""
+    yield "CollisionDetector", {"W": 16}, [], ""
 
 
 def _testplan() -> bool:
     """Check that the testplan names everything there is, and nothing else."""
     plan, problems = check_plan()
-    print(f"{'FAILED' if problems else 'ok    '} testplan, {len(plan.testpoints)} testpoints", flush=True)
-    for problem in problems:
-        print(problem)
-    return not problems
+    said = "".join(f"{problem}\n" for problem in problems)
+    return _told(f"testplan, {len(plan.testpoints)} testpoints", not problems, said)
 
 
 def _types() -> bool:
@@ -83,12 +88,11 @@ def _types() -> bool:
     answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     report = json.loads(answer.stdout)
     checked = report["summary"]["filesAnalyzed"]
-    good = answer.returncode == 0 and checked > 0
-    print(f"{'ok    ' if good else 'FAILED'} basedpyright, {checked} files", flush=True)
-    for found in report["generalDiagnostics"]:
-        line = found["range"]["start"]["line"] + 1
-        print(f"{Path(found['file']).resolve()}:{line}: {found['message']}")
-    return good
+    said = "".join(
+        f"{Path(found['file']).resolve()}:{found['range']['start']['line'] + 1}: {found['message']}\n"
+        for found in report["generalDiagnostics"]
+    )
+    return _told(f"basedpyright, {checked} files", answer.returncode == 0 and checked > 0, said)
 
 
 def _link_package() -> None:
@@ -105,35 +109,28 @@ def lint(fix: bool) -> bool:
     """Return whether everything is clean; with ``fix``, format first."""
     folders = (DUT, VERIF, ROOT / "fpga")
     systemverilog = [str(path) for folder in folders for path in sorted(folder.rglob("*.sv"))]
+    verible = [_bin("verible-verilog-format"), "--inplace", *systemverilog]
     good = True
     if fix:
-        good &= _run("verible format", [_bin("verible-verilog-format"), "--inplace", *systemverilog])
+        good &= _run("verible format", verible)
         good &= _run("ruff fix", [_bin("ruff"), "check", "--fix", "."])
         good &= _run("ruff format", [_bin("ruff"), "format", "."])
-    for build in _BUILDS:
-        good &= _run(
-            f"verilator -Wall triaxis_core {build.name}",
-            _verilator("triaxis_core", build.parameters),
-        )
-    for engine in _MESH_BUILDS:
-        command = _verilator("triaxis_mesh", engine.parameters, mesh_sources())
-        good &= _run(f"verilator -Wall triaxis_mesh {engine.name}", command)
-    for board in _BOARD_BUILDS:
-        command = _verilator("nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()])
-        good &= _run(f"verilator -Wall nexys4ddr_top {board.name}", command)
-    command = _verilator(TIMING_TOP, {"W": 16}, [TIMING_HARNESS])
-    good &= _run(f"verilator -Wall {TIMING_TOP}", command)
-    good &= _run("verilator -Wall CollisionDetector", _verilator("CollisionDetector", {"W": 16}))
-    good &= _run("verible lint", [_bin("verible-verilog-lint"), *systemverilog])
-    good &= _run(
-        "verible format",
-        [_bin("verible-verilog-format"), "--verify", "--inplace", *systemverilog],
-    )
-    good &= _run("ruff check", [_bin("ruff"), "check", "."])
-    good &= _run("ruff format", [_bin("ruff"), "format", "--check", "."])
-    good &= _run("import-linter", [_bin("lint-imports"), "--no-cache"])
-    good &= _testplan()
-    return good & _types()
+    # What takes longest first.
+    checks: list[Callable[[], bool]] = [_types, _testplan]
+    for top, parameters, sources, name in _elaborations():
+        files = map(str, [*rtl_sources(), *sources])
+        command = [*elaboration(top, parameters), "--lint-only", "-Wall", *files]
+        checks.append(partial(_run, f"verilator -Wall {top} {name}".rstrip(), command))
+    for what, command in (
+        ("verible lint", [_bin("verible-verilog-lint"), *systemverilog]),
+        ("verible format", [*verible, "--verify"]),
+        ("ruff check", [_bin("ruff"), "check", "."]),
+        ("ruff format", [_bin("ruff"), "format", "--check", "."]),
+        ("import-linter", [_bin("lint-imports"), "--no-cache"]),
+    ):
+        checks.append(partial(_run, what, command))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return all([good, *pool.map(lambda check: check(), checks)])
 
 
 def main() -> int:

@@ -119,7 +119,7 @@ def _print_grid(outcome: GridOutcome) -> None:
         f"{counts.classes} classes, {counts.pairs} pairs, {counts.runs} runs in "
         f"{outcome.progress.seconds:.1f} s ({1e-6 * outcome.runs_per_second:.2f} M runs/s)"
     )
-    print(f"{counts.claims} clear claims proven; {counts.judged} runs judged by the linear program too")
+    print(f"{counts.claims} clear answers proved; {counts.judged} runs judged by the linear program too")
     for margin, ordered, near in zip(MARGINS, counts.ordered, counts.ordered_near, strict=True):
         print(f"margin {margin}: {near} of {ordered} ordered pairs are near")
     if not outcome.problems:

@@ -24,10 +24,12 @@ from triaxis.verif.regress.failing import FailingSeeds
 from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
 from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.reports import JUNIT, REPORT, RESULTS
-from triaxis.verif.regress.run import FOLDER, MOST_SEEDS_MULTIPLIED, Request, regress
+from triaxis.verif.regress.run import FOLDER, Request, regress
 
 _SHOWN = 20
 _SECONDS_BETWEEN_LINES = 60.0
+# Seeds multiplied by more than this are a mistake: a regression of months.
+_MOST_SEEDS_MULTIPLIED = 1000
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
@@ -69,10 +71,9 @@ def _add_folder(parser: argparse.ArgumentParser) -> None:
 
 
 def _request(options: argparse.Namespace) -> Request:
-    if not 0 < options.seeds_times <= MOST_SEEDS_MULTIPLIED:
-        raise InputError(
-            f"seeds-times {options.seeds_times}: must be above 0, and at most {MOST_SEEDS_MULTIPLIED:.0f}"
-        )
+    if not 0 < options.seeds_times <= _MOST_SEEDS_MULTIPLIED:
+        limits = f"must be above 0, and at most {_MOST_SEEDS_MULTIPLIED}"
+        raise InputError(f"seeds-times {options.seeds_times}: {limits}")
     return Request(
         regression=options.regression,
         seed=options.seed,
@@ -121,20 +122,20 @@ def _forget(options: argparse.Namespace) -> int:
     failing = options.folder.resolve() / FAILING
     forgotten = FailingSeeds(failing).forget() if failing.exists() else []
     for seed in forgotten:
-        print(f"forgotten: {seed.run.test} in {seed.run.config}, seed {seed.run.seed}: {seed.bucket}")
+        print(f"forgotten: {seed.run}: {seed.bucket}")
     print(f"{len(forgotten)} failing seeds forgotten, none is left in {in_checkout(failing)}")
     return DONE
 
 
 def _print(outcome: Outcome) -> None:
-    for bucket in outcome.buckets:
-        first = bucket.records[0]
-        print(f"{len(bucket.records)} x {bucket.message}")
+    for message, records in outcome.buckets.items():
+        first = records[0]
+        print(f"{len(records)} x {message}")
         for line in (*first.errors[:1], *first.counterexamples[:1]):
             print(f"  {line}")
         print(f"  log:    {first.log}\n  replay: {first.replay}")
     for seed in outcome.fixed:
-        print(f"fixed: {seed.run.test} in {seed.run.config}, seed {seed.run.seed} failed before and passes")
+        print(f"fixed: {seed.run} failed before and passes")
     print_list("PROBLEM", outcome.shortfalls, _SHOWN, f"all in {RESULTS}")
     print(f"{'FAILED' if outcome.problems else 'PASSED'}: {outcome.summary}")
     files = ", ".join((RESULTS, REPORT, JUNIT, "coverage.html"))

@@ -1,4 +1,4 @@
-"""``triaxis signoff``: everything that a signature stands on, a verdict, and its page."""
+"""``triaxis signoff``: runs every part of a sign-off, and gives its verdict and its page."""
 
 import argparse
 from collections import defaultdict
@@ -68,8 +68,9 @@ def _print(result: Signoff) -> None:
     print_list("PROBLEM", result.problems, _SHOWN, "all on the page")
     if not result.provenance.git_clean:
         print("the checkout has uncommitted changes: no commit holds what was signed off")
-    verdict = "PASSED" if result.passed else "FAILED"
-    print(f"{verdict}: stage {result.judgement.stage or 'none'} reached, {result.seconds:.0f} s")
+    wanted = "" if result.judgement.passed else f", {STAGES[-1]} is wanted"
+    verdict = f"{'PASSED' if result.passed else 'FAILED'}: stage {result.judgement.stage or 'none'} reached"
+    print(f"{verdict}{wanted}, {result.seconds:.0f} s")
 
 
 def _print_simulation(console: Console, evidence: Evidence) -> None:
@@ -87,10 +88,10 @@ def _print_simulation(console: Console, evidence: Evidence) -> None:
 
 
 def _parts_table(result: Signoff) -> Table:
-    parts = table("evidence", ("part", "", "what", "seconds"), text=3)
+    parts = table("parts of the sign-off", ("part", "verdict", "result", "seconds"), text=3)
     for name, part in result.parts.items():
         found = part.evidence
-        state = "absent" if found is None else "passed" if found["passed"] else "FAILED"
+        state = "not measured" if found is None else "passed" if found["passed"] else "FAILED"
         text = part.absent or "" if found is None else found["summary"]
         seconds = "" if found is None or found["seconds"] is None else f"{found['seconds']:.0f}"
         parts.add_row(name.replace("_", " "), state, text, seconds)
@@ -98,7 +99,7 @@ def _parts_table(result: Signoff) -> Table:
 
 
 def _figures_table(result: Signoff) -> Table:
-    figures = table("figures and stages", ("figure", "measured", *STAGES))
+    figures = table("figures, and the stages whose bounds they meet", ("figure", "measured", *STAGES))
     for figure in read_figures():
         value = result.figures[figure.name]
         met = (
@@ -110,8 +111,8 @@ def _figures_table(result: Signoff) -> Table:
 
 
 def _runs_table(runs: list[Evidence]) -> Table:
-    headings = ("configuration", "tests", "pairs checked", "claims re-checked", "mismatches")
-    made = table("core against bulk checker and golden model", headings)
+    headings = ("configuration", "runs", "pairs checked", "clear answers proved", "wrong answers")
+    made = table("simulation runs", headings)
     groups: dict[str, list[Evidence]] = defaultdict(list)
     for run_ in runs:
         groups[run_["config"]].append(run_)
@@ -130,15 +131,15 @@ def _runs_table(runs: list[Evidence]) -> Table:
 
 
 def _scenes_table(scenes: list[Evidence]) -> Table:
-    headings = ("scene", "expected", "found", "golden agrees", "facet pairs", "skipped", "tested", "near")
-    made = table("meshes end to end through the RTL", headings)
+    counted = ("pairs", "skipped", "tested", "near")
+    headings = ("scene", "expected", "found", "golden model agrees", *counted)
+    made = table("whole meshes through the RTL", headings)
     for scene in scenes:
         made.add_row(
             scene["name"],
             scene["expected"],
             scene["found"],
-            # Where the boxes decide every pair, nothing is left to be judged.
-            "NO" if not scene["agrees"] else "yes" if scene["tested"] else "no pair left",
-            *(str(scene[key]) for key in ("pairs", "skipped", "tested", "near")),
+            "NO" if not scene["agrees"] else "yes" if scene["tested"] else "boxes decide all",
+            *(str(scene[key]) for key in counted),
         )
     return made

@@ -105,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
             f"{result.counts['checked']} pairs checked, {result.counts['judged_by_golden_model']} judged by "
-            f"the golden model, {result.counts['clear_claims_rechecked']} clear claims re-checked, "
+            f"the golden model, {result.counts['clear_claims_rechecked']} clear answers proved, "
             f"{result.seconds:.1f} s"
         )
         return DONE
@@ -145,7 +145,7 @@ def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
     counts = result.counts
     print(
         f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "
-        f"{counts['checked']} pairs accounted for, {counts['skipped_with_proof']} of them skipped with a "
+        f"{counts['checked']} pairs decided, {counts['skipped_with_proof']} of them skipped with a "
         f"proof, {counts['judged_by_golden_model']} judged by the golden model, {result.seconds:.1f} s"
     )
     return DONE

@@ -1,13 +1,11 @@
 """The regressions as data: their tests, made of the table of tests, their goals, their runs."""
 
-import argparse
-import copy
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import hjson
 
@@ -16,8 +14,8 @@ from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
 from triaxis.verif.regress.coverage_models import model_of
-from triaxis.verif.regress.records import PlannedRun, add_options
-from triaxis.verif.testbench.settings import width_of
+from triaxis.verif.regress.records import PlannedRun
+from triaxis.verif.testbench.settings import BURST, PIN, width_of
 from triaxis.verif.testbench.test_table import Entry, Runs, configurations, table
 
 DEFINITION = Path(__file__).with_name("triaxis_sim_cfg.hjson")
@@ -36,14 +34,12 @@ _NO_SIMULATION = ["N/A"]
 
 @dataclass(frozen=True)
 class Item:
-    """A test as dvsim sees it: a UVM test in a configuration; ``seeds``: how many times it runs."""
+    """A test as dvsim sees it: a UVM test in a configuration; ``seeds``: how many times it runs.
 
-    name: str
-    test: str
-    config: str
-    pairs: int
-    agent: str
-    judged_one_in: int
+    ``run``: one of its runs, of no seed yet.
+    """
+
+    run: PlannedRun
     seeds: int
 
 
@@ -65,7 +61,6 @@ class Regression:
 class Definition:
     """Everything. ``content`` is what dvsim is to read, for the files that are made of it."""
 
-    path: Path
     content: Mapping[str, Any]
     items: dict[str, Item]
     regressions: dict[str, Regression]
@@ -77,29 +72,20 @@ class Definition:
             raise InputError(f"regression {name or repr(name)}: unknown; one of: {known}")
         return self.regressions[name]
 
-    def part(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a copy of the content in which these keys have these values."""
-        return copy.deepcopy(dict(self.content)) | dict(changes)
-
     def plan(self, name: str, base: int, multiplier: float = 1.0) -> list[PlannedRun]:
         """Return all runs of a regression; ``multiplier`` scales the seeds of each test, one is left."""
         regression = self.regression(name)
         return [
-            PlannedRun(i.name, i.test, i.config, seed_of(base, i.name, n), i.pairs, i.agent, i.judged_one_in)
-            for i in (self.items[one] for one in regression.items)
-            for n in range(max(1, round((regression.seeds or i.seeds) * multiplier)))
+            replace(item.run, seed=_seed_of(base, item.run.item, n))
+            for item in (self.items[one] for one in regression.items)
+            for n in range(max(1, round((regression.seeds or item.seeds) * multiplier)))
         ]
 
 
-def seed_of(base: int, item: str, number: int) -> int:
+def _seed_of(base: int, item: str, number: int) -> int:
     """Return the seed of a run: it follows from the regression's, and no two runs share their stimulus."""
     digest = hashlib.sha256(f"{base} {item} {number}".encode()).digest()
     return int.from_bytes(digest[:8], "big") % _SEEDS
-
-
-class _Options(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise ValueError(message)
 
 
 def read_definition(path: Path = DEFINITION) -> Definition:
@@ -112,14 +98,18 @@ def read_definition(path: Path = DEFINITION) -> Definition:
         content = hjson.loads(data.decode())
         if "tests" not in content:
             content = _with_table(content)
-        items = [_item(raw, content) for raw in content["tests"]]
-        by_name = {item.name: item for item in items}
-        if len(by_name) != len(items):
+        items = {raw["name"]: _item(raw, content) for raw in content["tests"]}
+        if len(items) != len(content["tests"]):
             raise ValueError("two tests have the same name")
-        regressions = _regressions(content, by_name)
+        goals = {goal["regression"]: goal for goal in content.get("goals", [])}
+        regressions = {
+            raw["name"]: _regression(raw, goals.pop(raw["name"], {}), items) for raw in content["regressions"]
+        }
+        if goals:
+            raise ValueError(f"goals of {', '.join(sorted(goals))}: no such regression")
     except (hjson.HjsonDecodeError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a definition of regressions: {error!r}") from error
-    return Definition(path, content, by_name, regressions)
+    return Definition(content, items, regressions)
 
 
 def _with_table(flow: Mapping[str, Any]) -> dict[str, Any]:
@@ -131,19 +121,18 @@ def _with_table(flow: Mapping[str, Any]) -> dict[str, Any]:
         if runs.seeds
         for config in runs.configs
     ]
+    tests = [_test(*one) for one in runs]
     smoke = [runs.name(entry.name, config) for entry, runs, config in runs if config in runs.smoke]
+    builds = [_build(config, {r.agent for _, r, c in runs if c == config}) for config in configurations()]
     return {
         **flow,
         "primary_build_mode": configurations()[0],
-        "build_modes": [
-            *flow["build_modes"],
-            *(_build(config, {r.agent for _, r, c in runs if c == config}) for config in configurations()),
-        ],
-        "tests": [_test(*one) for one in runs],
+        "build_modes": [*flow["build_modes"], *builds],
+        "tests": tests,
         "regressions": [
             # Is anything broken? Every test and every configuration once: more seeds find what is rare.
             {"name": "smoke", "reseed": 1, "tests": smoke},
-            {"name": NIGHTLY, "tests": [runs.name(entry.name, config) for entry, runs, config in runs]},
+            {"name": NIGHTLY, "tests": [test["name"] for test in tests]},
         ],
     }
 
@@ -157,12 +146,19 @@ def _build(config: str, agents: set[str]) -> dict[str, Any]:
 
 
 def _test(entry: Entry, runs: Runs, config: str) -> dict[str, Any]:
+    name = runs.name(entry.name, config)
+    run = PlannedRun(name, entry.name, config, 0, runs.pairs, runs.agent, runs.judged)
+    return as_test(name, run, runs.seeds)
+
+
+def as_test(name: str, run: PlannedRun, seeds: int) -> dict[str, Any]:
+    """Return a test as it stands in the Hjson file."""
     return {
-        "name": runs.name(entry.name, config),
-        "uvm_test": entry.name,
-        "build_mode": config,
-        "run_opts": [f"--pairs {runs.pairs}", f"--agent {runs.agent}", f"--judged {runs.judged}"],
-        "reseed": runs.seeds,
+        "name": name,
+        "uvm_test": run.test,
+        "build_mode": run.config,
+        "run_opts": list(run.options),
+        "reseed": seeds,
     }
 
 
@@ -173,36 +169,24 @@ def _item(raw: Mapping[str, Any], content: Mapping[str, Any]) -> Item:
     if not isinstance(seeds, int) or seeds < 1:
         raise ValueError(f"test {name}: reseed {seeds}: must be at least 1")
     model_of(config)
-    parser = _Options(add_help=False)
-    add_options(parser)
-    try:
-        options = parser.parse_args(" ".join(raw["run_opts"]).split())
-    except ValueError as error:
-        raise ValueError(f"test {name}: run_opts: {error}") from error
-    return Item(name, raw["uvm_test"], config, options.pairs, options.agent, options.judged, seeds)
+    options = {"--judged": "1", "--agent": BURST} | dict(option.split() for option in raw["run_opts"])
+    if options.keys() != {"--pairs", "--judged", "--agent"} or options["--agent"] not in (PIN, BURST):
+        wanted = f"must be --pairs N, --judged N, --agent {PIN} or {BURST}"
+        raise ValueError(f"test {name}: run_opts {raw['run_opts']}: {wanted}")
+    pairs, judged = int(options["--pairs"]), int(options["--judged"])
+    return Item(PlannedRun(name, raw["uvm_test"], config, 0, pairs, options["--agent"], judged), seeds)
 
 
-def _regressions(content: Mapping[str, Any], items: Mapping[str, Item]) -> dict[str, Regression]:
-    raw = {one["name"]: one for one in content["regressions"]}
-    goals = {one["regression"]: one for one in content.get("goals", [])}
-    if unknown := goals.keys() - raw.keys():
-        raise ValueError(f"goals of {', '.join(sorted(unknown))}: no such regression")
-    found: dict[str, Regression] = {}
-    for name, one in raw.items():
-        wanted = set(one["tests"])
-        if missing := wanted - items.keys():
-            raise ValueError(f"regression {name}: no test {', '.join(sorted(missing))}")
-        if not wanted:
-            raise ValueError(f"regression {name}: it has no tests")
-        goal = goals.get(name, {})
-        found[name] = Regression(
-            name,
-            tuple(item for item in items if item in wanted),
-            one.get("reseed"),
-            int(goal.get("pairs", 0)),
-            bool(goal.get("coverage", False)),
-        )
-    return found
+def _regression(raw: Mapping[str, Any], goal: Mapping[str, Any], items: Mapping[str, Item]) -> Regression:
+    name, wanted = raw["name"], set(raw["tests"])
+    if not wanted:
+        raise ValueError(f"regression {name}: it has no tests")
+    if missing := wanted - items.keys():
+        raise ValueError(f"regression {name}: no test {', '.join(sorted(missing))}")
+    ordered = tuple(item for item in items if item in wanted)
+    return Regression(
+        name, ordered, raw.get("reseed"), int(goal.get("pairs", 0)), bool(goal.get("coverage", False))
+    )
 
 
 def write_view(path: Path, items: Sequence[Item], testplan: Path = TESTPLAN) -> None:
@@ -217,7 +201,7 @@ def write_view(path: Path, items: Sequence[Item], testplan: Path = TESTPLAN) -> 
 
 def _testpoint(point: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:
     wanted = set(point.get("tests", []))
-    names = [item.name for item in items if item.test in wanted]
+    names = [item.run.item for item in items if item.run.test in wanted]
     return {**{key: point[key] for key in ("name", "desc", "stage")}, "tests": names or _NO_SIMULATION}
 
 

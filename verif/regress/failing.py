@@ -2,8 +2,9 @@
 
 import json
 import re
-from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,8 @@ _FEW = 3
 _LONGEST = 160
 # A bracket that the cut left open.
 _OPEN = re.compile(r"\s*[(\[][^)\]]*$")
-# What differs from run to run, and what stands for it; in this order.
+# What differs from run to run, and its substitute; in this order. dvsim's own buckets, in its report, keep
+# paths, verdicts and pairs apart.
 _GENERAL = (
     # The simulator's time, and the level and place that its log puts before a message.
     (re.compile(r"^\s*[-\d.]+\s*[munpf]?s\s+"), ""),
@@ -38,14 +40,6 @@ _GENERAL = (
 )
 
 
-@dataclass(frozen=True)
-class Bucket:
-    """Failed runs that say the same."""
-
-    message: str
-    records: tuple[RunRecord, ...]
-
-
 def general(message: str) -> str:
     """Return a message without what differs from run to run."""
     for pattern, substitute in _GENERAL:
@@ -60,14 +54,13 @@ def bucket_of(record: RunRecord) -> str:
     return f"ended without a result: {said.removeprefix('ERROR ')}" if record.silent else said
 
 
-def buckets(records: Iterable[RunRecord]) -> list[Bucket]:
-    """Return the failed runs in buckets, the fullest first."""
+def buckets(records: Iterable[RunRecord]) -> dict[str, list[RunRecord]]:
+    """Return the failed runs by what they say, the most frequent first."""
     found: dict[str, list[RunRecord]] = defaultdict(list)
     for record in records:
         if not record.passed:
             found[bucket_of(record)].append(record)
-    grouped = [Bucket(message, tuple(group)) for message, group in found.items()]
-    return sorted(grouped, key=lambda bucket: (-len(bucket.records), bucket.message))
+    return dict(sorted(found.items(), key=lambda bucket: (-len(bucket[1]), bucket[0])))
 
 
 @dataclass(frozen=True)
@@ -90,74 +83,56 @@ class FailingSeeds:
     def read(self) -> list[FailingSeed]:
         """Return them, the oldest first; raise InputError where the file is damaged."""
         try:
-            text = self.path.read_text()
+            return [_entry(content) for content in json.loads(self.path.read_text())]
         except FileNotFoundError:
             return []
-        try:
-            return [_entry(content) for content in json.loads(text)]
         except (ValueError, TypeError, KeyError) as error:
             raise InputError(f"{self.path}: damaged: {error!r}; remove it to forget its seeds") from error
 
-    def note(self, records: Iterable[RunRecord]) -> None:
-        """Take in results: what failed is kept, what passed on other sources than it failed on is dropped.
+    def note(self, record: RunRecord) -> None:
+        """Take in a result: what failed is kept, what passed on other sources than it failed on is dropped.
 
         A run that left no result of its own changes nothing: it is simply run again.
         """
-        new = {record.run.key: record for record in records if not record.silent}
-
-        def change(entries: list[FailingSeed]) -> list[FailingSeed]:
-            known = {entry.run.key for entry in entries}
-            kept = [after for entry in entries if (after := _after(entry, new.get(entry.run.key)))]
-            added = [_failing(r) for key, r in new.items() if not r.passed and key not in known]
-            return kept + added
-
-        self._change(change)
+        if record.silent:
+            return
+        with self._changing() as kept:
+            key, before = record.run.key, kept.get(record.run.key)
+            known = before if before and before.identity == record.identity else None
+            if not record.passed:
+                flaky = known is not None and known.flaky
+                kept[key] = FailingSeed(record.run, record.identity, bucket_of(record), flaky)
+            elif known:
+                kept[key] = replace(known, flaky=True)
+            else:
+                kept.pop(key, None)
 
     def forget(self) -> list[FailingSeed]:
         """Drop them all, and return what was dropped."""
-        forgotten: list[FailingSeed] = []
-
-        def change(entries: list[FailingSeed]) -> list[FailingSeed]:
-            forgotten.extend(entries)
-            return []
-
-        self._change(change)
+        with self._changing() as kept:
+            forgotten = list(kept.values())
+            kept.clear()
         return forgotten
 
-    def _change(self, change: Callable[[list[FailingSeed]], list[FailingSeed]]) -> None:
+    @contextmanager
+    def _changing(self) -> Iterator[dict[str, FailingSeed]]:
+        """Give the seeds by the keys of their runs, and write what the block makes of them."""
         make_folder(self.path.parent)
         with FileLock(self.path.with_suffix(".lock")):
-            before = self.read()
-            after = change(before)
+            before = {seed.run.key: seed for seed in self.read()}
+            after = dict(before)
+            yield after
             if after != before:
-                write_whole(self.path, json.dumps([asdict(entry) for entry in after], indent=1) + "\n")
-
-
-def few_of_each_bucket(seeds: Iterable[FailingSeed]) -> list[FailingSeed]:
-    """Return at most three seeds of each bucket, those of the fewest pairs, in the order given."""
-    every = list(seeds)
-    taken: set[str] = set()
-    counts: Counter[str] = Counter()
-    for seed in sorted(every, key=lambda seed: seed.run.pairs):
-        counts[seed.bucket] += 1
-        if counts[seed.bucket] <= _FEW:
-            taken.add(seed.run.key)
-    return [seed for seed in every if seed.run.key in taken]
+                write_whole(self.path, json.dumps([asdict(one) for one in after.values()], indent=1) + "\n")
 
 
 def _entry(content: dict[str, Any]) -> FailingSeed:
     return FailingSeed(**{**content, "run": planned_run(content["run"])})
 
 
-def _failing(record: RunRecord) -> FailingSeed:
-    return FailingSeed(record.run, record.identity, bucket_of(record))
-
-
-def _after(entry: FailingSeed, record: RunRecord | None) -> FailingSeed | None:
-    """Return what is left of an entry after a result of its run, None: nothing."""
-    if record is None:
-        return entry
-    if not record.passed:
-        same = record.identity == entry.identity
-        return replace(_failing(record), flaky=entry.flaky and same)
-    return replace(entry, flaky=True) if record.identity == entry.identity else None
+def few_of_each_bucket(seeds: Iterable[FailingSeed]) -> list[FailingSeed]:
+    """Return at most three seeds of each bucket, those of the fewest pairs."""
+    found: dict[str, list[FailingSeed]] = defaultdict(list)
+    for seed in sorted(seeds, key=lambda seed: seed.run.pairs):
+        found[seed.bucket].append(seed)
+    return [seed for bucket in found.values() for seed in bucket[:_FEW]]

@@ -1,15 +1,13 @@
 """One line for each long run that came to its end: how the core and its environment fared over time."""
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from filelock import FileLock
 
-from triaxis.golden.outputs import make_folder
+from triaxis.golden.outputs import make_folder, write_whole
 from triaxis.sim.paths import BUILD
 
 HISTORY = BUILD / "history" / "nightly.jsonl"
@@ -17,7 +15,7 @@ HISTORY = BUILD / "history" / "nightly.jsonl"
 
 @dataclass(frozen=True)
 class NightlyRecord:
-    """One finished run. ``date``: its end, UTC, ISO 8601; ``kind``: nightly, signoff, ..
+    """One finished run. ``date``: its end, UTC, ISO 8601; ``kind``: the regression.
 
     What was not measured is None, never 0.
     """
@@ -46,21 +44,13 @@ def as_date(seconds: float) -> str:
 
 
 def append_record(record: NightlyRecord, begun: float, path: Path = HISTORY) -> None:
-    """Add the line of a run that began at ``begun``, seconds since 1970, unless it is there already.
-
-    One that was cut off before, by a kill, is left alone and ended.
-    """
-    line = json.dumps(asdict(record)) + "\n"
+    """Add the line of a run that began at ``begun``, seconds since 1970, unless it is there already."""
     make_folder(path.parent)
-    with FileLock(path.with_suffix(".lock")), path.open("a+b") as file:
+    with FileLock(path.with_suffix(".lock")):
         if any(_is_same(one, record, begun) for one in read_history(path)):
             return
-        if file.seek(0, os.SEEK_END):
-            file.seek(-1, os.SEEK_END)
-            line = line if file.read(1) == b"\n" else "\n" + line
-        file.write(line.encode())
-        file.flush()
-        os.fsync(file.fileno())
+        lines = _lines(path)
+        write_whole(path, "\n".join([*lines, json.dumps(asdict(record))]) + "\n")
 
 
 def _is_same(one: NightlyRecord, record: NightlyRecord, begun: float) -> bool:
@@ -69,16 +59,16 @@ def _is_same(one: NightlyRecord, record: NightlyRecord, begun: float) -> bool:
 
 
 def read_history(path: Path = HISTORY) -> list[NightlyRecord]:
-    """Return all whole lines, the oldest first; what a kill cut off is passed over."""
-    if not path.exists():
-        return []
-    found = (_record(line) for line in path.read_text(encoding="utf-8", errors="replace").splitlines())
-    return [record for record in found if record is not None]
+    """Return all whole lines, the oldest first; a damaged one is passed over."""
+    return [record for line in _lines(path) if (record := _record(line)) is not None]
+
+
+def _lines(path: Path) -> list[str]:
+    return path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else []
 
 
 def _record(line: str) -> NightlyRecord | None:
     try:
-        content: dict[str, Any] = json.loads(line)
-        return NightlyRecord(**content)
+        return NightlyRecord(**json.loads(line))
     except (ValueError, TypeError):
         return None

@@ -5,9 +5,7 @@ in a file too, for the report.
 """
 
 import argparse
-import os
 import re
-import socket
 import sys
 import time
 from pathlib import Path
@@ -22,13 +20,13 @@ from triaxis.verif.regress.failing import FailingSeeds
 from triaxis.verif.regress.records import (
     PlannedRun,
     RunRecord,
-    add_options,
     read_record,
     record_file,
+    record_of,
     write_record,
 )
 from triaxis.verif.testbench.settings import BURST, PIN, TEST_MODULES
-from triaxis.verif.testbench.simulation import RunResult, build_for, run_settings
+from triaxis.verif.testbench.simulation import build_for, run_settings
 
 SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), ("verif/core/kept/*.json",))
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
@@ -64,70 +62,41 @@ def _build(options: argparse.Namespace) -> int:
     return 0
 
 
-def _too_few(run: PlannedRun, result: RunResult) -> tuple[str, ...]:
-    """Return what is wrong with a run that passed on less than it was asked for."""
-    accepted = int(result.counts["accepted"]) if result.counts else 0
-    if result.passed and accepted < MOST_OF * run.pairs:
-        return (f"ERROR {accepted} of {run.pairs} pairs sent",)
-    return ()
-
-
 def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
     """Run the simulation; whatever hinders it makes a failed run."""
-    settings = run.settings(folder / "runs" / run.key)
     started = time.time()
-    counts, found, errors, silent = None, (), (), False
     try:
-        result = run_and_explain(settings)
-        errors = result.errors + _too_few(run, result)
-        counts, found = result.counts, result.counterexamples
-        passed = result.passed and not errors
-        silent = not passed and counts is None and not any(map(_BLAME.search, errors))
+        result = run_and_explain(run.settings(folder))
     except InputError as error:
-        passed, errors, silent = False, (f"ERROR {error}",), True
-    return RunRecord(
-        run,
-        sources,
-        passed,
-        errors,
-        found,
-        counts,
-        started,
-        time.time(),
-        socket.gethostname(),
-        os.environ.get("SLURM_JOB_ID") or os.environ.get("LSB_JOBID"),
-        str(Path(settings.folder) / "simulation.log"),
-        settings.folder,
-        settings.replay_command,
-        silent,
-    )
+        return record_of(run, folder, sources, started, (f"ERROR {error}",), silent=True)
+    errors, counts = result.errors, result.counts
+    accepted = counts["accepted"] if counts else 0
+    if result.passed and accepted < MOST_OF * run.pairs:
+        errors = (f"ERROR {accepted} of {run.pairs} pairs sent",)
+    passed = result.passed and not errors
+    silent = not passed and counts is None and not any(map(_BLAME.search, errors))
+    found = result.counterexamples
+    return record_of(run, folder, sources, started, errors, passed, counts, found, silent)
 
 
 def _run(options: argparse.Namespace) -> int:
     """Run once, unless the same run has passed meanwhile."""
-    run = PlannedRun(
-        options.item,
-        options.test,
-        options.config,
-        options.seed,
-        options.pairs,
-        options.agent,
-        options.judged,
-    )
-    results, sources = options.folder / "results", identity()
+    named = ("item", "test", "config", "seed", "pairs", "agent", "judged")
+    run = PlannedRun(*(getattr(options, name) for name in named))
+    path, sources = record_file(options.folder, run), identity()
     if options.identity not in (ANY, sources):
         # No result: it would be of neither the one nor the other.
         print("FAILED: the RTL or its environment changed during the regression")
         return 1
-    make_folder(results)
+    make_folder(path.parent)
     # A run that outlived the regression that started it may still be at work in the same folder.
-    with FileLock(results / f"{run.key}.lock"):
-        record = read_record(record_file(results, run))
+    with FileLock(path.with_name(f"{run.key}.lock")):
+        record = read_record(path)
         if record is None or not record.passed or record.identity != sources:
             record = _perform(run, options.folder, sources)
             # First, so that no kill comes between a result and its being kept.
-            FailingSeeds(options.failing).note([record])
-            write_record(results, record)
+            FailingSeeds(options.failing).note(record)
+            write_record(options.folder, record)
     for line in record.errors[:1]:
         print(f"FAILED: {line}")
     for line in (*record.errors[1:], *record.counterexamples):
@@ -156,7 +125,9 @@ def main() -> int:
     run.add_argument("--folder", type=Path, required=True, help="where results and runs go")
     run.add_argument("--failing", type=Path, required=True, help="where failing seeds are kept")
     run.add_argument("--identity", default=ANY, help="the sources that the result is to be of")
-    add_options(run)
+    run.add_argument("--pairs", type=int, required=True)
+    run.add_argument("--agent", choices=(PIN, BURST), default=BURST)
+    run.add_argument("--judged", type=int, default=1)
     run.set_defaults(do=_run)
     options = parser.parse_args()
     return options.do(options)

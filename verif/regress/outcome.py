@@ -1,12 +1,13 @@
 """The outcome of a regression: its runs, and the reasons for a failure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from triaxis.coverage.report import ModelReport, percent
 from triaxis.verif.regress.definition import Regression
-from triaxis.verif.regress.failing import Bucket, FailingSeed, bucket_of, buckets
+from triaxis.verif.regress.failing import FailingSeed, bucket_of, buckets
 from triaxis.verif.regress.records import PlannedRun, RunRecord, State
 
 
@@ -23,12 +24,12 @@ class Outcome:
     folder: Path
     command: str
     launcher: str
-    planned: tuple[PlannedRun, ...]
-    records: tuple[RunRecord, ...]
-    replayed: tuple[FailingSeed, ...]
-    flaky: tuple[FailingSeed, ...]
+    planned: Sequence[PlannedRun]
+    records: Sequence[RunRecord]
+    replayed: Sequence[FailingSeed]
+    flaky: Sequence[FailingSeed]
     kept_from_before: int
-    coverage: tuple[ModelReport, ...]
+    coverage: Sequence[ModelReport]
     seconds: float
 
     @property
@@ -54,8 +55,8 @@ class Outcome:
         return [seed for seed in self.replayed if seed.run.key in passed - still]
 
     @cached_property
-    def buckets(self) -> list[Bucket]:
-        """Return the failures in buckets, the fullest first."""
+    def buckets(self) -> dict[str, list[RunRecord]]:
+        """Return the failed runs by what they say, the most frequent first."""
         return buckets(self.records)
 
     @property
@@ -66,31 +67,23 @@ class Outcome:
     @property
     def problems(self) -> list[str]:
         """Return the reasons for a failure, one line each."""
-        failures = [
-            f"{r.run.test} in {r.run.config}, seed {r.run.seed} failed: {bucket_of(r)}" for r in self.failed
-        ]
-        return failures + self.shortfalls
+        return [f"{record.run} failed: {bucket_of(record)}" for record in self.failed] + self.shortfalls
 
     @cached_property
     def shortfalls(self) -> list[str]:
         """Return the problems that are no run's failure: goals missed, flaky seeds, no result."""
-        found = [
-            f"{s.run.test} in {s.run.config}, seed {s.run.seed} is flaky: it failed and passed on the same "
-            "sources"
-            for s in self.flaky
-        ]
+        found = [f"{seed.run} is flaky: it failed and passed on the same sources" for seed in self.flaky]
         done = {record.run.key for record in self.records}
-        found += [
-            f"{r.test} in {r.config}, seed {r.seed}: no result" for r in self.planned if r.key not in done
-        ]
+        found += [f"{run}: no result" for run in self.planned if run.key not in done]
         if self.checked < self.regression.least_pairs:
             found.append(f"{self.checked} pairs checked, at least {self.regression.least_pairs} are wanted")
-        if self.regression.all_covered:
-            found += [problem for model in self.coverage for problem in model.problems]
-        # What may never be hit was hit, whatever the goals.
-        illegal = [hit for model in self.coverage for item in model.items for hit in item.illegal_hits]
-        if illegal and not self.regression.all_covered:
-            found += [f"illegal coverage bin {i.bin} hit {i.hits} times: {i.reason}" for i in illegal]
+        for model in self.coverage:
+            if self.regression.all_covered:
+                found += model.problems
+            else:
+                # What may never be hit was hit, whatever the goals.
+                illegal = [hit for item in model.items for hit in item.illegal_hits]
+                found += [f"illegal coverage bin {i.bin} hit {i.hits} times: {i.reason}" for i in illegal]
         return found
 
     @property

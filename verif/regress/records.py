@@ -1,15 +1,18 @@
-"""What a regression leaves in its folder: what it is, how far it came, the result of each of its runs."""
+"""What a regression leaves in its folder: how far it came, and the result of each of its runs."""
 
-import argparse
 import json
+import os
 import shutil
+import socket
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from triaxis.golden.outputs import write_whole
-from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
+from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_settings
 
 
@@ -25,6 +28,10 @@ class PlannedRun:
     agent: str
     judged_one_in: int
 
+    def __str__(self) -> str:
+        """Return it as people are told of it."""
+        return f"{self.test} in {self.config}, seed {self.seed}"
+
     @property
     def key(self) -> str:
         """Return a name for files that tells this run from every other."""
@@ -32,35 +39,22 @@ class PlannedRun:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Return the options that all seeds of the run share."""
+        """Return the options that all seeds of the run share, as run_opts of the Hjson file."""
         return (f"--pairs {self.pairs}", f"--agent {self.agent}", f"--judged {self.judged_one_in}")
 
-    def settings(self, folder: Path) -> RunSettings:
-        """Return what the simulation is asked to do, in ``folder``."""
+    def settings(self, regression: Path) -> RunSettings:
+        """Return what the simulation is asked to do, in the folder of a regression."""
+        folder, judged = regression / "runs" / self.key, self.judged_one_in
         return run_settings(
-            self.test,
-            self.config,
-            self.seed,
-            self.pairs,
-            folder=folder,
-            agent=self.agent,
-            judged_one_in=self.judged_one_in,
+            self.test, self.config, self.seed, self.pairs, "", folder, self.agent, judged_one_in=judged
         )
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a run that a test of the Hjson file gives as its run_opts."""
-    parser.add_argument("--pairs", type=int, required=True)
-    parser.add_argument("--agent", choices=(PIN, BURST), default=BURST)
-    parser.add_argument("--judged", type=int, default=1)
-
-
 def planned_run(content: dict[str, Any]) -> PlannedRun:
-    """Return the run that a file holds; raise TypeError or KeyError where it holds none."""
-    fields = {name: content[name] for name in PlannedRun.__dataclass_fields__}
-    if not all(isinstance(value, str | int) for value in fields.values()):
+    """Return the run that a file holds; raise TypeError where it holds none."""
+    if not all(isinstance(value, str | int) for value in content.values()):
         raise TypeError("not a run")
-    return PlannedRun(**fields)
+    return PlannedRun(**content)
 
 
 @dataclass(frozen=True)
@@ -103,33 +97,61 @@ class RunRecord:
         return int(self.counts["judged_by_golden_model"]) if self.counts else 0
 
 
-def record_file(results: Path, run: PlannedRun) -> Path:
-    """Return the file of a run's result in the folder of results."""
-    return results / f"{run.key}.json"
+def record_of(
+    run: PlannedRun,
+    regression: Path,
+    identity: str,
+    started: float,
+    errors: tuple[str, ...],
+    passed: bool = False,
+    counts: dict[str, Any] | None = None,
+    counterexamples: tuple[str, ...] = (),
+    silent: bool = False,
+    log: Path | None = None,
+) -> RunRecord:
+    """Return the record of a run that has just ended."""
+    settings = run.settings(regression)
+    return RunRecord(
+        run,
+        identity,
+        passed,
+        errors,
+        counterexamples,
+        counts,
+        started,
+        time.time(),
+        socket.gethostname(),
+        os.environ.get("SLURM_JOB_ID") or os.environ.get("LSB_JOBID"),
+        str(log or Path(settings.folder) / "simulation.log"),
+        settings.folder,
+        settings.replay_command,
+        silent,
+    )
 
 
-def write_record(results: Path, record: RunRecord) -> None:
+def record_file(regression: Path, run: PlannedRun) -> Path:
+    """Return the file of a run's result in the folder of a regression."""
+    return regression / "results" / f"{run.key}.json"
+
+
+def write_record(regression: Path, record: RunRecord) -> None:
     """Write a result, whole or not at all."""
-    write_whole(record_file(results, record.run), json.dumps(asdict(record), indent=1) + "\n")
+    write_whole(record_file(regression, record.run), json.dumps(asdict(record), indent=1) + "\n")
 
 
 def read_record(path: Path) -> RunRecord | None:
     """Return a result, None where there is no readable one: the run must then be done again."""
     try:
         content = json.loads(path.read_text())
-        content["run"] = planned_run(content["run"])
-        content["errors"] = tuple(content["errors"])
-        content["counterexamples"] = tuple(content["counterexamples"])
-        return RunRecord(**content)
-    except (OSError, ValueError, TypeError, KeyError):
+        lists = {key: tuple(content[key]) for key in ("errors", "counterexamples")}
+        return RunRecord(**{**content, **lists, "run": planned_run(content["run"])})
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return None
 
 
-def read_records(results: Path) -> dict[str, RunRecord]:
-    """Return all readable results in a folder, by the key of their run."""
-    if not results.is_dir():
-        return {}
-    found = (read_record(path) for path in sorted(results.glob("*.json")))
+def read_records(regression: Path) -> dict[str, RunRecord]:
+    """Return all readable results in the folder of a regression, by the key of their run."""
+    found = map(read_record, sorted((regression / "results").glob("*.json")))
     return {record.run.key: record for record in found if record is not None}
 
 
@@ -137,84 +159,73 @@ def read_records(results: Path) -> dict[str, RunRecord]:
 class State:
     """A regression that was started. ``started``: when, and when it was continued, seconds since 1970."""
 
-    regression: str
     seed: int
     multiplier: float
     identity: str
-    started: tuple[float, ...]
+    started: tuple[float, ...] = ()
     finished: bool = False
 
-    def continues(self, other: "State") -> bool:
-        """Return whether this is what is left of the other: the same runs of the same sources."""
-        return not other.finished and not self.differences(other)
-
-    def differences(self, other: "State") -> list[str]:
-        """Return in what the other is not the same, in words; empty where it is."""
-        found: list[str] = []
-        if other.regression != self.regression:
-            found.append(f"of the regression {other.regression}")
-        if other.seed != self.seed:
-            found.append(f"of seed {other.seed}")
-        if other.multiplier != self.multiplier:
-            found.append(f"of {other.multiplier:g} times the seeds")
-        if other.identity != self.identity:
-            found.append("of other sources")
-        return found
+    def differences(self, other: "State") -> str:
+        """Return in words what runs, or on what sources, the other is of; empty where of the same."""
+        words = {
+            "seed": f"of seed {other.seed}",
+            "multiplier": f"of {other.multiplier:g} times the seeds",
+            "identity": "of other sources",
+        }
+        return ", ".join(text for name, text in words.items() if getattr(self, name) != getattr(other, name))
 
     def seconds(self, records: list[RunRecord], now: float) -> float:
         """Return how long it was worked on: until now, and before each kill until its last result."""
-        spans = zip(self.started, (*self.started[1:], None), strict=True)
-        total = 0.0
-        for begin, after in spans:
-            if after is None:
-                total += now - begin
-            else:
-                ends = [r.finished for r in records if begin <= r.finished < after]
-                total += max(ends, default=begin) - begin
+        total = now - self.started[-1]
+        for begun, after in pairwise(self.started):
+            ends = (record.finished for record in records if begun <= record.finished < after)
+            total += max(ends, default=begun) - begun
         return total
 
 
-def state_file(folder: Path) -> Path:
+def state_file(regression: Path) -> Path:
     """Return the file of the state in the folder of a regression."""
-    return folder / "regression.json"
+    return regression / "regression.json"
 
 
-def read_state(folder: Path) -> State | None:
+def read_state(regression: Path) -> State | None:
     """Return the state of what is in a folder, None where there is none to go on from."""
     try:
-        content = json.loads(state_file(folder).read_text())
+        content = json.loads(state_file(regression).read_text())
         return State(**{**content, "started": tuple(content["started"])})
     except (OSError, ValueError, TypeError, KeyError):
         return None
 
 
-def write_state(folder: Path, state: State) -> None:
+def write_state(regression: Path, state: State) -> None:
     """Write it, whole or not at all."""
-    write_whole(state_file(folder), json.dumps(asdict(state), indent=1) + "\n")
+    write_whole(state_file(regression), json.dumps(asdict(state), indent=1) + "\n")
 
 
-def begin(folder: Path, wanted: State, fresh: bool) -> State:
+def begin(
+    regression: Path, wanted: State, say: Callable[[str], None], any_seed: bool = False, fresh: bool = False
+) -> State:
     """Return the state to work on: what was left unfinished of the same, unless ``fresh``; else a new one.
 
-    What the folder holds of another is moved aside, to where it stays readable until it is replaced in turn.
+    ``any_seed``: what is left may be of any seed. What the folder holds of another is moved to where it stays
+    readable until it is replaced in turn.
     """
-    before = read_state(folder)
-    if before and wanted.continues(before) and not fresh:
-        state = replace(before, started=(*before.started, time.time()))
-    else:
-        set_aside(folder)
-        state = replace(wanted, started=(time.time(),))
-    write_state(folder, state)
+    left = read_state(regression)
+    if left and not left.finished and not fresh:
+        same = replace(wanted, seed=left.seed) if any_seed else wanted
+        if not (differences := same.differences(left)):
+            state = replace(left, started=(*left.started, time.time()))
+            write_state(regression, state)
+            return state
+        say(f"not continued: the unfinished regression there is {differences}")
+    if regression.is_dir():
+        shutil.rmtree(previous(regression), ignore_errors=True)
+        regression.rename(previous(regression))
+    state = replace(wanted, started=(time.time(),))
+    write_state(regression, state)
     return state
 
 
-def previous(folder: Path) -> Path:
+def previous(regression: Path) -> Path:
     """Return where the regression before this one is kept."""
-    return folder.with_name(f"{folder.name}.previous")
-
-
-def set_aside(folder: Path) -> None:
-    """Move a regression to where the previous one is kept."""
-    if folder.is_dir():
-        shutil.rmtree(previous(folder), ignore_errors=True)
-        folder.rename(previous(folder))
+    return regression.with_name(f"{regression.name}.previous")

@@ -2,7 +2,7 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -46,12 +46,12 @@ def write_results(outcome: Outcome) -> Path:
         "runs": [_run(record) for record in outcome.records],
         "buckets": [
             {
-                "message": bucket.message,
-                "runs": len(bucket.records),
-                "first_replay": bucket.records[0].replay,
-                "keys": [record.run.key for record in bucket.records],
+                "message": message,
+                "runs": len(records),
+                "first_replay": records[0].replay,
+                "keys": [record.run.key for record in records],
             }
-            for bucket in outcome.buckets
+            for message, records in outcome.buckets.items()
         ],
         "replayed_first": [seed.run.key for seed in outcome.replayed],
         "fixed": [seed.run.key for seed in outcome.fixed],
@@ -100,7 +100,10 @@ def history_record(outcome: Outcome) -> NightlyRecord:
 def write_junit(outcome: Outcome) -> Path:
     """Write junit.xml in the regression's folder, whole or not at all: a suite for each configuration."""
     document = JUnitXml(f"triaxis {outcome.regression.name}")
-    for config, records in _grouped(outcome.records, lambda record: record.run.config).items():
+    groups: dict[str, list[RunRecord]] = defaultdict(list)
+    for record in outcome.records:
+        groups[record.run.config].append(record)
+    for config, records in groups.items():
         suite = TestSuite(config)
         suite.timestamp = as_date(min(record.started for record in records)).partition("+")[0]
         suite.add_testcases([_case(record) for record in records])
@@ -153,8 +156,6 @@ def write_report(outcome: Outcome) -> Path:
         stamp=provenance(SOURCES),
         flaky=flaky,
         fixed=fixed,
-        configs=_grouped(outcome.records, lambda record: record.run.config),
-        items=_grouped(outcome.records, lambda record: record.run.item),
         covered=lambda config: _covered(outcome, config),
         links=sorted(str(path.relative_to(outcome.folder)) for path in pages if path.exists()),
     )
@@ -165,10 +166,3 @@ def _covered(outcome: Outcome, config: str) -> float | None:
     # Configurations that differ in their tags share a model.
     name = model_of(config).name
     return next((percent([model]) for model in outcome.coverage if model.model == name), None)
-
-
-def _grouped(records: Iterable[RunRecord], key: Callable[[RunRecord], str]) -> dict[str, list[RunRecord]]:
-    groups: dict[str, list[RunRecord]] = defaultdict(list)
-    for record in records:
-        groups[key(record)].append(record)
-    return groups

@@ -48,13 +48,13 @@ class Part:
         return {"absent": self.absent, **(self.evidence or {})}
 
 
-def attempt(make: Callable[[], Evidence | None], why_not: str = "no result") -> Part:
+def attempt(make: Callable[[], Evidence | None]) -> Part:
     """Return the part that ``make`` finds; what ends it early makes it absent, and the verdict red."""
     try:
         evidence = make()
     except (InputError, CoreError, CertificateError, OSError) as error:
         return Part(None, f"{type(error).__name__}: {error}" if isinstance(error, OSError) else str(error))
-    return Part(evidence, None if evidence else why_not)
+    return Part(evidence, None if evidence else "it left no result")
 
 
 def code_coverage_part(seed: int, progress: Progress) -> Evidence | None:

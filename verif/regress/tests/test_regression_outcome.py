@@ -2,52 +2,44 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed
-from triaxis.verif.regress.history import NightlyRecord
 from triaxis.verif.regress.outcome import Outcome
-from triaxis.verif.regress.records import PlannedRun, RunRecord, State
+from triaxis.verif.regress.records import State
 from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
 from triaxis.verif.regress.run import Request
+from triaxis.verif.regress.tests.test_regression_parts import PASSED, RUN
 
-RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
-PASSED = RunRecord(
-    RUN, "sources", True, (), (), {"checked": 2000, "judged_by_golden_model": 1990}, 10.0, 12.0,
-    "host", None, "log", "folder", ".venv/bin/triaxis sim MixedTest --seed 7",
-)  # fmt: skip
 FAILED = replace(PASSED, passed=False, errors=("ERROR <tag> 3 & \x1b[31mred", "ERROR more"), counts=None)
-ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
-ILLEGAL = IllegalHit("flags", 1, "never")
+FEWER = replace(PASSED, counts={"checked": 1999, "judged_by_golden_model": 0})
 FLAKY = FailingSeed(RUN, "sources", "it failed", flaky=True)
+SMOKE = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
+ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
+
+
+def covered(model: str = "core_w16_m0", **changes: Any):
+    return (ModelReport(model, (replace(ITEM, **changes),)),)
+
+
+MISSING: dict[str, Any] = {"hit": 32, "missing": ("near",)}
+HIT: dict[str, Any] = {"illegal_hits": (IllegalHit("flags", 1, "never"),)}
 
 
 def outcome(folder: Path = Path(), **changes) -> Outcome:
     goals = Regression("nightly", ("MixedTest_w16_m0",), None, 2000, True)
-    state = State("nightly", 7, 1.0, "sources", (10.0,))
+    state = State(7, 1.0, "sources", (10.0,))
     good = Outcome(
         goals, state, folder, "triaxis regress run nightly", "local", (RUN,), (PASSED,), (), (), 0,
-        (ModelReport("core_w16_m0", (ITEM,)),), 4.0,
+        covered(), 4.0,
     )  # fmt: skip
     return replace(good, **changes)
-
-
-def covered(**changes):
-    return (ModelReport("core_w16_m0", (replace(ITEM, **changes),)),)
-
-
-def test_all_well():
-    assert outcome().problems == []
-    assert outcome().summary == (
-        "nightly, seed 7: 1 of 1 runs passed, 2000 pairs checked, 1990 judged by the golden model, "
-        "coverage 100.00 %, 4 s"
-    )
 
 
 @pytest.mark.parametrize(
@@ -55,9 +47,10 @@ def test_all_well():
     [
         ({"records": (FAILED,)}, "MixedTest in w16_m0, seed 7 failed: ERROR <tag> N & "),
         ({"records": ()}, "MixedTest in w16_m0, seed 7: no result"),
-        ({"records": (replace(PASSED, counts={**(PASSED.counts or {}), "checked": 1999}),)}, "1999 pairs"),
-        ({"coverage": covered(hit=32, missing=("near",))}, "32 of 33 bins hit, missing first: near"),
-        ({"coverage": covered(illegal_hits=(ILLEGAL,))}, "illegal bin flags hit 1 times: never"),
+        ({"records": (FEWER,)}, "1999 pairs"),
+        ({"coverage": covered(**MISSING)}, "32 of 33 bins hit, missing first: near"),
+        ({"coverage": covered(**HIT)}, "illegal bin flags hit 1 times: never"),
+        ({"coverage": covered(**HIT), "regression": SMOKE}, "illegal coverage bin flags hit 1 times: never"),
         ({"flaky": (FLAKY,)}, "MixedTest in w16_m0, seed 7 is flaky"),
     ],
 )
@@ -72,46 +65,33 @@ def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message
     assert "FAILED" in write_report(found).read_text()
 
 
+def test_all_well_and_smoke_has_no_goals():
+    assert outcome().problems == []
+    assert outcome(regression=SMOKE, coverage=covered(**MISSING)).problems == []
+
+
 def test_page_shows_buckets_first_and_coverage_of_a_configuration_with_other_tags(tmp_path):
-    run = replace(RUN, config="w13_m4_t1")
-    models = (ModelReport("core_w13_m4", (replace(ITEM, hit=32, missing=("near",)),)),)
-    found = outcome(tmp_path, records=(replace(FAILED, run=run),), coverage=models)
-    write_junit(found)
-    write_results(found)
-    page = write_report(found).read_text()
+    record = replace(FAILED, run=replace(RUN, config="w13_m4_t1"))
+    models = covered("core_w13_m4", **MISSING)
+    page = write_report(outcome(tmp_path, records=(record,), coverage=models)).read_text()
     assert page.count("96.96") == 2
-    assert "1 run," in page and "1 runs" not in page.split("<h2>", 1)[1]
     assert page.index("Failure buckets") < page.index("Other problems")
-    assert "href='results.json'" in page and "href='junit.xml'" in page
-    assert rtl_hash() in page
-    assert "<details open" not in page
 
 
 def test_only_a_whole_nightly_goes_into_the_history(tmp_path):
     whole = Request("nightly")
     assert whole.is_whole_nightly
-    assert not replace(whole, regression="smoke").is_whole_nightly
-    assert not replace(whole, multiplier=0.5).is_whole_nightly
-    assert not replace(whole, folder=tmp_path).is_whole_nightly
-    assert not replace(whole, definition=tmp_path / "other.hjson").is_whole_nightly
-
-
-def test_smoke_has_no_goals_but_nothing_illegal_may_be_hit():
-    smoke = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
-    assert outcome(regression=smoke, coverage=covered(hit=1, missing=("near",))).problems == []
-    (problem,) = outcome(regression=smoke, coverage=covered(illegal_hits=(ILLEGAL,))).problems
-    assert problem == "illegal coverage bin flags hit 1 times: never"
+    other = {"regression": "smoke", "multiplier": 0.5, "folder": tmp_path, "definition": tmp_path}
+    assert not any(replace(whole, **{name: value}).is_whole_nightly for name, value in other.items())
 
 
 def test_results_and_history_tell_nothing_from_zero(tmp_path):
     found = outcome(tmp_path, records=(FAILED,), coverage=())
     result = read_evidence(write_results(found))
     assert result is not None
-    assert result["passed"] is False
-    assert result["runs"][0]["pairs_checked"] is None
+    assert (result["passed"], result["runs"][0]["pairs_checked"]) == (False, None)
     assert result["coverage"]["percent"] is None
     line = history_record(found)
-    assert isinstance(line, NightlyRecord)
     assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
     assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
 

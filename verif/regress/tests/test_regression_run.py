@@ -1,9 +1,11 @@
 """Small regressions on dvsim from end to end: reports, failing seeds, kills, interrupts."""
 
 import json
+import os
 import re
 import signal
 import subprocess
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -15,15 +17,14 @@ from triaxis.coverage.counts import load
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress.one_job import identity
-from triaxis.verif.regress.records import PlannedRun, read_records
+from triaxis.verif.regress.records import read_records
 from triaxis.verif.regress.tests.small_regressions import (
     CONFIG,
     LONG,
     TRIAXIS,
     await_results,
     await_silence,
-    dvsim_of,
-    kill,
+    planned,
     regress,
     results_of,
     start,
@@ -40,8 +41,14 @@ def folder(tmp_path):
     return tmp_path
 
 
-def properties(case):
-    return {entry.get("name"): entry.get("value") for entry in case.iter("property")}
+def cases(path):
+    """Return the root of a JUnit file, and its cases with their properties."""
+    root = ElementTree.parse(path).getroot()
+    found = [
+        (case, {entry.get("name"): entry.get("value") for entry in case.iter("property")})
+        for case in root.iter("testcase")
+    ]
+    return root, found
 
 
 def test_a_good_regression_leaves_its_reports(folder, seed):
@@ -50,8 +57,7 @@ def test_a_good_regression_leaves_its_reports(folder, seed):
 
     result = read_evidence(folder / "good" / "results.json")
     assert result is not None
-    assert result["passed"] and result["problems"] == []
-    assert result["launcher"] == "local"
+    assert (result["passed"], result["problems"], result["launcher"]) == (True, [], "local")
     assert result["pairs_checked"] == sum(run["pairs_checked"] for run in result["runs"]) >= 5900
     for run in result["runs"]:
         assert run["replay"] == (
@@ -67,17 +73,14 @@ def test_a_good_regression_leaves_its_reports(folder, seed):
     for name, hits in merged.hits.items():
         assert (hits == sum(part.hits[name] for part in parts)).all()
 
-    root = ElementTree.parse(folder / "good" / "junit.xml").getroot()
-    cases = list(root.iter("testcase"))
-    assert root.tag == "testsuites"
-    assert (root.get("tests"), root.get("failures"), len(cases)) == ("3", "0", 3)
-    assert {properties(case)["seed"] for case in cases} == {str(run["seed"]) for run in result["runs"]}
-    assert {properties(case)["replay"] for case in cases} == {run["replay"] for run in result["runs"]}
+    root, found = cases(folder / "good" / "junit.xml")
+    assert (root.tag, root.get("tests"), root.get("failures")) == ("testsuites", "3", "0")
+    told = {(properties["seed"], properties["replay"]) for _, properties in found}
+    assert told == {(str(run["seed"]), run["replay"]) for run in result["runs"]}
 
     # Opens where there is no network.
     page = (folder / "good" / "report.html").read_text()
-    assert "PASSED" in page
-    assert "http" not in page and "src=" not in page
+    assert "PASSED" in page and "http" not in page and "src=" not in page
     links = re.findall(r"href='([^']+)'", page)
     assert links and all((folder / "good" / link).exists() for link in links)
 
@@ -99,32 +102,29 @@ def test_failures_go_into_buckets_and_are_kept_and_replayed_first(folder, seed):
     assert f"2 x {dropped}" in said
     assert "replay: .venv/bin/triaxis sim DroppedResultTest" in said
 
-    root = ElementTree.parse(folder / "bad" / "junit.xml").getroot()
-    failed = [case for case in root.iter("testcase") if case.find("failure") is not None]
-    assert root.get("failures") == str(len(failed)) == "3"
-    for case in failed:
-        failure = case.find("failure")
-        assert failure is not None
+    root, found = cases(folder / "bad" / "junit.xml")
+    failures = [(failure, told) for case, told in found for failure in case.iter("failure")]
+    assert root.get("failures") == str(len(failures)) == "3"
+    for failure, told in failures:
         assert failure.get("message") in (dropped, corrupt)
-        assert f"replay: {properties(case)['replay']}" in (failure.text or "")
+        assert f"replay: {told['replay']}" in (failure.text or "")
 
     # Kept, and first in a regression that would not run them itself.
     kept = json.loads((folder / "failing.json").read_text())
     assert {entry["run"]["seed"] for entry in kept} == {r["seed"] for r in result["runs"] if not r["passed"]}
     said = regress(folder, "short", "--seed", seed, status=1)
     assert "replaying 3 seeds that failed before" in said
-    records = read_records(folder / "short" / "results")
-    replayed = {key for key, record in records.items() if not record.passed}
-    assert len(records) == 4 and len(replayed) == 3
-    last = max(records[key].finished for key in replayed)
-    assert all(record.started >= last for key, record in records.items() if key not in replayed)
+    records = read_records(folder / "short").values()
+    replayed = [record for record in records if not record.passed]
+    assert (len(records), len(replayed)) == (4, 3)
+    last = max(record.finished for record in replayed)
+    assert all(record.started >= last for record in records if record.passed)
     assert json.loads((folder / "failing.json").read_text()) == kept
 
 
-def test_a_seed_that_passes_is_fixed_or_flaky(folder, seed):
+def test_a_seed_that_passes_is_fixed_or_flaky_and_can_be_forgotten(folder, seed):
     """Fixed where the sources are others than it failed on; flaky, and a failure, where they are not."""
-    test = "FarTest"
-    run = PlannedRun(f"{test}_{CONFIG}", test, CONFIG, 4321, 2000, "burst", 100)
+    run = planned("FarTest", 4321)
     for sources, status, word in (("other sources", 0, "fixed"), (identity(), 1, "flaky")):
         entry = {"run": vars(run), "identity": sources, "bucket": "it failed", "flaky": False}
         (folder / "failing.json").write_text(json.dumps([entry]))
@@ -133,20 +133,25 @@ def test_a_seed_that_passes_is_fixed_or_flaky(folder, seed):
         assert word in said
         left = json.loads((folder / "failing.json").read_text())
         assert left == ([{**entry, "flaky": True}] if word == "flaky" else [])
+    words = [TRIAXIS, "regress", "forget", "--folder", folder]
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    assert f"forgotten: FarTest in {CONFIG}, seed 4321: it failed" in said
+    assert json.loads((folder / "failing.json").read_text()) == []
 
 
 @pytest.mark.parametrize("victim", ["regression", "dvsim"])
 def test_a_killed_regression_goes_on_with_what_is_missing(folder, seed, victim):
     process = start(folder, "long", "--seed", seed, "--jobs", "1")
     await_results(folder, "long", 2, process)
-    kill(process.pid if victim == "regression" else dvsim_of(process))
+    (dvsim,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    os.kill(process.pid if victim == "regression" else int(dvsim), signal.SIGKILL)
     said = process.communicate()[0]
     if victim == "dvsim":
         assert process.returncode == 2
         assert "dvsim was killed (signal 9): the same command goes on from here" in said
     # Nothing simulates on behind our back.
     assert await_silence(folder)
-    before = read_records(folder / "long" / "results")
+    before = read_records(folder / "long")
     assert 2 <= len(before) < LONG
     assert all(record.passed for record in before.values())
     assert not (folder / "long" / "results.json").exists()
@@ -154,44 +159,31 @@ def test_a_killed_regression_goes_on_with_what_is_missing(folder, seed, victim):
     # Without a seed: that of what was left.
     said = regress(folder, "long")
     assert f"continuing: {len(before)} of {LONG} runs passed before" in said
-    after = read_records(folder / "long" / "results")
+    after = read_records(folder / "long")
     assert len(after) == LONG
     assert {key: after[key] for key in before} == before
     result = results_of(folder, "long")
     assert (result["passed"], result["seed"], result["runs_kept_from_before"]) == (True, seed, len(before))
 
 
-def stop(process, number):
-    """Stop a regression as Ctrl-C or a batch system does; return what it printed."""
-    process.send_signal(number)
-    said = process.communicate()[0]
-    assert process.returncode == 130, said
-    assert "interrupted" in said
-    return said
-
-
-def test_a_termination_leaves_no_process_and_is_no_failure(folder, seed):
-    process = start(folder, "long", "--seed", seed)
-    await_results(folder, "long", 1, process)
-    stop(process, signal.SIGTERM)
-    assert await_silence(folder, 1.0)
+def test_a_stop_leaves_no_process_and_is_no_failure_and_another_seed_is_another_regression(folder, seed):
+    for number in (signal.SIGTERM, signal.SIGINT):
+        process = start(folder, "long", "--seed", seed)
+        await_results(folder, "long", len(read_records(folder / "long")) + 1, process)
+        assert "a regression is running there" in regress(folder, "long", status=2)
+        process.send_signal(number)
+        said = process.communicate()[0]
+        assert process.returncode == 130 and "interrupted" in said, said
+        assert await_silence(folder, 1.0)
     assert not (folder / "failing.json").exists()
-    assert all(record.passed for record in read_records(folder / "long" / "results").values())
-
-
-def test_another_seed_is_another_regression(folder, seed):
-    process = start(folder, "long", "--seed", seed)
-    await_results(folder, "long", 1, process)
-    assert "a regression is running there" in regress(folder, "long", status=2)
-    stop(process, signal.SIGINT)
-    assert await_silence(folder, 1.0)
-    left = read_records(folder / "long" / "results")
+    left = read_records(folder / "long")
+    assert all(record.passed for record in left.values())
     (folder / "long.previous").mkdir()
     said = regress(folder, "long", "--seed", seed + 1, "--seeds-times", "0.4")
     assert "not continued" in said
     assert len(results_of(folder, "long")["runs"]) == 2
     # The one before stays readable.
-    assert read_records(folder / "long.previous" / "results") == left
+    assert read_records(folder / "long.previous") == left
 
 
 @pytest.mark.parametrize(
@@ -210,17 +202,6 @@ def test_what_cannot_be_run_leaves_nothing_behind(folder, monkeypatch, name, opt
     assert [path.name for path in folder.iterdir()] == ["small.hjson"]
 
 
-def test_failing_seeds_can_be_forgotten(folder):
-    run = PlannedRun(f"FarTest_{CONFIG}", "FarTest", CONFIG, 4321, 2000, "burst", 100)
-    entry = {"run": vars(run), "identity": identity(), "bucket": "it failed", "flaky": True}
-    (folder / "failing.json").write_text(json.dumps([entry]))
-    words = [TRIAXIS, "regress", "forget", "--folder", folder]
-    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-    assert f"forgotten: FarTest in {CONFIG}, seed 4321: it failed" in said
-    assert json.loads((folder / "failing.json").read_text()) == []
-
-
 def test_a_build_that_dvsim_cannot_start_is_an_error(tmp_path):
     write_definition(tmp_path, build_cmd="false")
-    said = regress(tmp_path, "good", status=2)
-    assert "error: dvsim started no run" in said
+    assert "error: dvsim started no run" in regress(tmp_path, "good", status=2)

@@ -89,7 +89,7 @@ def test_stopped_jobs_end_and_the_rest_is_run_later(folder, seed, number):
     while any(name.startswith("triaxis-long-") for name in queue()) and time.monotonic() < limit:
         time.sleep(0.2)
     assert not any(name.startswith("triaxis-long-") for name in queue())
-    before = read_records(folder / "long" / "results")
+    before = read_records(folder / "long")
     said = regress(folder, "long", "--launcher", "slurm")
     assert f"continuing: {len(before)} of {LONG} runs passed before" in said
     assert results_of(folder, "long")["passed"]

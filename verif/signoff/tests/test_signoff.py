@@ -1,4 +1,4 @@
-"""The sign-off can fail: whatever misses its bound is among its problems."""
+"""The simulations of a sign-off can fail: whatever misses its bound is among their problems."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,96 +22,83 @@ from triaxis.verif.testbench.simulation import RunResult, run_settings
 HERE = validity(SOURCES)
 ALL_AXES = list(range(-1, 32))
 COUNTS = {
-    "accepted": 200_000,
-    "checked": 200_000,
-    "judged_by_golden_model": 100,
-    "judged_axes": ALL_AXES,
+    "accepted": 200_000, "checked": 200_000, "judged_by_golden_model": 100, "judged_axes": ALL_AXES,
     "failed": 0,
-}
-ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
+}  # fmt: skip
+MESH_COUNTS = {
+    "runs": 40, "complete_runs": 30, "accepted": 5_000, "checked": 5_000, "skipped_with_proof": 4_000,
+    "tested": 1_000, "judged_by_golden_model": 100, "failed": 0,
+}  # fmt: skip
+CORE = RunResult(run_settings("RandomTest", Configuration(), 1, 10), True, 1.0, COUNTS, (), Path("log"))
+ENGINE = replace(
+    CORE, settings=run_settings("MeshRandomTest", "mesh_w16_m16_d64_g8_l8", 1, 10), counts=MESH_COUNTS
+)
+SCENE = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
+OTHER_SCENE = replace(SCENE, found="clear")
 ILLEGAL = IllegalHit("flags", 1, "never")
 
 
-def coverage(**changes):
-    return [ModelReport("core_w16_m0", (replace(ITEM, **changes),))]
+def runs(core=CORE, engine=ENGINE):
+    return {"runs": [core, engine]}
 
 
-MESH_COUNTS = {
-    "runs": 40,
-    "complete_runs": 30,
-    "accepted": 5_000,
-    "checked": 5_000,
-    "skipped_with_proof": 4_000,
-    "tested": 1_000,
-    "judged_by_golden_model": 100,
-    "failed": 0,
-}
+def counted(**changes):
+    return runs(core=replace(CORE, counts={**COUNTS, **changes}))
 
 
-def good():
-    settings = run_settings("RandomTest", Configuration(), 1, 10)
-    run = RunResult(settings, True, 1.0, COUNTS, (), Path("log"))
-    of_engine = run_settings("MeshRandomTest", "mesh_w16_m16_d64_g8_l8", 1, 10)
-    engine_run = RunResult(of_engine, True, 1.0, MESH_COUNTS, (), Path("log"))
-    scene = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
-    detector = DetectorResult(15, 3000, 0)
-    runs = [run, engine_run]
-    return SimulationResult(runs, [scene], None, detector, coverage(), 200_000, HERE, 1.0)
+def covered(**changes):
+    item = replace(ItemReport("claim", "the claim", 33, 33, (), (), ()), **changes)
+    return {"coverage": [ModelReport("core_w16_m0", (item,))]}
 
 
-def counted(result, **changes):
-    core, engine = result.runs
-    return replace(result, runs=[replace(core, counts={**COUNTS, **changes}), engine])
-
-
-def without_scenes(result):
-    core, engine = result.runs
-    return replace(result, runs=[core, replace(engine, counts={**MESH_COUNTS, "checked": 0})])
+GOOD = SimulationResult(
+    [CORE, ENGINE], [SCENE], None, DetectorResult(15, 3000, 0), covered()["coverage"], 200_000, HERE, 1.0
+)
 
 
 def test_all_well():
-    assert good().problems == []
+    assert GOOD.problems == []
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda r: replace(r, runs=[replace(r.runs[0], passed=False)]), "RandomTest in w16_m0 failed"),
-        (lambda r: replace(r, runs=[replace(r.runs[0], counts=None)]), "0 pairs checked"),
-        (lambda r: counted(r, checked=199_999), "199999 pairs"),
-        (lambda r: counted(r, accepted=8), "8 of 10 pairs sent"),
-        (lambda r: counted(r, judged_axes=ALL_AXES[:-1]), "decided by axis 31, in w16_m0"),
-        (lambda r: counted(r, judged_axes=ALL_AXES[1:]), "decided by nothing, being near"),
-        (lambda r: replace(r, valid_for=replace(HERE, environment_hash="x")), "changed during"),
-        (without_scenes, "no pair of a scene"),
-        (lambda r: replace(r, runs=[r.runs[0], replace(r.runs[1], passed=False)]), "MeshRandomTest in mesh_"),
-        (lambda r: replace(r, scenes=[]), "no scene"),
-        (lambda r: replace(r, scenes=[replace(r.scenes[0], found="clear")]), "clear, expected near"),
-        (lambda r: replace(r, scenes=[replace(r.scenes[0], agrees=False)]), "golden model disagrees"),
-        (lambda r: replace(r, real_meshes=[replace(r.scenes[0], found="clear")]), "expected near"),
-        (lambda r: replace(r, detector=DetectorResult(14, 3000, 0)), "14 of 15 seed vectors"),
-        (lambda r: replace(r, detector=DetectorResult(15, 3000, 1)), "1 of 3000 pairs wrong"),
-        (lambda r: replace(r, coverage=coverage(hit=32, missing=("near",))), "32 of 33 bins"),
-        (lambda r: replace(r, coverage=coverage(illegal_hits=(ILLEGAL,))), "illegal bin flags hit"),
-        (lambda r: replace(r, coverage=[]), "no coverage"),
-        (lambda r: replace(r, valid_for=replace(HERE, rtl_hash="other")), "changed during"),
+        (runs(core=replace(CORE, passed=False)), "RandomTest in w16_m0 failed"),
+        (runs(core=replace(CORE, counts=None)), "0 pairs checked"),
+        (runs(engine=replace(ENGINE, passed=False)), "MeshRandomTest in mesh_"),
+        (runs(engine=replace(ENGINE, counts={**MESH_COUNTS, "checked": 0})), "no pair of a scene"),
+        (counted(checked=199_999), "199999 pairs"),
+        (counted(accepted=8), "8 of 10 pairs sent"),
+        (counted(judged_axes=ALL_AXES[:-1]), "judged no pair that axis 31 separates in w16_m0"),
+        (counted(judged_axes=ALL_AXES[1:]), "judged no near pair in w16_m0"),
+        ({"scenes": []}, "no scene"),
+        ({"scenes": [OTHER_SCENE]}, "clear, expected near"),
+        ({"scenes": [replace(SCENE, agrees=False)]}, "golden model disagrees"),
+        ({"real_meshes": [OTHER_SCENE]}, "expected near"),
+        ({"detector": DetectorResult(14, 3000, 0)}, "14 of 15 seed vectors"),
+        ({"detector": DetectorResult(15, 3000, 1)}, "1 of 3000 pairs wrong"),
+        (covered(hit=32, missing=("near",)), "32 of 33 bins"),
+        (covered(illegal_hits=(ILLEGAL,)), "illegal bin flags hit"),
+        ({"coverage": []}, "no coverage"),
+        ({"valid_for": replace(HERE, rtl_hash="other")}, "changed during"),
+        ({"valid_for": replace(HERE, environment_hash="x")}, "changed during"),
     ],
 )
 def test_each_shortfall_is_a_problem(change, message):
-    problems = change(good()).problems
+    problems = replace(GOOD, **change).problems
     assert any(message in problem for problem in problems), problems
 
 
 def test_plan_covers_widths_margins_and_builds():
-    runs = plan(1)
-    configurations = {run.configuration for run in runs if not run.of_mesh_engine}
+    planned = plan(1)
+    configurations = {run.configuration for run in planned if not run.of_mesh_engine}
     assert {c.width for c in configurations} >= {8, 16, 24, 32}
     assert {c.margin_bits for c in configurations} >= {0, 8, 16, 24, 32}
     assert any(not c.edge_box for c in configurations)
     assert {c.gating for c in configurations} == {True, False}
-    assert sum(run.pairs for run in runs if run.test == "VolumeTest") >= VOLUME
-    assert {run.agent for run in runs} == {PIN, BURST}
-    assert len({run.folder for run in runs}) == len(runs)
+    assert sum(run.pairs for run in planned if run.test == "VolumeTest") >= VOLUME
+    assert {run.agent for run in planned} == {PIN, BURST}
+    assert len({run.folder for run in planned}) == len(planned)
 
 
 def test_coverage_of_another_model_ends_the_signoff(tmp_path):
