@@ -207,11 +207,7 @@ def _part_work(
     opened, tested = int(open_pairs.sum()), int(tested_in.sum())
     within = int(np.maximum(boxes, tested_in)[open_pairs].sum())
     return _PartWork(
-        tested,
-        opened,
-        np.concatenate(near),
-        max(rows, words, boxes * opened, tested),
-        rows + words + within,
+        tested, opened, np.concatenate(near), max(rows, words, boxes * opened, tested), rows + words + within
     )
 
 

@@ -16,8 +16,8 @@ from triaxis.host.engines import BULK, SceneRun, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.messages import Mode, Status
-from triaxis.host.report import enclosure_entry, grid_entry, milliseconds, run_entry, write_report
-from triaxis.host.scene import AXES, MeshPair, Pose, Turn, exact_distance, prepare
+from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
+from triaxis.host.scene import AXES, MeshPair, Pose, Turn, distance_of, prepare
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
@@ -192,9 +192,13 @@ def _write(
         "engine": options.engine,
         **board,
         **enclosure_entry(insides, options.surfaces_only),
-        **({} if run is None else run_entry(run, len(meshes.a) * len(meshes.b))),
+        **({} if run is None else _run_entry(run, len(meshes.a) * len(meshes.b))),
     }
     write_report(options.json, report)
+
+
+def _run_entry(run: SceneRun, pairs: int) -> dict[str, Any]:
+    return {"facet_pairs": pairs, **counts_entry(run, "pairs_near"), "near": run.near}
 
 
 def _print_scene(options: argparse.Namespace, pose: Pose, meshes: MeshPair) -> None:
@@ -225,7 +229,8 @@ def _print_run(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: S
     print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
     kind = "exact distance" if pose.exact else "distance as turned"
     for i, j in run.near[:_LISTED].tolist():
-        print(f"  facet {i} of A, facet {j} of B: {kind} {float(exact_distance(meshes, i, j)):g}")
+        distance = distance_of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.move)
+        print(f"  facet {i} of A, facet {j} of B: {kind} {float(distance):g}")
     if len(run.near) > _LISTED:
         print(f"  .. and {len(run.near) - _LISTED} more")
 

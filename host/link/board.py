@@ -27,7 +27,7 @@ from triaxis.host.link.messages import (
     once,
     pack_triangles,
     triangles_per_load,
-)
+)  # fmt: skip
 from triaxis.host.link.wire import LayoutError, Record
 
 # A dead master's board is free once its watchdog has expired.
@@ -163,7 +163,7 @@ class Board:
 
     def status(self) -> Status:
         """Return the board's status; this also keeps the link alive."""
-        return self._checked(self._ask(Command.STATUS, Status))
+        return self._status(Command.STATUS)
 
     def still(self, run: Status) -> Status:
         """Return the status again of a run that has ended so; raises LinkError where it is another."""
@@ -173,9 +173,10 @@ class Board:
 
     def abort(self) -> Status:
         """End a run that goes on; return the board's status."""
-        return self._checked(self._ask(Command.ABORT, Status))
+        return self._status(Command.ABORT)
 
-    def _checked(self, status: Status) -> Status:
+    def _status(self, command: Command) -> Status:
+        status = self._ask(command, Status)
         check_status(status, self.description.group)
         return status
 

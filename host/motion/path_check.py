@@ -14,7 +14,7 @@ import numpy as np
 
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, SceneEngine, SceneRun, scene_engine
+from triaxis.host.engines import BULK, Counts, SceneEngine, SceneRun, scene_engine
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
 from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector
@@ -63,34 +63,17 @@ class Level:
 
 
 @dataclass
-class Effort:
-    """Poses asked, and what the engine did in all of them.
-
-    ``near``: facet pairs within the margins asked, which are larger than the clearance. ``cycles``: None
-    where no cycles are counted.
-    """
+class Effort(Counts):
+    """Poses asked, and what the engine did in all of them: near pairs are those within the margins asked."""
 
     poses: int = 0
-    skipped_in_groups: int = 0
-    skipped: int = 0
-    tested: int = 0
-    near: int = 0
-    group_pairs_skipped: int = 0
-    group_pairs_opened: int = 0
-    cycles: int | None = None
     most_cycles: int | None = None
 
-    def add(self, run: SceneRun) -> None:
-        """Count a run."""
+    def add(self, run: Counts) -> None:
+        """Count a pose."""
+        super().add(run)
         self.poses += 1
-        self.skipped_in_groups += run.skipped_in_groups
-        self.skipped += run.skipped
-        self.tested += run.tested
-        self.near += run.near_count
-        self.group_pairs_skipped += run.group_pairs_skipped
-        self.group_pairs_opened += run.group_pairs_opened
         if run.cycles is not None:
-            self.cycles = (self.cycles or 0) + run.cycles
             self.most_cycles = max(self.most_cycles or 0, run.cycles)
 
 

@@ -20,13 +20,13 @@ from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import main
 from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.enclosure import NOT_ASKED
-from triaxis.host.link.audit import Verdict
+from triaxis.host.engines import DecidingEngine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
-from triaxis.host.link.messages import Mesh, Mode, Pose, RunEnd
+from triaxis.host.link.messages import Mesh, Mode, RunEnd
 from triaxis.host.scene import Pose as RealPose
-from triaxis.host.scene import check_meshes, prepare
+from triaxis.host.scene import prepare
 from triaxis.host.stl import StlMesh
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
@@ -64,7 +64,7 @@ def one_near_pair(rng, near=True):
 
 def check(board, a, b, margin=2):
     board.hello()
-    return BoardEngine(board, a, b).check(Pose(0, 0, 0), margin, Mode.ALL)
+    return BoardEngine(board, a, b).run((0, 0, 0), margin)
 
 
 def prepared(scene, move=(0, 0, 0)):
@@ -72,6 +72,10 @@ def prepared(scene, move=(0, 0, 0)):
     x, y, z = map(Fraction, move)
     pose = RealPose(move=(x, y, z))
     return prepare(*meshes, ("a", "b"), Fraction(1, 100), Fraction(1, 2), 16, pose)
+
+
+def golden_run(meshes):
+    return DecidingEngine(meshes.a, meshes.b, judge_pairs).run((0, 0, 0), meshes.margin)
 
 
 def board_check(capsys, *arguments):
@@ -84,13 +88,13 @@ def board_check(capsys, *arguments):
 @pytest.mark.parametrize("number", [1, 3, 4])
 def test_the_scenes_through_the_serial_port(number, top, tmp_path, capsys):
     scene, a, b = scenes.write_scenes(tmp_path)[number]
-    golden = check_meshes(prepared(scene), judge_pairs, 10**6)
+    golden = golden_run(prepared(scene))
     report = tmp_path / "report.json"
     with ServedBoard(top) as served:
         status, out, error = board_check(capsys, a, b, "--port", served.path, "--json", report)
     assert (status, error) == (int(scene.near), "")
     said = json.loads(report.read_text())
-    assert list(map(tuple, said["near"])) == list(golden.near)
+    assert said["near"] == golden.near.tolist()
     assert said["status"]["near"] == golden.near_count
     assert said["verdict"] == ("near" if scene.near else "clear")
     assert "warning" not in out
@@ -231,7 +235,7 @@ def test_a_board_is_asked_of_no_path_that_may_start_inside(facets, status, state
 def test_modes_and_moves(top, boxes, capsys):
     a, b, scene = boxes
     move = ("0.1234", "-0.5", "-1.6")
-    golden = check_meshes(prepared(scene, move), judge_pairs, 10**6)
+    golden = golden_run(prepared(scene, move))
     assert golden.near_count == 18
     with ServedBoard(top) as served:
         options = (a, b, "--port", served.path, "--move", *move)
@@ -288,13 +292,13 @@ def test_a_run_that_is_interrupted_is_aborted(top, rng):
 
 
 def attempt(board, a, b):
-    """Return the verdict and the near pairs of a check, or None where the verdict is unknown."""
+    """Return the near pairs of a check, or None where the verdict is unknown."""
     try:
         found = check(board, a, b)
     except LinkError as error:
         assert "\n" not in str(error)
         return None
-    return found.verdict, found.near.tolist()
+    return found.near.tolist()
 
 
 @pytest.mark.parametrize("number", range(8))
@@ -304,9 +308,9 @@ def test_a_bad_line_costs_the_verdict_and_never_makes_one(number, top, rng):
     # Three in four scenes have one near pair: a false clear needs but one lost triangle.
     near = number % 4 != 0
     a, b, pair = one_near_pair(rng, near)
-    right = (Verdict.NEAR, [list(pair)]) if near else (Verdict.CLEAR, [])
+    right = [list(pair)] if near else []
     # The line remembers the frames of a check that was clear.
-    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == (Verdict.CLEAR, [])
+    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == []
     assert top.go
     board = Board(SimulatedLine(wire))
     board.hello()
@@ -326,9 +330,9 @@ def test_a_stale_clear_is_not_believed(top, rng):
     stale = StaleReplies()
     wire = SimulatedWire(top, CLOCKS_PER_SECOND, Wire(to_host=stale))
     a, b, pair = one_near_pair(rng)
-    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == (Verdict.CLEAR, [])
+    assert attempt(Board(SimulatedLine(wire)), a, b + 30_000) == []
     stale.replaying = True
-    assert attempt(Board(SimulatedLine(wire)), a, b) == (Verdict.NEAR, [list(pair)])
+    assert attempt(Board(SimulatedLine(wire)), a, b) == [list(pair)]
 
 
 @pytest.mark.parametrize("ago", [128, 256, 512])
@@ -347,12 +351,12 @@ def test_a_frame_of_long_ago_is_not_taken_for_the_next(ago, top, rng):
     a, b, pair = one_near_pair(rng)
     board.hello()
     loaded = len(sent)
-    assert BoardEngine(board, a, b + 30_000).check(Pose(0, 0, 0), 2, Mode.ALL).verdict == Verdict.CLEAR
+    assert BoardEngine(board, a, b + 30_000).run((0, 0, 0), 2).near_count == 0
     for _ in range(ago - (len(sent) - loaded)):
         board.status()
     replaying = True
-    found = BoardEngine(board, a, b).check(Pose(0, 0, 0), 2, Mode.ALL)
-    assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
+    found = BoardEngine(board, a, b).run((0, 0, 0), 2)
+    assert found.near.tolist() == [list(pair)]
     assert top.stop
 
 
@@ -469,12 +473,12 @@ def test_a_second_master_is_refused_while_the_first_lives(top, rng):
             second.hello(seconds=0.1)
 
     first.hello()
-    found = BoardEngine(first, a, b, progress=keeps_asking).check(Pose(0, 0, 0), 2, Mode.ALL)
-    assert (found.verdict, found.near.tolist()) == (Verdict.NEAR, [list(pair)])
+    found = BoardEngine(first, a, b, progress=keeps_asking).run((0, 0, 0), 2)
+    assert found.near.tolist() == [list(pair)]
     assert len(order) > 3
     # The first falls silent: the second waits for its watchdog.
     a, b, _ = one_near_pair(rng, near=False)
-    assert check(second, a, b).verdict == Verdict.CLEAR
+    assert check(second, a, b).near_count == 0
     assert top.go
     # Whatever the first then asks for only stops the machine.
     with pytest.raises(LinkError, match="was reset, or another master has taken it; verdict unknown"):
@@ -486,12 +490,12 @@ def test_a_second_master_is_refused_while_the_first_lives(top, rng):
 def test_a_board_that_was_reset_says_so(top, rng):
     board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
     a, b, _ = one_near_pair(rng, near=False)
-    assert check(board, a, b).verdict == Verdict.CLEAR
+    assert check(board, a, b).near_count == 0
     top.reset()
     assert top.stop
     with pytest.raises(LinkError, match="was reset, or another master has taken it"):
         board.run(Mode.ALL, 2)
-    assert check(board, a, b).verdict == Verdict.CLEAR
+    assert check(board, a, b).near_count == 0
 
 
 def test_status_and_a_board_of_other_rtl(top, capsys, monkeypatch):

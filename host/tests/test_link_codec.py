@@ -20,7 +20,6 @@ from triaxis.host.link.messages import (
     pack_triangles,
     triangles_per_load,
     twice,
-    unpack_triangles,
 )
 from triaxis.host.link.wire import END, ESC, LONGEST, Deframer, LayoutError, decode, encode
 
@@ -158,8 +157,9 @@ def test_triangles_come_back_at_every_width(width, data):
     triangles = np.array(numbers * 2, np.int64).reshape(-1, 3, 3)
     packed = pack_triangles(triangles, width)
     assert len(packed) == 2 * 9 * -(-width // 8)
-    assert (unpack_triangles(packed, width) == triangles).all()
-    assert packed.startswith(numbers[0].to_bytes(-(-width // 8), "little", signed=True))
+    size = -(-width // 8)
+    cut = [packed[k : k + size] for k in range(0, len(packed), size)]
+    assert [int.from_bytes(word, "little", signed=True) for word in cut] == numbers * 2
 
 
 @pytest.mark.parametrize(("width", "count"), [(8, 12), (16, 12), (24, 8), (32, 6)])
