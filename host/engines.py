@@ -29,6 +29,7 @@ _FEW, _MANY = 1 << 9, 1 << 20
 
 Integers = npt.NDArray[np.int64]
 Translation = tuple[int, int, int]
+STILL: Translation = (0, 0, 0)
 
 
 @dataclass

@@ -37,7 +37,7 @@ _FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
 Vector = tuple[Fraction, Fraction, Fraction]
 # The lowest and the highest corner.
 Box = tuple[Vector, Vector]
-_NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def check_resolution(resolution: Fraction) -> None:
         raise InputError(f"resolution: {shown}: must be 1e-30..1e30, in the files' unit")
 
 
-def box_of(facets: Facets, move: Vector = _NOWHERE) -> Box:
+def box_of(facets: Facets, move: Vector = NOWHERE) -> Box:
     """Return the lowest and the highest corner of the facets' box after a move, exactly."""
 
     def corner(extreme: npt.NDArray[np.floating]) -> Vector:
@@ -167,14 +167,19 @@ def quantise(facets: Facets, grid: Grid, name: str) -> npt.NDArray[np.int64]:
     return rounded.astype(np.int64)
 
 
+def check_clearance(clearance: Fraction) -> None:
+    """Raise InputError unless a clearance is one."""
+    if clearance < 0:
+        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+
+
 def margin_for(clearance: Fraction, grid: Grid, reading: Fraction = Fraction(0)) -> int:
     """Return the margin, in LSB, with which no pair within ``clearance`` is missed.
 
     ``reading`` is how far coordinates may have moved, both meshes' together, before they came here.
     Raises InputError where the clearance is negative or larger than the grid can express.
     """
-    if clearance < 0:
-        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+    check_clearance(clearance)
     margin = ceil((clearance + reading) / grid.resolution) + 1
     limit = (1 << grid.width) - 1
     if margin > limit:

@@ -18,7 +18,16 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import Pairs, Verdicts
 from triaxis.host.broadphase import candidates
-from triaxis.host.quantise import Grid, Vector, box_of, grid_around, margin_for, quantise, smallest_width
+from triaxis.host.quantise import (
+    NOWHERE,
+    Grid,
+    Vector,
+    box_of,
+    grid_around,
+    margin_for,
+    quantise,
+    smallest_width,
+)
 from triaxis.host.stl import StlMesh
 
 # It says nothing of its types.
@@ -57,12 +66,15 @@ class Pose:
     """Turns in the order given, then a move, in the unit of the files."""
 
     turns: tuple[Turn, ...] = ()
-    move: Vector = (Fraction(0), Fraction(0), Fraction(0))
+    move: Vector = NOWHERE
 
     @property
     def exact(self) -> bool:
         """Return whether no turn rounds anything."""
         return all(turn.exact for turn in self.turns)
+
+
+UNMOVED = Pose()
 
 
 def turned(mesh: StlMesh, turns: Sequence[Turn]) -> StlMesh:
@@ -112,7 +124,7 @@ FacetPairs = npt.NDArray[np.int64]
 class MeshPair:
     """Two meshes on one grid, with the margin that covers clearance and rounding.
 
-    ``mesh_a`` is A as it was turned; ``move`` is what then moved it. ``a`` is on the grid where A stands.
+    ``mesh_a`` is A as it was turned; the pose's move is exact. ``a`` is on the grid where A stands.
     """
 
     mesh_a: StlMesh
@@ -120,9 +132,8 @@ class MeshPair:
     a: npt.NDArray[np.int64]
     b: npt.NDArray[np.int64]
     grid: Grid
-    clearance: Fraction
     margin: int
-    move: Vector
+    pose: Pose
 
 
 def prepare(
@@ -132,10 +143,9 @@ def prepare(
     resolution: Fraction,
     clearance: Fraction,
     width: int | None,
-    pose: Pose | None = None,
+    pose: Pose = UNMOVED,
 ) -> MeshPair:
     """Quantise both meshes on one grid, A in its pose; raise InputError where they do not fit."""
-    pose = pose or Pose()
     mesh_a = turned(mesh_a, pose.turns)
     boxes = [box_of(mesh_a.facets, pose.move), box_of(mesh_b.facets)]
     chosen = width or smallest_width(boxes, resolution, clearance, AUTOMATIC_WIDTHS)
@@ -143,7 +153,7 @@ def prepare(
     a = quantise(mesh_a.facets, grid.moved(pose.move), names[0])
     b = quantise(mesh_b.facets, grid, names[1])
     margin = margin_for(clearance, grid, mesh_a.rounding + mesh_b.rounding)
-    return MeshPair(mesh_a, mesh_b, a, b, grid, clearance, margin, pose.move)
+    return MeshPair(mesh_a, mesh_b, a, b, grid, margin, pose)
 
 
 def near_facets(

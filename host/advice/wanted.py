@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
-from triaxis.host.quantise import Box, Vector, around, box_of
+from triaxis.host.quantise import NOWHERE, Box, Vector, around, box_of
 from triaxis.host.stl import StlMesh
 
-NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 # Bases of the Halton sequence, one for each coordinate.
 _BASES = (2, 3, 5)
 

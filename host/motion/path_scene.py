@@ -45,6 +45,7 @@ from triaxis.host.quantise import (
     Grid,
     Vector,
     box_of,
+    check_clearance,
     check_resolution,
     fits,
     grid_around,
@@ -251,8 +252,7 @@ def prepare_path(
 
 
 def _check_wanted(wanted: Wanted) -> None:
-    if wanted.clearance < 0:
-        raise InputError(f"clearance {float(wanted.clearance):g}: must not be negative")
+    check_clearance(wanted.clearance)
     if wanted.scale <= 0:
         raise InputError(
             f"scale {float(wanted.scale):g}: must be positive: millimetres per unit of the files"

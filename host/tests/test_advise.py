@@ -20,11 +20,11 @@ from triaxis.host.advice.measuring import (
     measure,
     positions_of,
 )
-from triaxis.host.advice.wanted import NOWHERE, AdviceScene, NamedMesh, Wanted, advice_scene
+from triaxis.host.advice.wanted import AdviceScene, NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import Board, lanes_of_builds, width_row, with_resources
 from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene
-from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.quantise import NOWHERE, Box, Steps, Vector
 from triaxis.host.scene import distance_of
 from triaxis.host.scenes import box, mesh_data, tool, vise, write_stl
 from triaxis.host.stl import StlMesh
