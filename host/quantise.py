@@ -19,11 +19,12 @@ band = (m + 1) r + reading - c. `margin_for` takes m = ceil((c + reading) / r) +
     2 r + 2 reading <= band < 3 r + 2 reading.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from math import ceil
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -34,10 +35,17 @@ from triaxis.host.stl import Facets
 
 _FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
 
+Number = TypeVar("Number")
 Vector = tuple[Fraction, Fraction, Fraction]
 # The lowest and the highest corner.
 Box = tuple[Vector, Vector]
 NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+
+
+def vector(numbers: Iterable[Number]) -> tuple[Number, Number, Number]:
+    """Return the numbers, of which there are three."""
+    x, y, z = numbers
+    return x, y, z
 
 
 @dataclass(frozen=True)
@@ -55,8 +63,8 @@ class Grid:
 
     def moved(self, move: Vector) -> "Grid":
         """Return the grid for a mesh that is moved exactly: its integers are those after the move, here."""
-        x, y, z = (o - m for o, m in zip(self.offset, move, strict=True))
-        return Grid(self.resolution, (x, y, z), self.width)
+        offset = vector(o - m for o, m in zip(self.offset, move, strict=True))
+        return Grid(self.resolution, offset, self.width)
 
 
 def check_resolution(resolution: Fraction) -> None:
@@ -71,18 +79,15 @@ def box_of(facets: Facets, move: Vector = NOWHERE) -> Box:
     """Return the lowest and the highest corner of the facets' box after a move, exactly."""
 
     def corner(extreme: npt.NDArray[np.floating]) -> Vector:
-        x, y, z = (Fraction(float(c)) + m for c, m in zip(extreme, move, strict=True))
-        return x, y, z
+        return vector(Fraction(float(c)) + m for c, m in zip(extreme, move, strict=True))
 
     return corner(facets.min((0, 1))), corner(facets.max((0, 1)))
 
 
 def around(boxes: Sequence[Box]) -> Box:
     """Return the box around the boxes."""
-    low, high = (
-        [extreme(box[side][k] for box in boxes) for k in range(3)] for side, extreme in ((0, min), (1, max))
-    )
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    low, high = zip(*boxes, strict=True)
+    return vector(map(min, *low, low[0])), vector(map(max, *high, high[0]))
 
 
 def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
@@ -91,8 +96,8 @@ def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
     Raises InputError where the resolution is not a positive number of a size that float32 knows.
     """
     check_resolution(resolution)
-    x, y, z = (resolution * round((a + b) / 2 / resolution) for a, b in zip(*around(boxes), strict=True))
-    return Grid(resolution, (x, y, z), width)
+    middle = ((a + b) / 2 for a, b in zip(*around(boxes), strict=True))
+    return Grid(resolution, vector(resolution * round(c / resolution) for c in middle), width)
 
 
 def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
@@ -208,12 +213,7 @@ def extent_of(boxes: Sequence[Box]) -> Fraction:
 
 def grown(box: Box, by: Fraction) -> Box:
     """Return the box with each face moved outwards."""
-
-    def moved(corner: Vector, step: Fraction) -> Vector:
-        x, y, z = (c + step for c in corner)
-        return x, y, z
-
-    return moved(box[0], -by), moved(box[1], by)
+    return vector(c - by for c in box[0]), vector(c + by for c in box[1])
 
 
 def finest_resolution(

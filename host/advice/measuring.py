@@ -34,6 +34,7 @@ from triaxis.host.quantise import (
     grid_around,
     grown,
     quantise,
+    vector,
 )
 from triaxis.host.scene import distance_of, near_facets
 from triaxis.host.stl import StlMesh
@@ -256,10 +257,10 @@ def positions_of(
     found: list[Position] = []
     judged = _MOST_JUDGED // max(1, count * len(scene.others))
     for offset in scene.positions(count):
-        x, y, z = (m + t for m, t in zip(scene.move, offset, strict=True))
+        move = vector(m + t for m, t in zip(scene.move, offset, strict=True))
         try:
             truth = tuple(
-                exact_near(scene.moving.mesh, b.mesh, (x, y, z), wanted.clearance, _MOST_PAIRS, judged)
+                exact_near(scene.moving.mesh, b.mesh, move, wanted.clearance, _MOST_PAIRS, judged)
                 for b in scene.others
             )
         except TooManyError:
@@ -316,8 +317,7 @@ def integers(scene: AdviceScene, row: WidthRow, number: int) -> Integers:
 
 def translation(row: WidthRow, offset: Vector) -> Translation:
     """Return an offset in steps of the row's grid, rounded."""
-    x, y, z = (round(t / row.grid.resolution) for t in offset)
-    return x, y, z
+    return vector(round(t / row.grid.resolution) for t in offset)
 
 
 def _compared(works: list[EngineWork], truths: tuple[ExactNear, ...]) -> Integers:

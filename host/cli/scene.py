@@ -27,7 +27,7 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import number, positive
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.engines import BULK, RTL
-from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.quantise import Box, Steps, Vector, vector
 from triaxis.host.report import milliseconds, write_report
 from triaxis.host.scenes import write_scenes
 from triaxis.host.stl import read_stl
@@ -196,10 +196,10 @@ def _scene(options: argparse.Namespace) -> AdviceScene:
     volume: Box | None = None
     if options.volume is not None:
         numbers = [c / scale for c in options.volume]
-        volume = _vector(numbers[:3]), _vector(numbers[3:])
+        volume = vector(numbers[:3]), vector(numbers[3:])
         if any(a >= b for a, b in zip(*volume, strict=True)):
             raise InputError("volume: X0 Y0 Z0 must be below X1 Y1 Z1")
-    move = _vector([c / scale for c in options.move])
+    move = vector([c / scale for c in options.move])
     return advice_scene(meshes, move, _travel(options.travel, scale), volume)
 
 
@@ -217,12 +217,7 @@ def _travel(words: list[list[str]], scale: Fraction) -> Box:
         except argparse.ArgumentTypeError as error:
             raise InputError(f"--travel {axis} {error}") from error
         low["xyz".index(name)], high["xyz".index(name)] = ends
-    return _vector(low), _vector(high)
-
-
-def _vector(numbers: list[Fraction]) -> Vector:
-    x, y, z = numbers
-    return x, y, z
+    return vector(low), vector(high)
 
 
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:

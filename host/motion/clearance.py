@@ -15,6 +15,7 @@ import numpy.typing as npt
 from triaxis.host.engines import SceneEngine, Translation
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, nearest
+from triaxis.host.quantise import vector
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
 _STEPS, _PART = 4, 32
@@ -61,8 +62,8 @@ def clearances(
     starts = [0.0, *accumulate(lengths(scene))]
     for index, part in places(scene, count):
         move = moves[index]
-        x, y, z = (a + (b - a) * part for a, b in zip(move.start, move.end, strict=True))
-        place = scene.path.place(scene.in_files((x, y, z)))
+        position = move.at(part)
+        place = scene.path.place(scene.in_files(position))
         sample = nearest(place)
         clear, near = _bisect(scene, engine, sample, before, effort)
         before = (sample, clear, near)
@@ -74,7 +75,7 @@ def clearances(
                 index,
                 move.line,
                 along,
-                (float(x), float(y), float(z)),
+                vector(map(float, position)),
                 max(0.0, float(scene.path.proven(clear, away) * scale)),
                 float(scene.path.seen(near, away) * scale),
             )

@@ -200,8 +200,8 @@ def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
 def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: SceneRun) -> NearPose:
     half = (segment.first + segment.last) / 2
     along = Fraction(int(half.numerator), int(half.denominator))
-    x, y, z = (a + (b - a) * along for a, b in zip(move.start, move.end, strict=True))
-    place, scale = scene.in_files((x, y, z)), scene.wanted.scale
+    position = move.at(along)
+    place, scale = scene.in_files(position), scene.wanted.scale
     judged = [
         NearFacets(int(i), int(j), scale * distance_of(scene.tool, i, scene.work, j, place))
         for i, j in run.near[:_JUDGED]
@@ -209,4 +209,4 @@ def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: 
     judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))
     certain = judged[0].distance <= scene.wanted.clearance
     margin = scene.path.margin(segment)
-    return NearPose(index, move.line, (x, y, z), along, margin, run.near_count, tuple(judged), certain)
+    return NearPose(index, move.line, position, along, margin, run.near_count, tuple(judged), certain)

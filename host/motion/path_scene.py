@@ -51,6 +51,7 @@ from triaxis.host.quantise import (
     grid_around,
     quantise,
     smallest_width,
+    vector,
 )
 from triaxis.host.scene import AUTOMATIC_WIDTHS
 from triaxis.host.stl import StlMesh
@@ -80,8 +81,7 @@ class Segment:
     @property
     def middle(self) -> GridPoint:
         """Return the place half-way."""
-        x, y, z = ((a + b) / 2 for a, b in zip(self.start, self.end, strict=True))
-        return x, y, z
+        return vector((a + b) / 2 for a, b in zip(self.start, self.end, strict=True))
 
     @property
     def sample(self) -> Translation:
@@ -110,8 +110,7 @@ def round_half_up(value: Rational) -> int:
 
 def nearest(place: GridPoint) -> Translation:
     """Return the integer translation nearest a place."""
-    x, y, z = (round_half_up(c) for c in place)
-    return x, y, z
+    return vector(map(round_half_up, place))
 
 
 def upwards(value: Rational) -> int:
@@ -138,8 +137,7 @@ class PathGrid:
 
     def place(self, position: Vector) -> GridPoint:
         """Return the place u of a position, in steps."""
-        x, y, z = (Rational((p + s) / self.resolution) for p, s in zip(position, self.shift, strict=True))
-        return x, y, z
+        return vector(Rational((p + s) / self.resolution) for p, s in zip(position, self.shift, strict=True))
 
     def margin(self, segment: Segment) -> int:
         """Return the margin at which a clear sample proves the whole segment clear."""
@@ -207,8 +205,7 @@ class PathScene:
 
     def in_files(self, position: Vector) -> Vector:
         """Return a position in millimetres in the unit of the files."""
-        x, y, z = (c / self.wanted.scale for c in position)
-        return x, y, z
+        return vector(c / self.wanted.scale for c in position)
 
     def segment(self, move: Move) -> Segment:
         """Return the whole move as a segment."""
@@ -242,8 +239,8 @@ def prepare_path(
     if not fits(boxes, grid):
         # Then it is the move that leaves it that is to be named, not the workpiece.
         grid = grid_around([box_of(work.facets)], resolution, width)
-    x, y, z = (a - b for a, b in zip(grid_a.offset, grid.offset, strict=True))
-    path = PathGrid(resolution, (x, y, z), clearance, tool.rounding + work.rounding)
+    shift = vector(a - b for a, b in zip(grid_a.offset, grid.offset, strict=True))
+    path = PathGrid(resolution, shift, clearance, tool.rounding + work.rounding)
     a, b = quantise(tool.facets, grid_a, names[0]), quantise(work.facets, grid, names[1])
     scene = PathScene(tool, work, a, b, program, grid, path, wanted)
     _check_margin(scene)
@@ -267,8 +264,7 @@ def _swept(tool: StlMesh, program: Program, scale: Fraction, room: Fraction) -> 
     """Yield boxes of the tool, with room around, that together reach as far as it does on the path."""
     positions = [program.moves[0].start, *(move.end for move in program.moves)]
     for extreme, far in ((min, -room), (max, room)):
-        x, y, z = (extreme(position[k] for position in positions) / scale + far for k in range(3))
-        yield box_of(tool.facets, (x, y, z))
+        yield box_of(tool.facets, vector(extreme(c) / scale + far for c in zip(*positions, strict=True)))
 
 
 def _check_margin(scene: PathScene) -> None:
