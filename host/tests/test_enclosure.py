@@ -168,7 +168,7 @@ def free(points, facets):
 
 def test_rays_in_other_directions_agree(rng):
     within = 0
-    for _ in range(60):
+    for _ in range(30):
         facets = np.concatenate([solid(rng) for _ in range(rng.integers(1, 4))])
         points = free(rng.integers(-3, 4, (25, 3)), facets)
         expected = np.array([rays(point, facets, rng) != 0 for point in points], np.bool_)
@@ -181,7 +181,7 @@ def test_rays_in_other_directions_agree(rng):
             large = ((1 << width) - 1) // 12
             there, at = (x * large + (6 * large - (1 << (width - 1))) for x in (facets, points))
             assert (inside(at, there, shells_of(there))[0] == expected).all()
-    assert within > 100
+    assert within > 50
 
 
 def test_the_whole_range_of_32_bits():
