@@ -83,9 +83,9 @@ def report(tmp_path):
 
 
 def golden_run(a, b, move=(0, 0, 0)):
-    meshes = [StlMesh(facets, Fraction(0)) for facets in (a, b)]
+    mesh_a, mesh_b = (StlMesh(facets, Fraction(0)) for facets in (a, b))
     pose = Pose(move=vector(map(Fraction, move)))
-    found = prepare(*meshes, ("a", "b"), Fraction(1, 100), Fraction(1, 2), 16, pose)
+    found = prepare(mesh_a, mesh_b, ("a", "b"), Fraction(1, 100), Fraction(1, 2), 16, pose)
     return DecidingEngine(found.a, found.b, judge_pairs).run(STILL, found.margin)
 
 

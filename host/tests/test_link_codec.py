@@ -59,7 +59,7 @@ def test_garbage_is_never_a_frame(pieces):
 @example(b"\0" * 8, 3, 0xC0)
 def test_a_damaged_frame_is_none(body, place, change):
     frame = bytearray(encode(body))
-    assert Deframer().feed(frame[: place % (len(frame) - 1)] + bytes([END])) == []
+    assert Deframer().feed(bytes(frame[: place % (len(frame) - 1)]) + bytes([END])) == []
     frame[place % len(frame)] ^= change
     # Whatever the damage does, no other body comes of it; the outer ENDs may go without harm.
     assert Deframer().feed(bytes(frame)) in ([], [body])

@@ -1,9 +1,11 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
 import json
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,7 +41,7 @@ def program_of(corners):
     return Program(Path("moves.nc"), tuple(moves), ())
 
 
-def wanted_of(clearance=Fraction(1, 2), resolution=Fraction(1, 1000), step=None, scale=1, width=None):
+def wanted_of(clearance: Any = Fraction(1, 2), resolution=Fraction(1, 1000), step=None, scale=1, width=None):
     return Wanted(Fraction(clearance), resolution, step or 4 * resolution, Fraction(scale), width)
 
 
@@ -104,9 +106,8 @@ def test_real_and_integer_distance_differ_by_no_more_than_stated(rng):
 
 
 def test_margins_cover_what_reading_moved():
-    still, moved = (
-        PathGrid(Fraction(1), NOWHERE, Fraction(3), e) for e in (Fraction(0), Fraction(1, 10**20))
-    )
+    still = PathGrid(Fraction(1), NOWHERE, Fraction(3), Fraction(0))
+    moved = replace(still, reading=Fraction(1, 10**20))
     zero = vector(map(Rational, (0, 0, 0)))
     segment = Segment(zero, vector(map(Rational, (4, 0, 0))), Rational(0), Rational(1))
     assert (still.margin(segment), moved.margin(segment)) == (3 + 1 + 2, 7)
@@ -228,9 +229,8 @@ def test_what_does_not_fit_is_refused():
 @pytest.fixture
 def path(tmp_path, capsys):
     """Return a function that checks a program along meshes: exit code, what was said, the report if any."""
-    tool, work, moves, report = (
-        tmp_path / name for name in ("tool.stl", "work.stl", "moves.nc", "report.json")
-    )
+    names = ("tool.stl", "work.stl", "moves.nc", "report.json")
+    tool, work, moves, report = (tmp_path / name for name in names)
     scenes.write_stl(tool, scenes.tool())
     scenes.write_stl(work, scenes.vise())
 
