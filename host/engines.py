@@ -108,8 +108,7 @@ class MeshEngineScene:
     def __init__(self, a: Integers, b: Integers, configuration: MeshConfiguration) -> None:
         """Build the engine where needed and load it with facets (N, 3, 3), in spatial order."""
         self._engine = MeshEngine(configuration)
-        self._a = _parts(a, configuration)
-        self._b = _parts(b, configuration)
+        self._a, self._b = (parts_of(mesh, configuration.depth, configuration.group) for mesh in (a, b))
         self._loaded: tuple[int, int] | None = None
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
@@ -150,15 +149,15 @@ class MeshEngineScene:
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """Facets (N, 3, 3) in the order in which they are loaded, and their numbers in the file (N,)."""
 
     facets: Integers
     numbers: Integers
 
 
-def _parts(facets: Integers, configuration: MeshConfiguration) -> list[_Part]:
-    order = spatial_order(facets, configuration.group)
-    starts = range(0, len(order), configuration.depth)
-    pieces = (order[start : start + configuration.depth] for start in starts)
-    return [_Part(facets[piece], piece) for piece in pieces]
+def parts_of(facets: Integers, depth: int, group: int) -> list[Part]:
+    """Return facets (N, 3, 3) as the engine is given them: so many at a time, in spatial order."""
+    order = spatial_order(facets, group)
+    pieces = (order[start : start + depth] for start in range(0, len(order), depth))
+    return [Part(facets[piece], piece) for piece in pieces]

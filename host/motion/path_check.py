@@ -39,18 +39,18 @@ class NearFacets:
 class NearPose:
     """The first pose that could not be proven clear.
 
-    ``facets``: the nearest of the ``near_count`` facet pairs within the margin, nearest first; ``certain``:
-    one of them really is within the clearance at the position, in millimetres.
+    ``facets``: the nearest of the ``facet_pairs`` within the margin, nearest first. Really within the
+    clearance is one of them at the position, in millimetres.
     """
 
     move: int
     line: int
     position: Vector
-    along: Fraction
+    part_of_move: Fraction
     margin: int
-    near_count: int
+    facet_pairs: int
     facets: tuple[NearFacets, ...]
-    certain: bool
+    within_clearance_for_certain: bool
 
 
 @dataclass

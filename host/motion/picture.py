@@ -161,7 +161,7 @@ def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: l
         axes.axhspan(0, wanted, color=GAP, alpha=0.08, linewidth=0)
     else:
         before = float(lengths(scene)[: result.near.move].sum())
-        at = before + float(result.near.along) * float(lengths(scene)[result.near.move])
+        at = before + float(result.near.part_of_move) * float(lengths(scene)[result.near.move])
         axes.axvspan(at, total, color=_WORK, alpha=0.15, linewidth=0, label="after the first near pose")
         axes.plot([at], [wanted], marker="X", markersize=10, color="black", linestyle="", zorder=5)
         right = at > 0.6 * total

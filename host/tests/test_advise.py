@@ -12,7 +12,6 @@ from triaxis.host.advice import measuring, widths
 from triaxis.host.advice.choosing import advise, all_rows
 from triaxis.host.advice.measuring import (
     EngineShape,
-    LoadedMesh,
     TooManyError,
     engine_work,
     exact_near,
@@ -22,7 +21,7 @@ from triaxis.host.advice.measuring import (
 from triaxis.host.advice.wanted import NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import Board, width_row, with_resources
 from triaxis.host.cli import main
-from triaxis.host.engines import MeshEngineScene
+from triaxis.host.engines import MeshEngineScene, parts_of
 from triaxis.host.quantise import NOWHERE, Steps, vector
 from triaxis.host.scene import distance_of
 from triaxis.host.scenes import box, mesh_data, tool, vise, write_stl
@@ -94,7 +93,8 @@ def test_work_of_the_engine_is_bounded_on_both_sides(rng):
     engine = MeshEngineScene(a, b, MeshConfiguration(16, 16, 64, 8, 8))
     for margin in (0, 300, 4000):
         run = engine.run(move, margin)
-        work = engine_work(LoadedMesh(a, shape), LoadedMesh(b, shape), np.array(move), margin, shape)
+        parts = parts_of(a, 64, 8), parts_of(b, 64, 8)
+        work = engine_work(*parts, np.array(move), margin, shape)
         assert work.parts == 3 * 2
         assert work.near.tolist() == (run.near[:, 0] * len(b) + run.near[:, 1]).tolist()
         assert (work.tested, work.group_pairs_opened) == (run.tested, run.group_pairs_opened)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from triaxis.host.cli import main
 from triaxis.host.cli.commands import COMMANDS, GROUPS
 from triaxis.host.motion.gcode import read_blocks
 from triaxis.host.stl import read_stl
+from triaxis.sim.paths import ROOT
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
 UNKNOWN = {"verdict": "unknown"}
@@ -251,3 +253,16 @@ def test_a_full_disk_leaves_nothing_half_written(small_disk, meshes, refused):
     assert "No space left on device" in refused(*command)
     assert json.loads(report.read_text()) == UNKNOWN
     assert sorted(path.name for path in small_disk.iterdir()) == ["full", "report.json"]
+
+
+def test_all_that_the_package_reads_is_package_data():
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+    for package, folder in told["package-dir"].items():
+        found = {path for path in (ROOT / folder).rglob("*.*") if path.is_file()}
+        read = {
+            path for path in found if path.suffix not in (".py", ".pyc", ".md") and "tests" not in path.parts
+        }
+        taken = {
+            path for glob in told["package-data"].get(package, ()) for path in (ROOT / folder).glob(glob)
+        }
+        assert sorted(read - taken) == []

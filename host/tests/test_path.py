@@ -127,15 +127,18 @@ def test_no_near_position_is_ever_missed(rng):
         result = checked(scene)
         for index, move in enumerate(scene.program.moves):
             for part in (Fraction(k, 24) for k in range(25)):
-                if result.near and (index, part + scene.wanted.step) >= (result.near.move, result.near.along):
+                if result.near and (index, part + scene.wanted.step) >= (
+                    result.near.move,
+                    result.near.part_of_move,
+                ):
                     break
                 assert distance(scene, move.at(part)) > clearance
         if result.near:
             real = distance(scene, result.near.position)
             assert real < clearance + scene.band
-            assert result.near.certain == (real <= clearance)
+            assert result.near.within_clearance_for_certain == (real <= clearance)
             assert result.near.facets[0].distance == real
-            found["certain" if result.near.certain else "band"] += 1
+            found["certain" if result.near.within_clearance_for_certain else "band"] += 1
         else:
             found["clear"] += 1
     assert min(found.values()) > 5, found
@@ -151,7 +154,7 @@ def test_the_bound_is_tight(monkeypatch):
 
     near = checked(tight_scene()).near
     assert near is not None
-    assert near.along > Fraction(3, 4)
+    assert near.part_of_move > Fraction(3, 4)
     monkeypatch.setattr(PathGrid, "base", PathGrid.base.func(tight_scene().path) - Fraction(1, 100))
     assert checked(tight_scene()).near is None, "a smaller bound would do"
 
