@@ -178,6 +178,12 @@ def check_clearance(clearance: Fraction) -> None:
         raise InputError(f"clearance {float(clearance):g}: must not be negative")
 
 
+def check_scale(scale: Fraction) -> None:
+    """Raise InputError unless millimetres per unit are positive."""
+    if scale <= 0:
+        raise InputError(f"scale {float(scale):g}: must be positive: millimetres per unit of the files")
+
+
 def margin_for(clearance: Fraction, grid: Grid, reading: Fraction = Fraction(0)) -> int:
     """Return the margin, in LSB, with which no pair within ``clearance`` is missed.
 

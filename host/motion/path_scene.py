@@ -47,6 +47,7 @@ from triaxis.host.quantise import (
     box_of,
     check_clearance,
     check_resolution,
+    check_scale,
     fits,
     grid_around,
     quantise,
@@ -250,10 +251,7 @@ def prepare_path(
 
 def _check_wanted(wanted: Wanted) -> None:
     check_clearance(wanted.clearance)
-    if wanted.scale <= 0:
-        raise InputError(
-            f"scale {float(wanted.scale):g}: must be positive: millimetres per unit of the files"
-        )
+    check_scale(wanted.scale)
     if wanted.step < wanted.resolution:
         raise InputError(
             f"step {float(wanted.step):g}: must be at least the resolution, {float(wanted.resolution):g}"
