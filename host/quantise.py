@@ -19,10 +19,11 @@ band = (m + 1) r + reading - c. `margin_for` takes m = ceil((c + reading) / r) +
     2 r + 2 reading <= band < 3 r + 2 reading.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from itertools import count
 from math import ceil
 from typing import TypeVar
 
@@ -234,38 +235,25 @@ def finest_resolution(
     if extent == 0:
         raise InputError("volume: a single point: give one that has an extent")
     # 2^width integers, of which the outer two reach half a step further.
-    resolution = _not_below(extent * unit / (1 << width), steps)
-    while True:
-        wanted = resolution / unit
-        if fits([grown(box, room * wanted)], grid_around([box], wanted, width)):
-            return wanted
-        resolution = _next(resolution, steps)
+    numbers = (number / unit for number in _from(extent * unit / (1 << width), steps))
+    return next(r for r in numbers if fits([grown(box, room * r)], grid_around([box], r, width)))
 
 
-def _not_below(value: Fraction, steps: Steps) -> Fraction:
-    """Return the smallest number of its kind that is not below a positive value."""
+def _from(value: Fraction, steps: Steps) -> Iterator[Fraction]:
+    """Yield the numbers of a kind that are not below a positive value, ascending."""
     if steps is Steps.BINARY:
         power = Fraction(2) ** (value.numerator.bit_length() - value.denominator.bit_length() - 1)
-        while power < value:
-            power *= 2
-        return power
-    step = _decimal_step(value)
-    return ceil(value / step) * step
-
-
-def _next(value: Fraction, steps: Steps) -> Fraction:
-    """Return the number of its kind that follows."""
-    return value * 2 if steps is Steps.BINARY else value + _decimal_step(value)
-
-
-def _decimal_step(value: Fraction) -> Fraction:
-    """Return the unit of a positive number's third decimal digit."""
-    step = Fraction(1)
-    while value / step >= _LEAST * _BASE:
-        step *= _BASE
-    while value / step < _LEAST:
-        step /= _BASE
-    return step
+        yield from (number for doublings in count() if (number := power * 2**doublings) >= value)
+    while True:
+        # The unit of its third decimal digit.
+        step = Fraction(1)
+        while value / step >= _LEAST * _BASE:
+            step *= _BASE
+        while value / step < _LEAST:
+            step /= _BASE
+        number = ceil(value / step) * step
+        yield number
+        value = number + step
 
 
 def false_alarm_band(

@@ -115,7 +115,6 @@ def _insides(meshes: MeshPair) -> Enclosure:
 
 
 def _turn(axis: str, degrees: str) -> Turn:
-    """Return one --rotate; raise InputError where it is none."""
     if axis.lower() not in AXES or len(axis) != 1:
         raise InputError(f"--rotate {axis:.40}: must be x, y or z, then degrees")
     try:

@@ -190,7 +190,6 @@ def _scene(options: argparse.Namespace) -> AdviceScene:
 
 
 def _travel(words: list[list[str]], scale: Fraction) -> Box:
-    """Return the offsets of all --travel; raise InputError where one is none."""
     low, high = [Fraction(0)] * 3, [Fraction(0)] * 3
     seen: set[str] = set()
     for axis, *ends in words:

@@ -137,7 +137,6 @@ class Board:
         return BoardRun(request, self._pose, number, status, near)
 
     def _results(self, progress: Callable[[int], None] | None) -> tuple[Status, npt.NDArray[np.int64]]:
-        """Return the status of the end and all near pairs."""
         parts = [np.empty((0, 2), np.int64)]
         count = 0
         silence = _SILENT_SECONDS + _SECONDS_PER_PAIR * self._counts[0] * self._counts[1]

@@ -60,10 +60,6 @@ from triaxis.host.stl import StlMesh
 GridPoint = tuple[Rational, Rational, Rational]
 
 
-def _largest(place: GridPoint, translation: Translation) -> Rational:
-    return max(abs(x - t) for x, t in zip(place, translation, strict=True))
-
-
 @dataclass(frozen=True)
 class Segment:
     """A straight piece of a move: its ends, in steps on B's grid, and where in the move it lies, 0..1."""
@@ -92,8 +88,8 @@ class Segment:
     @property
     def reach(self) -> Rational:
         """Return the Chebyshev distance, in steps, that no point of the segment exceeds from the sample."""
-        sample = self.sample
-        return max(_largest(self.start, sample), _largest(self.end, sample))
+        ends = zip(self.start + self.end, self.sample * 2, strict=True)
+        return max(abs(x - t) for x, t in ends)
 
     def halves(self) -> "tuple[Segment, Segment]":
         """Return both halves, in the order of the path."""

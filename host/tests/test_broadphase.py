@@ -10,7 +10,6 @@ from triaxis.host import broadphase
 from triaxis.host.broadphase import Work, candidates
 
 REPEATABLE = settings(deadline=None, derandomize=True, database=None)
-MARGINS = [0, 1, 50]
 
 
 def by_trying_all(a, b, margin):
@@ -69,16 +68,6 @@ def at_the_ends(rng, count):
 
 
 KINDS = [spread, points, segments, identical, huge_among_small, needles, clustered, in_one_plane, at_the_ends]
-
-
-@pytest.mark.parametrize("margin", MARGINS)
-@pytest.mark.parametrize("block", [1, 7, 1 << 20])
-def test_same_as_trying_all(rng, monkeypatch, margin, block):
-    monkeypatch.setattr(broadphase, "_BLOCK", block)
-    a, b = spread(rng, 60), spread(rng, 45, size=90)
-    expected = by_trying_all(a, b, margin)
-    assert 0 < len(expected) < 60 * 45
-    assert_same(a, b, margin)
 
 
 @pytest.mark.parametrize("kind", KINDS)

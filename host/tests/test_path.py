@@ -127,10 +127,8 @@ def test_no_near_position_is_ever_missed(rng):
         result = checked(scene)
         for index, move in enumerate(scene.program.moves):
             for part in (Fraction(k, 24) for k in range(25)):
-                if result.near and (index, part + scene.wanted.step) >= (
-                    result.near.move,
-                    result.near.part_of_move,
-                ):
+                near = result.near
+                if near and (index, part + scene.wanted.step) >= (near.move, near.part_of_move):
                     break
                 assert distance(scene, move.at(part)) > clearance
         if result.near:
