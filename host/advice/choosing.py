@@ -222,21 +222,14 @@ def advice_report(
 
 def _row_entry(row: WidthRow, measured: Measured | None, unit: Fraction) -> dict[str, Any]:
     resolution = row.grid.resolution * unit
+    same = ("width", "margin", "margin_bits", "dsps", "resources", "meets", "problems")
     return {
-        "width": row.width,
+        **{name: getattr(row, name) for name in same},
+        **asdict(row.shape),
         "resolution_mm": resolution,
         "resolution_exactly": str(resolution),
         "offset_mm": [c * unit for c in row.grid.offset],
-        "margin": row.margin,
-        "margin_bits": row.margin_bits,
         "band_mm": None if row.band is None else row.band * unit,
-        "dsps": row.dsps,
-        "depth": row.shape.depth,
-        "group": row.shape.group,
-        "lanes": row.shape.lanes,
-        "resources": None if row.resources is None else asdict(row.resources),
-        "meets": row.meets,
-        "problems": row.problems,
         "measured": None if measured is None else _measured_entry(measured),
     }
 
