@@ -6,6 +6,7 @@ tested and near pairs agree; only the mesh engine, simulated or on the board, sk
 cycles.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import Protocol
@@ -28,8 +29,14 @@ ENGINES = (RTL, BULK, GOLDEN)
 _FEW, _MANY = 1 << 9, 1 << 20
 
 Integers = npt.NDArray[np.int64]
+# Told of how much more is done.
+Progress = Callable[[int], object]
 Translation = tuple[int, int, int]
 STILL: Translation = (0, 0, 0)
+
+
+def unwatched(_: int) -> None:
+    """Show no progress."""
 
 
 @dataclass

@@ -88,7 +88,7 @@ def box_of(facets: Facets, move: Vector = NOWHERE) -> Box:
 def around(boxes: Sequence[Box]) -> Box:
     """Return the box around the boxes."""
     low, high = zip(*boxes, strict=True)
-    return vector(map(min, *low, low[0])), vector(map(max, *high, high[0]))
+    return vector(map(min, zip(*low, strict=True))), vector(map(max, zip(*high, strict=True)))
 
 
 def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
@@ -235,11 +235,11 @@ def finest_resolution(
     if extent == 0:
         raise InputError("volume: a single point: give one that has an extent")
     # 2^width integers, of which the outer two reach half a step further.
-    numbers = (number / unit for number in _from(extent * unit / (1 << width), steps))
+    numbers = (number / unit for number in _numbers_from(extent * unit / (1 << width), steps))
     return next(r for r in numbers if fits([grown(box, room * r)], grid_around([box], r, width)))
 
 
-def _from(value: Fraction, steps: Steps) -> Iterator[Fraction]:
+def _numbers_from(value: Fraction, steps: Steps) -> Iterator[Fraction]:
     """Yield the numbers of a kind that are not below a positive value, ascending."""
     if steps is Steps.BINARY:
         power = Fraction(2) ** (value.numerator.bit_length() - value.denominator.bit_length() - 1)

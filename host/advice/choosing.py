@@ -1,6 +1,6 @@
 """The choice: the smallest width that meets what is wanted and fits the board, its reasons, its report."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from itertools import takewhile
@@ -17,6 +17,7 @@ from triaxis.host.advice.widths import (
     resources_reason,
     width_row,
 )
+from triaxis.host.engines import Progress, unwatched
 from triaxis.host.quantise import Steps, extent_of, widest_extent
 from triaxis.host.report import milliseconds
 from triaxis.sim.build import rtl_hash
@@ -44,13 +45,9 @@ def all_rows(
 
 
 def advise(
-    scene: AdviceScene,
-    wanted: Wanted,
-    board: Board,
-    rows: Sequence[WidthRow],
-    positions: list[Position],
-    progress: Callable[[int], None] = lambda _: None,
-) -> Advice:
+    scene: AdviceScene, wanted: Wanted, board: Board, rows: Sequence[WidthRow], positions: list[Position],
+    progress: Progress = unwatched,
+) -> Advice:  # fmt: skip
     """Measure each width at the positions, and choose; ``progress`` is told of each width."""
     measured: list[Measured | None] = []
     for row in rows:

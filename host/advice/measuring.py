@@ -9,7 +9,6 @@ work at the same time, so a run takes at least as long as its busiest stage. It 
 they took turns, where a pair of groups costs the larger of its boxes and its tests.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -24,7 +23,7 @@ from triaxis.golden.scene import apart, boxes_of, boxes_of_groups
 from triaxis.host.advice.wanted import AdviceScene, Wanted
 from triaxis.host.advice.widths import EngineShape, WidthRow
 from triaxis.host.broadphase import candidates
-from triaxis.host.engines import Integers, Part, Translation, parts_of
+from triaxis.host.engines import Integers, Part, Progress, Translation, parts_of, unwatched
 from triaxis.host.quantise import (
     Vector,
     around,
@@ -111,13 +110,9 @@ class EngineWork:
 
 
 def engine_work(
-    a: list[Part],
-    b: list[Part],
-    translation: Integers,
-    margin: int,
-    shape: EngineShape,
-    allow: Callable[[int], None] = lambda _: None,
-) -> EngineWork:
+    a: list[Part], b: list[Part], translation: Integers, margin: int, shape: EngineShape,
+    allow: Progress = unwatched,
+) -> EngineWork:  # fmt: skip
     """Run A, moved, against B. ``allow`` is told of pairs before they are decided, and may refuse them."""
     count_a, count_b = (sum(len(part.numbers) for part in parts) for parts in (a, b))
     work = EngineWork(count_a * count_b, np.empty(0, np.int64), len(a) * len(b))
@@ -130,7 +125,7 @@ def engine_work(
 
 
 def _run(
-    a: Integers, b: Integers, margin: int, shape: EngineShape, allow: Callable[[int], None], work: EngineWork
+    a: Integers, b: Integers, margin: int, shape: EngineShape, allow: Progress, work: EngineWork
 ) -> Numbers:
     """Add a run's work, and return its near pairs (K, 2)."""
     near = [np.empty((0, 2), np.int64)]
@@ -198,9 +193,7 @@ class Measured:
         return self.false_alarms / max(1, self.tested)
 
 
-def positions_of(
-    scene: AdviceScene, wanted: Wanted, count: int, progress: Callable[[int], None]
-) -> list[Position]:
+def positions_of(scene: AdviceScene, wanted: Wanted, count: int, progress: Progress) -> list[Position]:
     """Return positions of the travel with what is true there; ``progress`` is told of each."""
     found: list[Position] = []
     judged = _MOST_JUDGED // max(1, count * len(scene.others))

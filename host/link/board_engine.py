@@ -1,12 +1,10 @@
 """The board as an engine: two meshes, from facets in the files' order to near pairs in the same."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.broadphase import spatial_order
-from triaxis.host.engines import Integers, SceneRun, Translation
+from triaxis.host.engines import Integers, Progress, SceneRun, Translation, unwatched
 from triaxis.host.link.audit import BoardRun, audit
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
@@ -26,12 +24,7 @@ class BoardEngine:
     status: Status
 
     def __init__(
-        self,
-        board: Board,
-        a: Integers,
-        b: Integers,
-        mode: Mode = Mode.ALL,
-        progress: Callable[[int], None] | None = None,
+        self, board: Board, a: Integers, b: Integers, mode: Mode = Mode.ALL, progress: Progress = unwatched
     ) -> None:
         """Take facets (N, 3, 3) on the board's grid, which are loaded when they are first asked about.
 

@@ -63,12 +63,12 @@ class Line(Protocol):
 class SerialLine:
     """A serial port of this machine, for us alone."""
 
-    def __init__(self, name: str, baud: int = BAUD) -> None:
+    def __init__(self, name: str) -> None:
         """Open the port; raises LinkError where it is missing, forbidden, or in use."""
         self.name = name
         try:
             self._port = serial.Serial(
-                name, baud, timeout=_SLICE_SECONDS, write_timeout=_WRITE_SECONDS, exclusive=True
+                name, BAUD, timeout=_SLICE_SECONDS, write_timeout=_WRITE_SECONDS, exclusive=True
             )
         except (*_TROUBLE, ValueError) as error:
             raise LinkError(f"{name}: {_why_not_open(error)}") from error
@@ -167,7 +167,7 @@ class Exchange:
         self._sequence = (self._sequence + 1) % 2**32
         return encode(RequestHead(command, self._sequence, self._session).pack() + payload)
 
-    def ask(self, command: Command, request: Record | bytes = b"", tries: int = _TRIES) -> Reply:
+    def ask(self, command: Command, request: Record | bytes = b"") -> Reply:
         """Return the reply, whatever its code; raises LinkError where none comes."""
         payload = request.pack() if isinstance(request, Record) else request
         frame = self.next_frame(command, payload)
@@ -175,7 +175,7 @@ class Exchange:
         self._line.drop_input()
         self._deframer.clear()
         begin, seconds = self._line.now(), self._patience
-        for _ in range(tries):
+        for _ in range(_TRIES):
             reply = self.send(command, frame, seconds)
             if reply:
                 # A board in a simulation takes longer.

@@ -4,7 +4,6 @@ The margin is bisected at each place, from the bounds that its predecessor leave
 steps changes the distance by at most n.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
@@ -12,7 +11,7 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.host.engines import SceneEngine, Translation
+from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, nearest
 from triaxis.host.quantise import vector
@@ -45,11 +44,7 @@ def lengths(scene: PathScene) -> npt.NDArray[np.float64]:
 
 
 def clearances(
-    scene: PathScene,
-    engine: SceneEngine,
-    count: int,
-    effort: Effort,
-    progress: Callable[[int], None] | None = None,
+    scene: PathScene, engine: SceneEngine, count: int, effort: Effort, progress: Progress = unwatched
 ) -> list[Clearance]:
     """Return bounds at ``count`` places spread evenly along the path, and at the ends of moves if those are
     fewer.
@@ -80,8 +75,7 @@ def clearances(
                 float(scene.path.seen(near, away) * scale),
             )
         )
-        if progress:
-            progress(1)
+        progress(1)
     return found
 
 

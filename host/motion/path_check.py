@@ -6,7 +6,6 @@ a face they do so where a margin, which grows in all directions, cannot. Else bo
 turn, down to the step.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, Counts, SceneEngine, SceneRun, scene_engine
+from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
 from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector
@@ -99,7 +98,7 @@ class PathResult:
 def check_path(
     scene: PathScene,
     engine: SceneEngine,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress = unwatched,
     surfaces_only: bool = False,
     insides_first: bool = False,
 ) -> PathResult:
@@ -118,8 +117,7 @@ def check_path(
             segment, run = found
             result.near = _near_pose(scene, index, move, segment, run)
             break
-        if progress:
-            progress(1)
+        progress(1)
     # Segments are proven in the order of the path: where any is, so is the start.
     if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
         result.insides = insides or _insides(scene)

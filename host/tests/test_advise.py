@@ -144,18 +144,10 @@ def test_what_rules_a_width_out():
     assert "63,401 look-up tables of 63,400" in full.problems[0]
 
 
-def test_positions_lie_within_the_travel():
-    low, high = place(-1, 0, 2), place(3, 0, 4)
-    places = scene_of_tool(NOWHERE, (low, high)).positions(20)
-    assert len(set(places)) == 20
-    assert all(a <= c <= b for place in places for a, c, b in zip(low, place, high, strict=True))
-
-
 def test_the_smallest_width_that_will_do_is_advised_with_its_reasons():
     scene, wanted = scene_of_tool(place(0, 0, 2)), Wanted(Fraction(1, 2), Fraction(1, 20))
     advice = advice_of(scene, wanted)
     assert advice.chosen is not None
-    assert [row.width for row in advice.rows] == list(range(8, 33))
     assert not any(row.meets for row in advice.rows[: advice.rows.index(advice.chosen)])
     text = "\n".join(advice.reasons)
     assert f"W = {advice.chosen.width} is the smallest width" in text
