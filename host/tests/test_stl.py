@@ -238,7 +238,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
     path = tmp_path / "mutated.stl"
     text = ascii_text(FACETS)
     outcomes = {"read": 0, "refused": 0}
-    for _ in range(1500):
+    for _ in range(800):
         changed = mutated(text + text, rng)
         for _ in range(rng.integers(0, 2)):
             changed = mutated(changed, rng)
@@ -252,7 +252,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
         outcomes["read"] += 1
         assert wanted is not None, repr(changed)
         assert np.array_equal(facets, wanted), repr(changed)
-    assert min(outcomes.values()) > 150, outcomes
+    assert min(outcomes.values()) > 80, outcomes
 
 
 def test_decimals_are_not_rounded_to_float32(tmp_path):
