@@ -9,16 +9,13 @@ from typing import Any
 from triaxis.host.advice.measuring import Measured, Position, measure
 from triaxis.host.advice.wanted import AdviceScene, Wanted
 from triaxis.host.advice.widths import (
-    WIDTHS,
     Board,
-    CountBlocks,
     WidthRow,
     length,
     resources_reason,
-    width_row,
 )
 from triaxis.host.engines import Progress, unwatched
-from triaxis.host.quantise import Steps, extent_of, widest_extent
+from triaxis.host.quantise import extent_of, widest_extent
 from triaxis.host.report import milliseconds
 from triaxis.sim.build import rtl_hash
 
@@ -35,13 +32,6 @@ class Advice:
     chosen: WidthRow | None
     reasons: tuple[str, ...]
     changes: tuple[str, ...] = ()
-
-
-def all_rows(
-    scene: AdviceScene, wanted: Wanted, steps: Steps, board: Board, count_blocks: CountBlocks
-) -> list[WidthRow]:
-    """Return what each width means."""
-    return [width_row(scene, wanted, width, steps, board, count_blocks) for width in WIDTHS]
 
 
 def advise(

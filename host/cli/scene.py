@@ -12,16 +12,18 @@ from rich.table import Table
 from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
-from triaxis.host.advice.choosing import Advice, advice_report, advise, all_rows
+from triaxis.host.advice.choosing import Advice, advice_report, advise
 from triaxis.host.advice.measuring import Measured, integers, positions_of, translation
 from triaxis.host.advice.wanted import AdviceScene, NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import (
+    WIDTHS,
     Board,
     EngineShape,
     WidthRow,
     known_resources,
     length,
     synthesised_resources,
+    width_row,
     with_resources,
 )
 from triaxis.host.cli import DONE, NO
@@ -123,7 +125,7 @@ def _advise(options: argparse.Namespace) -> int:
     def count_blocks(width: int, margin_bits: int, shape: EngineShape) -> int:
         return counts.board(width, margin_bits, shape.depth, shape.group, shape.lanes).dsps
 
-    rows = all_rows(scene, wanted, options.steps, board, count_blocks)
+    rows = [width_row(scene, wanted, width, options.steps, board, count_blocks) for width in WIDTHS]
     rows = [with_resources(row, known_resources(row)) if row.meets else row for row in rows]
     if options.synthesise:
         rows = _synthesised(rows)

@@ -9,7 +9,7 @@ from triaxis.fpga.dsp_count import DspCount
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.host.advice import measuring, widths
-from triaxis.host.advice.choosing import advise, all_rows
+from triaxis.host.advice.choosing import advise
 from triaxis.host.advice.measuring import (
     EngineShape,
     TooManyError,
@@ -59,7 +59,7 @@ def truths(scene, wanted, count=2):
 
 
 def advice_of(scene, wanted, board=BOARD):
-    rows = all_rows(scene, wanted, Steps.DECIMAL, board, blocks)
+    rows = [row_of(width, wanted, board, scene) for width in widths.WIDTHS]
     return advise(scene, wanted, board, rows, truths(scene, wanted))
 
 
