@@ -6,7 +6,8 @@ tested and near pairs agree; only the mesh engine, simulated or on the board, sk
 cycles.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import Protocol
 
@@ -28,26 +29,44 @@ ENGINES = (RTL, BULK, GOLDEN)
 _FEW, _MANY = 1 << 9, 1 << 20
 
 Integers = npt.NDArray[np.int64]
+# Told of how much more is done.
+Progress = Callable[[int], object]
 Translation = tuple[int, int, int]
+STILL: Translation = (0, 0, 0)
 
 
-@dataclass(frozen=True)
-class SceneRun:
-    """What one run did. Each pair was skipped with its group, skipped by its own boxes, or tested.
+def unwatched(_: int) -> None:
+    """Show no progress."""
 
-    A run that stopped at its first near pair left the other pairs out. ``near`` (K, 2): (facet of A, facet
-    of B), as numbered in the files. ``cycles``: of the simulated engine, without loading; None for the
-    others.
+
+@dataclass
+class Counts:
+    """What runs did. Each pair was skipped with its group, skipped by its own boxes, or tested.
+
+    A run that stopped at its first near pair left the others out. ``cycles``: of the mesh engine, without
+    loading; None for the other engines.
     """
 
-    skipped_in_groups: int
-    skipped: int
-    tested: int
-    near_count: int
-    near: FacetPairs
+    skipped_in_groups: int = 0
+    skipped: int = 0
+    tested: int = 0
+    near_count: int = 0
     group_pairs_skipped: int = 0
     group_pairs_opened: int = 0
     cycles: int | None = None
+
+    def add(self, run: "Counts") -> None:
+        """Count a run too."""
+        for name in (count.name for count in fields(Counts)):
+            if (count := getattr(run, name)) is not None:
+                setattr(self, name, (getattr(self, name) or 0) + count)
+
+
+@dataclass
+class SceneRun(Counts):
+    """One run. ``near`` (K, 2): (facet of A, facet of B), as numbered in the files, in their order."""
+
+    near: FacetPairs = field(default_factory=lambda: np.empty((0, 2), np.int64))
 
 
 class SceneEngine(Protocol):
@@ -67,16 +86,18 @@ class DecidingEngine:
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
         """Decide all pairs, or those of the pieces to the first with a near one."""
-        tested = 0
-        near: list[FacetPairs] = [np.empty((0, 2), np.int64)]
+        run = SceneRun()
+        found: list[FacetPairs] = [run.near]
         a, at_once = self._a + np.array(translation), _FEW if stop_at_first else _MANY
-        for count, found in near_facets(a, self._b, margin, self._decide, at_once=at_once):
-            tested += count
-            near.append(found)
-            if stop_at_first and len(found):
+        for count, near in near_facets(a, self._b, margin, self._decide, at_once):
+            run.tested += count
+            run.near_count += len(near)
+            found.append(near)
+            if stop_at_first and len(near):
                 break
-        pairs = in_order(np.concatenate(near))
-        return SceneRun(0, len(self._a) * len(self._b) - tested, tested, len(pairs), pairs)
+        run.skipped = len(a) * len(self._b) - run.tested
+        run.near = in_order(np.concatenate(found))
+        return run
 
 
 def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine:
@@ -85,10 +106,6 @@ def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine
         return DecidingEngine(a, b, bulk_verdicts)
     if name == GOLDEN:
         return DecidingEngine(a, b, judge_in_parallel)
-    # Only who asks for the simulated engine pays for building it.
-    from triaxis.host.engines import MeshEngineScene
-    from triaxis.sim.mesh_configuration import MeshConfiguration
-
     return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width))
 
 
@@ -98,27 +115,21 @@ class MeshEngineScene:
     def __init__(self, a: Integers, b: Integers, configuration: MeshConfiguration) -> None:
         """Build the engine where needed and load it with facets (N, 3, 3), in spatial order."""
         self._engine = MeshEngine(configuration)
-        self._a = _parts(a, configuration)
-        self._b = _parts(b, configuration)
+        self._a, self._b = (parts_of(mesh, configuration.depth, configuration.group) for mesh in (a, b))
         self._loaded: tuple[int, int] | None = None
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
         """Run each part of A against each part of B; stopped at the first near pair, no further parts."""
-        runs: list[SceneRun] = []
+        whole = SceneRun()
+        found: list[FacetPairs] = []
         for pair in product(range(len(self._a)), range(len(self._b))):
-            runs.append(self._run_parts(pair, translation, margin, stop_at_first))
-            if stop_at_first and runs[-1].near_count:
+            run = self._run_parts(pair, translation, margin, stop_at_first)
+            whole.add(run)
+            found.append(run.near)
+            if stop_at_first and run.near_count:
                 break
-        return SceneRun(
-            sum(run.skipped_in_groups for run in runs),
-            sum(run.skipped for run in runs),
-            sum(run.tested for run in runs),
-            sum(run.near_count for run in runs),
-            in_order(np.concatenate([run.near for run in runs])),
-            sum(run.group_pairs_skipped for run in runs),
-            sum(run.group_pairs_opened for run in runs),
-            sum(run.cycles or 0 for run in runs),
-        )
+        whole.near = in_order(np.concatenate(found))
+        return whole
 
     def _run_parts(
         self, pair: tuple[int, int], translation: Translation, margin: int, stop_at_first: bool
@@ -139,26 +150,21 @@ class MeshEngineScene:
         opened = run.pairs_skipped + run.tested
         return SceneRun(
             len(a.facets) * len(b.facets) - opened if complete else 0,
-            run.pairs_skipped,
-            run.tested,
-            run.near_count,
-            near,
-            run.group_pairs_skipped,
-            run.group_pairs_opened,
-            run.cycles,
-        )
+            run.pairs_skipped, run.tested, run.near_count, run.group_pairs_skipped, run.group_pairs_opened,
+            run.cycles, near,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """Facets (N, 3, 3) in the order in which they are loaded, and their numbers in the file (N,)."""
 
     facets: Integers
     numbers: Integers
 
 
-def _parts(facets: Integers, configuration: MeshConfiguration) -> list[_Part]:
-    order = spatial_order(facets, configuration.group)
-    starts = range(0, len(order), configuration.depth)
-    pieces = (order[start : start + configuration.depth] for start in starts)
-    return [_Part(facets[piece], piece) for piece in pieces]
+def parts_of(facets: Integers, depth: int, group: int) -> list[Part]:
+    """Return facets (N, 3, 3) as the engine is given them: so many at a time, in spatial order."""
+    order = spatial_order(facets, group)
+    pieces = (order[start : start + depth] for start in range(0, len(order), depth))
+    return [Part(facets[piece], piece) for piece in pieces]

@@ -19,11 +19,13 @@ band = (m + 1) r + reading - c. `margin_for` takes m = ceil((c + reading) / r) +
     2 r + 2 reading <= band < 3 r + 2 reading.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from itertools import count
 from math import ceil
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -34,10 +36,17 @@ from triaxis.host.stl import Facets
 
 _FINEST, _COARSEST = Fraction(1, 10**30), Fraction(10**30)
 
+Number = TypeVar("Number")
 Vector = tuple[Fraction, Fraction, Fraction]
 # The lowest and the highest corner.
 Box = tuple[Vector, Vector]
-_NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+
+
+def vector(numbers: Iterable[Number]) -> tuple[Number, Number, Number]:
+    """Return the numbers, of which there are three."""
+    x, y, z = numbers
+    return x, y, z
 
 
 @dataclass(frozen=True)
@@ -55,8 +64,8 @@ class Grid:
 
     def moved(self, move: Vector) -> "Grid":
         """Return the grid for a mesh that is moved exactly: its integers are those after the move, here."""
-        x, y, z = (o - m for o, m in zip(self.offset, move, strict=True))
-        return Grid(self.resolution, (x, y, z), self.width)
+        offset = vector(o - m for o, m in zip(self.offset, move, strict=True))
+        return Grid(self.resolution, offset, self.width)
 
 
 def check_resolution(resolution: Fraction) -> None:
@@ -67,22 +76,19 @@ def check_resolution(resolution: Fraction) -> None:
         raise InputError(f"resolution: {shown}: must be 1e-30..1e30, in the files' unit")
 
 
-def box_of(facets: Facets, move: Vector = _NOWHERE) -> Box:
+def box_of(facets: Facets, move: Vector = NOWHERE) -> Box:
     """Return the lowest and the highest corner of the facets' box after a move, exactly."""
 
     def corner(extreme: npt.NDArray[np.floating]) -> Vector:
-        x, y, z = (Fraction(float(c)) + m for c, m in zip(extreme, move, strict=True))
-        return x, y, z
+        return vector(Fraction(float(c)) + m for c, m in zip(extreme, move, strict=True))
 
     return corner(facets.min((0, 1))), corner(facets.max((0, 1)))
 
 
 def around(boxes: Sequence[Box]) -> Box:
     """Return the box around the boxes."""
-    low, high = (
-        [extreme(box[side][k] for box in boxes) for k in range(3)] for side, extreme in ((0, min), (1, max))
-    )
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    low, high = zip(*boxes, strict=True)
+    return vector(map(min, zip(*low, strict=True))), vector(map(max, zip(*high, strict=True)))
 
 
 def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
@@ -91,8 +97,8 @@ def grid_around(boxes: Sequence[Box], resolution: Fraction, width: int) -> Grid:
     Raises InputError where the resolution is not a positive number of a size that float32 knows.
     """
     check_resolution(resolution)
-    x, y, z = (resolution * round((a + b) / 2 / resolution) for a, b in zip(*around(boxes), strict=True))
-    return Grid(resolution, (x, y, z), width)
+    middle = ((a + b) / 2 for a, b in zip(*around(boxes), strict=True))
+    return Grid(resolution, vector(resolution * round(c / resolution) for c in middle), width)
 
 
 def centred_grid(meshes: list[Facets], resolution: Fraction, width: int) -> Grid:
@@ -167,14 +173,25 @@ def quantise(facets: Facets, grid: Grid, name: str) -> npt.NDArray[np.int64]:
     return rounded.astype(np.int64)
 
 
+def check_clearance(clearance: Fraction) -> None:
+    """Raise InputError unless a clearance is one."""
+    if clearance < 0:
+        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+
+
+def check_scale(scale: Fraction) -> None:
+    """Raise InputError unless millimetres per unit are positive."""
+    if scale <= 0:
+        raise InputError(f"scale {float(scale):g}: must be positive: millimetres per unit of the files")
+
+
 def margin_for(clearance: Fraction, grid: Grid, reading: Fraction = Fraction(0)) -> int:
     """Return the margin, in LSB, with which no pair within ``clearance`` is missed.
 
     ``reading`` is how far coordinates may have moved, both meshes' together, before they came here.
     Raises InputError where the clearance is negative or larger than the grid can express.
     """
-    if clearance < 0:
-        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+    check_clearance(clearance)
     margin = ceil((clearance + reading) / grid.resolution) + 1
     limit = (1 << grid.width) - 1
     if margin > limit:
@@ -203,12 +220,7 @@ def extent_of(boxes: Sequence[Box]) -> Fraction:
 
 def grown(box: Box, by: Fraction) -> Box:
     """Return the box with each face moved outwards."""
-
-    def moved(corner: Vector, step: Fraction) -> Vector:
-        x, y, z = (c + step for c in corner)
-        return x, y, z
-
-    return moved(box[0], -by), moved(box[1], by)
+    return vector(c - by for c in box[0]), vector(c + by for c in box[1])
 
 
 def finest_resolution(
@@ -223,38 +235,25 @@ def finest_resolution(
     if extent == 0:
         raise InputError("volume: a single point: give one that has an extent")
     # 2^width integers, of which the outer two reach half a step further.
-    resolution = _not_below(extent * unit / (1 << width), steps)
-    while True:
-        wanted = resolution / unit
-        if fits([grown(box, room * wanted)], grid_around([box], wanted, width)):
-            return wanted
-        resolution = _next(resolution, steps)
+    numbers = (number / unit for number in _numbers_from(extent * unit / (1 << width), steps))
+    return next(r for r in numbers if fits([grown(box, room * r)], grid_around([box], r, width)))
 
 
-def _not_below(value: Fraction, steps: Steps) -> Fraction:
-    """Return the smallest number of its kind that is not below a positive value."""
+def _numbers_from(value: Fraction, steps: Steps) -> Iterator[Fraction]:
+    """Yield the numbers of a kind that are not below a positive value, ascending."""
     if steps is Steps.BINARY:
         power = Fraction(2) ** (value.numerator.bit_length() - value.denominator.bit_length() - 1)
-        while power < value:
-            power *= 2
-        return power
-    step = _decimal_step(value)
-    return ceil(value / step) * step
-
-
-def _next(value: Fraction, steps: Steps) -> Fraction:
-    """Return the number of its kind that follows."""
-    return value * 2 if steps is Steps.BINARY else value + _decimal_step(value)
-
-
-def _decimal_step(value: Fraction) -> Fraction:
-    """Return the unit of a positive number's third decimal digit."""
-    step = Fraction(1)
-    while value / step >= _LEAST * _BASE:
-        step *= _BASE
-    while value / step < _LEAST:
-        step /= _BASE
-    return step
+        yield from (number for doublings in count() if (number := power * 2**doublings) >= value)
+    while True:
+        # The unit of its third decimal digit.
+        step = Fraction(1)
+        while value / step >= _LEAST * _BASE:
+            step *= _BASE
+        while value / step < _LEAST:
+            step /= _BASE
+        number = ceil(value / step) * step
+        yield number
+        value = number + step
 
 
 def false_alarm_band(

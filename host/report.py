@@ -10,7 +10,7 @@ import numpy as np
 
 from triaxis.golden.outputs import write_whole
 from triaxis.host.enclosure import Enclosure
-from triaxis.host.engines import SceneRun
+from triaxis.host.engines import Counts
 from triaxis.host.quantise import Grid
 
 # The clock that times are given for.
@@ -49,17 +49,15 @@ def enclosure_entry(enclosure: Enclosure, surfaces_only: bool) -> dict[str, Any]
     return {"surfaces_only": surfaces_only, "enclosure": enclosure}
 
 
-def run_entry(run: SceneRun, pairs: int) -> dict[str, Any]:
-    """Return a complete run's part of a report, of so many facet pairs."""
+def counts_entry(counts: Counts, near: str) -> dict[str, Any]:
+    """Return what runs did; ``near``: what its near pairs are called there."""
     return {
-        "facet_pairs": pairs,
-        "group_pairs_skipped": run.group_pairs_skipped,
-        "group_pairs_opened": run.group_pairs_opened,
-        "pairs_skipped_in_groups": run.skipped_in_groups,
-        "pairs_skipped_by_their_boxes": run.skipped,
-        "pairs_tested": run.tested,
-        "pairs_near": run.near_count,
-        "cycles": run.cycles,
-        "milliseconds_at_100_MHz": milliseconds(run.cycles),
-        "near": run.near,
+        "group_pairs_skipped": counts.group_pairs_skipped,
+        "group_pairs_opened": counts.group_pairs_opened,
+        "pairs_skipped_in_groups": counts.skipped_in_groups,
+        "pairs_skipped_by_their_boxes": counts.skipped,
+        "pairs_tested": counts.tested,
+        near: counts.near_count,
+        "cycles": counts.cycles,
+        "milliseconds_at_100_MHz": milliseconds(counts.cycles),
     }

@@ -152,7 +152,6 @@ def _end_of_name(path: Path, word: re.Match[bytes], wanted: bytes) -> int:
 
 
 def _blocks(text: bytes, start: int, end: int) -> Iterator[tuple[int, int]]:
-    """Yield where blocks of whole facets begin and end."""
     while start < end:
         cut = _FACET_END.search(text, min(start + _BLOCK, end), end)
         stop = cut.end() if cut else end

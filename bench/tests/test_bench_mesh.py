@@ -11,7 +11,7 @@ NOTHING_NEAR = np.empty((0, 2), np.int64)
 
 
 def row(bound, cycles, right=True):
-    run = SceneRun(0, 0, 100, 0, NOTHING_NEAR, cycles=cycles)
+    run = SceneRun(tested=100, cycles=cycles)
     return Row("scene", 10, 10, bound, run, right)
 
 

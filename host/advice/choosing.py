@@ -1,22 +1,21 @@
 """The choice: the smallest width that meets what is wanted and fits the board, its reasons, its report."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
+from itertools import takewhile
 from typing import Any
 
 from triaxis.host.advice.measuring import Measured, Position, measure
 from triaxis.host.advice.wanted import AdviceScene, Wanted
 from triaxis.host.advice.widths import (
-    WIDTHS,
     Board,
-    CountBlocks,
     WidthRow,
     length,
     resources_reason,
-    width_row,
 )
-from triaxis.host.quantise import Steps, extent_of, widest_extent
+from triaxis.host.engines import Progress, unwatched
+from triaxis.host.quantise import extent_of, widest_extent
 from triaxis.host.report import milliseconds
 from triaxis.sim.build import rtl_hash
 
@@ -34,27 +33,11 @@ class Advice:
     reasons: tuple[str, ...]
     changes: tuple[str, ...] = ()
 
-    @property
-    def chosen_measured(self) -> Measured | None:
-        """Return what the chosen width does on the scene."""
-        return None if self.chosen is None else self.measured[self.rows.index(self.chosen)]
-
-
-def all_rows(
-    scene: AdviceScene, wanted: Wanted, steps: Steps, board: Board, count_blocks: CountBlocks
-) -> list[WidthRow]:
-    """Return what each width means."""
-    return [width_row(scene, wanted, width, steps, board, count_blocks) for width in WIDTHS]
-
 
 def advise(
-    scene: AdviceScene,
-    wanted: Wanted,
-    board: Board,
-    rows: Sequence[WidthRow],
-    positions: list[Position],
-    progress: Callable[[int], None] = lambda _: None,
-) -> Advice:
+    scene: AdviceScene, wanted: Wanted, board: Board, rows: Sequence[WidthRow], positions: list[Position],
+    progress: Progress = unwatched,
+) -> Advice:  # fmt: skip
     """Measure each width at the positions, and choose; ``progress`` is told of each width."""
     measured: list[Measured | None] = []
     for row in rows:
@@ -82,21 +65,18 @@ def _band(row: WidthRow, wanted: Wanted) -> str:
     return length(row.band or Fraction(0), wanted)
 
 
-def _row(rows: Sequence[WidthRow], width: int) -> WidthRow | None:
-    return next((row for row in rows if row.width == width), None)
-
-
 def _why_not_smaller(rows: Sequence[WidthRow], chosen: WidthRow) -> str:
-    smaller = _row(rows, chosen.width - 1)
-    if smaller is None:
+    place = rows.index(chosen)
+    if place == 0:
         return f"no smaller width exists: {chosen.width} is the least"
-    return f"W = {smaller.width} is not enough: {'; '.join(smaller.problems)}"
+    return f"W = {rows[place - 1].width} is not enough: {'; '.join(rows[place - 1].problems)}"
 
 
 def _what_larger_costs(wanted: Wanted, rows: Sequence[WidthRow], chosen: WidthRow) -> str:
-    larger = _row(rows, chosen.width + 1)
-    if larger is None:
+    above = rows[rows.index(chosen) + 1 :]
+    if not above:
         return f"no larger width exists: {chosen.width} is the most"
+    larger = above[0]
     if not larger.meets:
         return f"W = {larger.width} will not do: {'; '.join(larger.problems)}"
     more = (larger.dsps or 0) - (chosen.dsps or 0)
@@ -107,23 +87,14 @@ def _what_larger_costs(wanted: Wanted, rows: Sequence[WidthRow], chosen: WidthRo
         cost = f"takes {-more} DSP blocks fewer, {larger.dsps}"
     lanes = "" if larger.shape == chosen.shape else f", with Lanes = {larger.shape.lanes}"
     said = f"W = {larger.width} {cost}{lanes}, and narrows the band to {_band(larger, wanted)}"
-    widest = _widest_at_no_more(rows, chosen)
-    if widest is not None and widest.width > larger.width:
+    dsps = chosen.dsps or 0
+    at_no_more = [*takewhile(lambda row: row.meets and (row.dsps or 0) <= dsps, above)]
+    if len(at_no_more) > 1:
+        widest = at_no_more[-1]
         said += (
             f"; up to W = {widest.width} no more blocks are needed, with a band of {_band(widest, wanted)}"
         )
     return said
-
-
-def _widest_at_no_more(rows: Sequence[WidthRow], chosen: WidthRow) -> WidthRow | None:
-    """Return the last of the widths above that take no more blocks, without a gap."""
-    found = None
-    for row in rows:
-        if row.width > chosen.width:
-            if not row.meets or (row.dsps or 0) > (chosen.dsps or 0):
-                break
-            found = row
-    return found
 
 
 def _margin_reason(scene: AdviceScene, wanted: Wanted, row: WidthRow) -> str:
@@ -238,21 +209,14 @@ def advice_report(
 
 def _row_entry(row: WidthRow, measured: Measured | None, unit: Fraction) -> dict[str, Any]:
     resolution = row.grid.resolution * unit
+    same = ("width", "margin", "margin_bits", "dsps", "resources", "meets", "problems")
     return {
-        "width": row.width,
+        **{name: getattr(row, name) for name in same},
+        **asdict(row.shape),
         "resolution_mm": resolution,
         "resolution_exactly": str(resolution),
         "offset_mm": [c * unit for c in row.grid.offset],
-        "margin": row.margin,
-        "margin_bits": row.margin_bits,
         "band_mm": None if row.band is None else row.band * unit,
-        "dsps": row.dsps,
-        "depth": row.shape.depth,
-        "group": row.shape.group,
-        "lanes": row.shape.lanes,
-        "resources": None if row.resources is None else asdict(row.resources),
-        "meets": row.meets,
-        "problems": row.problems,
         "measured": None if measured is None else _measured_entry(measured),
     }
 

@@ -9,7 +9,6 @@ work at the same time, so a run takes at least as long as its busiest stage. It 
 they took turns, where a pair of groups costs the larger of its boxes and its tests.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -23,10 +22,9 @@ from triaxis.golden.judge import CertificateError
 from triaxis.golden.scene import apart, boxes_of, boxes_of_groups
 from triaxis.host.advice.wanted import AdviceScene, Wanted
 from triaxis.host.advice.widths import EngineShape, WidthRow
-from triaxis.host.broadphase import candidates, spatial_order
-from triaxis.host.engines import Integers, Translation
+from triaxis.host.broadphase import candidates
+from triaxis.host.engines import Integers, Part, Progress, Translation, parts_of, unwatched
 from triaxis.host.quantise import (
-    Grid,
     Vector,
     around,
     box_of,
@@ -34,6 +32,7 @@ from triaxis.host.quantise import (
     grid_around,
     grown,
     quantise,
+    vector,
 )
 from triaxis.host.scene import distance_of, near_facets
 from triaxis.host.stl import StlMesh
@@ -55,16 +54,6 @@ class ExactNear:
     undecided: Numbers
 
 
-def count_candidates(a: Numbers, b: Numbers, margin: int, most: int) -> int:
-    """Return how many pairs of facets (N, 3, 3) no box decides; raise TooManyError beyond ``most``."""
-    count = 0
-    for i, _ in candidates(a, b, margin):
-        count += len(i)
-        if count > most:
-            raise TooManyError
-    return count
-
-
 def exact_near(
     mesh_a: StlMesh, mesh_b: StlMesh, move: Vector, clearance: Fraction, most_pairs: int, most_judged: int
 ) -> ExactNear:
@@ -73,12 +62,19 @@ def exact_near(
     At most ``most_judged`` go to the golden model; the rest of what is between is undecided. Raises
     TooManyError where more than ``most_pairs`` have boxes that come so near.
     """
-    grid = _grid(mesh_a, mesh_b, move, clearance)
+    # The finest grid that holds both, and the clearance as a margin.
+    boxes = [box_of(mesh_a.facets, move), box_of(mesh_b.facets)]
+    resolution = finest_resolution(grown(around(boxes), clearance), _WIDTH)
+    grid = grid_around(boxes, resolution, _WIDTH)
     a = quantise(mesh_a.facets, grid.moved(move), "A")
     b = quantise(mesh_b.facets, grid, "B")
     # Two coordinates, each off by half a step.
     surely, at_most = floor(clearance / grid.resolution) - 1, ceil(clearance / grid.resolution) + 1
-    count_candidates(a, b, at_most, most_pairs)
+    count = 0
+    for i, _ in candidates(a, b, at_most):
+        count += len(i)
+        if count > most_pairs:
+            raise TooManyError
     found = [pairs for _, pairs in near_facets(a, b, at_most, bulk_verdicts)]
     possible = np.concatenate([np.empty((0, 2), np.int64), *found])
     sure = np.zeros(len(possible), np.bool_)
@@ -93,126 +89,70 @@ def exact_near(
     return ExactNear(np.sort(numbers[sure]), np.sort(numbers[doubtful[most_judged:]]))
 
 
-def _grid(mesh_a: StlMesh, mesh_b: StlMesh, move: Vector, clearance: Fraction) -> Grid:
-    """Return the finest grid that holds both, and the clearance as a margin."""
-    boxes = [box_of(mesh_a.facets, move), box_of(mesh_b.facets)]
-    resolution = finest_resolution(grown(around(boxes), clearance), _WIDTH)
-    return grid_around(boxes, resolution, _WIDTH)
-
-
 # Clocks to start, to fill the pipelines and to end: of an empty run, of one that goes through the core.
 _LEAST_OVERHEAD, _MOST_OVERHEAD = 5, 64
 
 
-@dataclass(frozen=True)
+@dataclass
 class EngineWork:
-    """One run of a mesh against another, or of all parts of them where they exceed the depth.
+    """Runs of a mesh against another: of all parts of them where they exceed the depth.
 
     ``near``: pairs as numbers i * facets of B + j, ascending. Cycles without loading.
     """
 
     pairs: int
-    tested: int
-    group_pairs_opened: int
-    near: npt.NDArray[np.int64]
-    least_cycles: int
-    most_cycles: int
+    near: Numbers
     parts: int
-
-
-@dataclass(frozen=True)
-class _Part:
-    """What the engine holds at a time: facets (N, 3, 3), their numbers in the file (N,), the boxes of their
-    groups (ceil(N / group), 2, 3) and of all of them (1, 2, 3)."""
-
-    facets: Integers
-    numbers: Integers
-    groups: Integers
-    whole: Integers
-
-    def moved(self, translation: Integers) -> "_Part":
-        """Return the part after a translation (3,)."""
-        return _Part(
-            self.facets + translation, self.numbers, self.groups + translation, self.whole + translation
-        )
-
-
-class LoadedMesh:
-    """Facets (N, 3, 3) on the grid, in the parts and the order in which the engine is given them."""
-
-    def __init__(self, facets: Integers, shape: EngineShape) -> None:
-        """Put them in order."""
-        order = spatial_order(facets, shape.group)
-        self.count = len(facets)
-        self.parts = [
-            _part(facets, order[start : start + shape.depth], shape)
-            for start in range(0, len(order), shape.depth)
-        ]
-
-
-def _part(facets: Integers, numbers: Integers, shape: EngineShape) -> _Part:
-    held = facets[numbers]
-    boxes = boxes_of(held)
-    return _Part(held, numbers, boxes_of_groups(boxes, shape.group), boxes_of_groups(boxes, len(boxes)))
+    tested: int = 0
+    group_pairs_opened: int = 0
+    least_cycles: int = 0
+    most_cycles: int = 0
 
 
 def engine_work(
-    a: LoadedMesh,
-    b: LoadedMesh,
-    translation: Integers,
-    margin: int,
-    shape: EngineShape,
-    allow: Callable[[int], None] = lambda _: None,
-) -> EngineWork:
+    a: list[Part], b: list[Part], translation: Integers, margin: int, shape: EngineShape,
+    allow: Progress = unwatched,
+) -> EngineWork:  # fmt: skip
     """Run A, moved, against B. ``allow`` is told of pairs before they are decided, and may refuse them."""
-    near: list[npt.NDArray[np.int64]] = [np.empty(0, np.int64)]
-    tested = opened = least = most = 0
-    for part_a, part_b in product([part.moved(translation) for part in a.parts], b.parts):
-        part = _part_work(part_a, part_b, margin, shape, allow)
-        near.append(part_a.numbers[part.near[:, 0]] * b.count + part_b.numbers[part.near[:, 1]])
-        tested += part.tested
-        opened += part.opened
-        least += part.least + _LEAST_OVERHEAD
-        most += part.most + _MOST_OVERHEAD
-    parts = len(a.parts) * len(b.parts)
-    return EngineWork(a.count * b.count, tested, opened, np.sort(np.concatenate(near)), least, most, parts)
+    count_a, count_b = (sum(len(part.numbers) for part in parts) for parts in (a, b))
+    work = EngineWork(count_a * count_b, np.empty(0, np.int64), len(a) * len(b))
+    found = [work.near]
+    for part_a, part_b in product(a, b):
+        near = _run(part_a.facets + translation, part_b.facets, margin, shape, allow, work)
+        found.append(part_a.numbers[near[:, 0]] * count_b + part_b.numbers[near[:, 1]])
+    work.near = np.sort(np.concatenate(found))
+    return work
 
 
-@dataclass(frozen=True)
-class _PartWork:
-    tested: int
-    opened: int
-    near: npt.NDArray[np.int64]
-    least: int
-    most: int
-
-
-def _part_work(
-    a: _Part, b: _Part, margin: int, shape: EngineShape, allow: Callable[[int], None]
-) -> _PartWork:
-    rows = len(a.groups)
-    if apart(a.whole, b.whole, margin).all():
-        return _PartWork(0, 0, np.empty((0, 2), np.int64), rows, rows)
-    overlapping = ~apart(a.groups, b.whole, margin)[:, 0]
-    words = int(overlapping.sum()) * -(-len(b.groups) // shape.lanes)
-    open_pairs = ~apart(a.groups, b.groups, margin)
+def _run(
+    a: Integers, b: Integers, margin: int, shape: EngineShape, allow: Progress, work: EngineWork
+) -> Numbers:
+    """Add a run's work, and return its near pairs (K, 2)."""
+    near = [np.empty((0, 2), np.int64)]
+    boxes_a, boxes_b = boxes_of(a), boxes_of(b)
+    groups_a, groups_b = (boxes_of_groups(boxes, shape.group) for boxes in (boxes_a, boxes_b))
+    whole_a, whole_b = (boxes_of_groups(boxes, len(boxes)) for boxes in (boxes_a, boxes_b))
+    rows = len(groups_a)
+    work.least_cycles += _LEAST_OVERHEAD
+    work.most_cycles += rows + _MOST_OVERHEAD
+    if apart(whole_a, whole_b, margin).all():
+        work.least_cycles += rows
+        return near[0]
+    words = int((~apart(groups_a, whole_b, margin)).sum()) * -(-len(groups_b) // shape.lanes)
+    open_pairs = ~apart(groups_a, groups_b, margin)
     tested_in = np.zeros(open_pairs.shape, np.int64)
-    near: list[npt.NDArray[np.int64]] = [np.empty((0, 2), np.int64)]
-    for i, j in candidates(a.facets, b.facets, margin):
+    for i, j in candidates(a, b, margin):
         allow(len(i))
         np.add.at(tested_in, (i // shape.group, j // shape.group), 1)
-        verdicts = bulk_verdicts(np.stack([a.facets[i], b.facets[j]], 1), margin)["near"].astype(np.bool_)
+        verdicts = bulk_verdicts(np.stack([a[i], b[j]], 1), margin)["near"].astype(np.bool_)
         near.append(np.stack([i[verdicts], j[verdicts]], 1))
     boxes = shape.group * shape.group // shape.lanes
     opened, tested = int(open_pairs.sum()), int(tested_in.sum())
-    within = int(np.maximum(boxes, tested_in)[open_pairs].sum())
-    return _PartWork(
-        tested,
-        opened,
-        np.concatenate(near),
-        max(rows, words, boxes * opened, tested),
-        rows + words + within,
-    )
+    work.group_pairs_opened += opened
+    work.tested += tested
+    work.least_cycles += max(rows, words, boxes * opened, tested)
+    work.most_cycles += words + int(np.maximum(boxes, tested_in)[open_pairs].sum())
+    return np.concatenate(near)
 
 
 # Pairs of a width, over all positions, beyond which it is not measured; pairs that the golden model is given.
@@ -253,17 +193,15 @@ class Measured:
         return self.false_alarms / max(1, self.tested)
 
 
-def positions_of(
-    scene: AdviceScene, wanted: Wanted, count: int, progress: Callable[[int], None]
-) -> list[Position]:
+def positions_of(scene: AdviceScene, wanted: Wanted, count: int, progress: Progress) -> list[Position]:
     """Return positions of the travel with what is true there; ``progress`` is told of each."""
     found: list[Position] = []
     judged = _MOST_JUDGED // max(1, count * len(scene.others))
     for offset in scene.positions(count):
-        x, y, z = (m + t for m, t in zip(scene.move, offset, strict=True))
+        move = vector(m + t for m, t in zip(scene.move, offset, strict=True))
         try:
             truth = tuple(
-                exact_near(scene.moving.mesh, b.mesh, (x, y, z), wanted.clearance, _MOST_PAIRS, judged)
+                exact_near(scene.moving.mesh, b.mesh, move, wanted.clearance, _MOST_PAIRS, judged)
                 for b in scene.others
             )
         except TooManyError:
@@ -288,8 +226,8 @@ def measure(scene: AdviceScene, row: WidthRow, positions: list[Position]) -> Mea
         if left < 0:
             raise TooManyError
 
-    a = LoadedMesh(integers(scene, row, 0), row.shape)
-    others = [LoadedMesh(integers(scene, row, number), row.shape) for number in range(1, len(scene.meshes))]
+    numbers = range(len(scene.meshes))
+    a, *others = (parts_of(integers(scene, row, k), row.shape.depth, row.shape.group) for k in numbers)
     totals = np.zeros(8, np.int64)
     least, most = [0], [0]
     parts = 0
@@ -320,8 +258,7 @@ def integers(scene: AdviceScene, row: WidthRow, number: int) -> Integers:
 
 def translation(row: WidthRow, offset: Vector) -> Translation:
     """Return an offset in steps of the row's grid, rounded."""
-    x, y, z = (round(t / row.grid.resolution) for t in offset)
-    return x, y, z
+    return vector(round(t / row.grid.resolution) for t in offset)
 
 
 def _compared(works: list[EngineWork], truths: tuple[ExactNear, ...]) -> Integers:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from triaxis.golden.errors import InputError
-from triaxis.host.quantise import Box, Vector, around, box_of
+from triaxis.host.quantise import NOWHERE, Box, Vector, around, box_of, vector
 from triaxis.host.stl import StlMesh
 
-NOWHERE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 # Bases of the Halton sequence, one for each coordinate.
 _BASES = (2, 3, 5)
 
@@ -73,15 +72,11 @@ class AdviceScene:
         """Return offsets within the travel: ``count`` points of the Halton sequence, or the only one."""
         if not self.travels:
             return [NOWHERE]
-        low, high = self.travel
-        found: list[Vector] = []
-        for number in range(1, count + 1):
-            x, y, z = (
-                a + (b - a) * _radical_inverse(number, base)
-                for a, b, base in zip(low, high, _BASES, strict=True)
-            )
-            found.append((x, y, z))
-        return found
+        sides = list(zip(*self.travel, _BASES, strict=True))
+        return [
+            vector(low + (high - low) * _radical_inverse(number, base) for low, high, base in sides)
+            for number in range(1, count + 1)
+        ]
 
 
 def _radical_inverse(number: int, base: int) -> Fraction:
@@ -115,9 +110,8 @@ def advice_scene(
 def _swept(mesh: StlMesh, move: Vector, travel: Box) -> Box:
     """Return the box of all that a mesh passes; it is loaded where it stands without any offset."""
     low, high = box_of(mesh.facets, move)
-    first = [a + min(t, Fraction(0)) for a, t in zip(low, travel[0], strict=True)]
-    last = [b + max(t, Fraction(0)) for b, t in zip(high, travel[1], strict=True)]
-    return (first[0], first[1], first[2]), (last[0], last[1], last[2])
+    first = vector(a + min(t, Fraction(0)) for a, t in zip(low, travel[0], strict=True))
+    return first, vector(b + max(t, Fraction(0)) for b, t in zip(high, travel[1], strict=True))
 
 
 def _check_inside(name: str, box: Box, volume: Box) -> None:

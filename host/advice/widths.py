@@ -130,13 +130,10 @@ def _parameters(row: WidthRow) -> Mapping[str, int]:
     return {"W": row.width, "M": row.margin_bits or 0, **sizes}
 
 
-def _key(row: WidthRow) -> str:
-    values = [f"{name}={value}" for name, value in _parameters(row).items()]
-    return content_hash([*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
-
-
 def _kept(row: WidthRow) -> Path:
-    return _FOLDER / f"{_key(row)[:24]}.json"
+    values = [f"{name}={value}" for name, value in _parameters(row).items()]
+    key = content_hash([*bitstream_sources(DUT), *sorted((DUT / "core").glob("*.svh"))], TOP, *values)
+    return _FOLDER / f"{key[:24]}.json"
 
 
 def known_resources(row: WidthRow) -> Resources | None:

@@ -41,6 +41,19 @@ def _at_least(text: str, least: int, must: str) -> int:
     return value
 
 
+def add_numbers(
+    parser: argparse.ArgumentParser, option: str, names: str, about: str, default: object = None
+) -> None:
+    """Add an option with an exact decimal number for each of the names."""
+    many = names.split()
+    if len(many) == 1:
+        parser.add_argument(option, type=number, metavar=names, default=default, help=about)
+    else:
+        parser.add_argument(
+            option, type=number, nargs=len(many), metavar=tuple(many), default=default, help=about
+        )
+
+
 def add_seed(parser: argparse.ArgumentParser, what: str = "what all random choices follow from") -> None:
     """Add ``--seed``."""
     parser.add_argument("--seed", type=natural, default=1, help=f"{what} (1)")

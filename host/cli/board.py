@@ -72,7 +72,6 @@ def simulated_parameters(width: int, depth: int) -> BoardParameters:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    """Serve a simulated board."""
     top = SimulatedTop(simulated_parameters(options.width, options.depth))
     terminal = PseudoTerminal()
     try:
@@ -84,7 +83,6 @@ def _simulate(options: argparse.Namespace) -> int:
 
 
 def _status(options: argparse.Namespace) -> int:
-    """Print what the board is, and its status."""
     with Board(SerialLine(options.port)) as board:
         description = board.hello()
         status = board.status()

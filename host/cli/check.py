@@ -8,16 +8,17 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import number
+from triaxis.host.cli.arguments import add_numbers, number
 from triaxis.host.cli.engine import about, add_engine, board_of, hold, other_build, output_of, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, SceneRun, scene_engine
+from triaxis.host.engines import BULK, STILL, SceneRun, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.messages import Mode, Status
-from triaxis.host.report import enclosure_entry, grid_entry, milliseconds, run_entry, write_report
-from triaxis.host.scene import AXES, MeshPair, Pose, Turn, exact_distance, prepare
+from triaxis.host.quantise import NOWHERE, check_clearance
+from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
+from triaxis.host.scene import AXES, MeshPair, Pose, Turn, distance_of, prepare
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
@@ -48,18 +49,11 @@ def add_meshes(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
     """Add what every check of two meshes is told, with the resolution where none is asked for."""
     parser.add_argument("a", type=Path, metavar="A.stl", help="binary or ASCII STL")
     parser.add_argument("b", type=Path, metavar="B.stl", help="the same, in the same unit and frame")
-    parser.add_argument(
-        "--resolution", type=number, default=resolution, metavar="R",
-        help=f"one step of the grid, in the files' unit ({float(resolution):g})",
-    )  # fmt: skip
-    parser.add_argument(
-        "--clearance", type=number, default=Fraction(1, 2), metavar="C",
-        help="wanted clearance, in the files' unit (0.5); 0 is touching",
-    )  # fmt: skip
-    parser.add_argument(
-        "--move", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
-        help="move A, after it was turned (0 0 0)",
-    )  # fmt: skip
+    step = f"one step of the grid, in the files' unit ({float(resolution):g})"
+    add_numbers(parser, "--resolution", "R", step, resolution)
+    wanted = "wanted clearance, in the files' unit (0.5); 0 is touching"
+    add_numbers(parser, "--clearance", "C", wanted, Fraction(1, 2))
+    add_numbers(parser, "--move", "X Y Z", "move A, after it was turned (0 0 0)", NOWHERE)
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
 
@@ -77,41 +71,38 @@ def run(options: argparse.Namespace) -> int:
     """Check the meshes and print what was found; ``mode`` and ``hold`` are for the board alone."""
     if options.width is not None:
         check_width(options.width)
-    if options.clearance < 0:
-        raise InputError(f"clearance {float(options.clearance):g}: must not be negative")
+    check_clearance(options.clearance)
     pose = Pose(tuple(_turn(*words) for words in options.rotate), tuple(options.move))
     mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
     names = (str(options.a), str(options.b))
     with board_of(options) as board:
         width = width_of(options, board)
         meshes = prepare(mesh_a, mesh_b, names, options.resolution, options.clearance, width, pose)
-        if board is None:
-            engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
-            run = engine.run((0, 0, 0), meshes.margin)
-            asked = not run.near_count and not options.surfaces_only
-            insides = enclosure(meshes.a, meshes.b) if asked else NOT_ASKED
-            return _tell(options, pose, meshes, run, insides)
-        insides = NOT_ASKED if options.surfaces_only else _insides(meshes)
-        if insides.state in (State.INSIDE, State.UNDECIDED):
-            # A clear run would make the board say go, of itself and at once.
-            entry = _board_entry(options, board)
-            return _tell(options, pose, meshes, None, insides, entry, "stop; the board was not asked to run")
-        run, status = _on_board(options, board, meshes)
-        if not run.near_count and insides.state != State.OUTSIDE and not options.surfaces_only:
-            raise InputError("the board finds no near facets where this program does: verdict unknown")
-        output = output_of(board, status, options.hold)
-        entry = _board_entry(options, board) | {"status": status}
-        code = _tell(options, pose, meshes, run, insides, entry, output)
-        if options.hold and code == DONE:
-            # What the report said is then no longer so.
-            hold(board, status, lambda: options.json and write_report(options.json, {"verdict": "unknown"}))
-        return code
+        if board is not None:
+            return _by_board(options, board, meshes)
+        run = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width).run(STILL, meshes.margin)
+        asked = not run.near_count and not options.surfaces_only
+        return _tell(options, meshes, run, enclosure(meshes.a, meshes.b) if asked else NOT_ASKED)
 
 
-def _on_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> tuple[SceneRun, Status]:
+def _by_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> int:
+    insides = NOT_ASKED if options.surfaces_only else _insides(meshes)
+    if insides.state in (State.INSIDE, State.UNDECIDED):
+        # A clear run would make the board say go, of itself and at once.
+        return _tell(options, meshes, None, insides, board, output="stop; the board was not asked to run")
     with progress_bar("facets loaded", len(meshes.a) + len(meshes.b)) as progress:
         engine = BoardEngine(board, meshes.a, meshes.b, options.mode, progress)
-        return engine.run((0, 0, 0), meshes.margin), engine.status
+        run = engine.run(STILL, meshes.margin)
+    if not run.near_count and insides.state != State.OUTSIDE and not options.surfaces_only:
+        raise InputError("the board finds no near facets where this program does: verdict unknown")
+    output = output_of(board, engine.status, options.hold)
+    code = _tell(options, meshes, run, insides, board, engine.status, output)
+    if options.hold and code == DONE:
+        # What the report said is then no longer so.
+        hold(
+            board, engine.status, lambda: options.json and write_report(options.json, {"verdict": "unknown"})
+        )
+    return code
 
 
 def _insides(meshes: MeshPair) -> Enclosure:
@@ -120,11 +111,10 @@ def _insides(meshes: MeshPair) -> Enclosure:
     if found.state == State.OUTSIDE:
         return found
     engine = scene_engine(BULK, meshes.a, meshes.b, meshes.grid.width)
-    return NOT_ASKED if engine.run((0, 0, 0), meshes.margin, stop_at_first=True).near_count else found
+    return NOT_ASKED if engine.run(STILL, meshes.margin, stop_at_first=True).near_count else found
 
 
 def _turn(axis: str, degrees: str) -> Turn:
-    """Return one --rotate; raise InputError where it is none."""
     if axis.lower() not in AXES or len(axis) != 1:
         raise InputError(f"--rotate {axis:.40}: must be x, y or z, then degrees")
     try:
@@ -133,36 +123,22 @@ def _turn(axis: str, degrees: str) -> Turn:
         raise InputError(f"--rotate {axis} {error}") from error
 
 
-def _board_entry(options: argparse.Namespace, board: Board) -> dict[str, Any]:
-    description = board.description
-    return {
-        "mode": options.mode.name.lower(),
-        "board": description,
-        "bitstream": {"known": not other_build(description), "any_allowed": options.any_bitstream},
-    }
-
-
 def _tell(
-    options: argparse.Namespace,
-    pose: Pose,
-    meshes: MeshPair,
-    run: SceneRun | None,
-    insides: Enclosure,
-    board: dict[str, Any] | None = None,
-    output: str = "",
-) -> int:
+    options: argparse.Namespace, meshes: MeshPair, run: SceneRun | None, insides: Enclosure,
+    board: Board | None = None, status: Status | None = None, output: str = "",
+) -> int:  # fmt: skip
     """Write the report, print, return the exit code; ``run``: None where the board was not asked.
 
     Raises InputError where it is undecided whether one is inside the other.
     """
     near = run is not None and run.near_count > 0
     if options.json is not None:
-        _write(options, pose, meshes, run, insides, board or {})
-    _print_scene(options, pose, meshes)
-    if board:
-        print(f"board: {about(board['board'])}")
+        write_report(options.json, _report(options, meshes, run, insides, board, status))
+    _print_scene(options, meshes)
+    if board is not None:
+        print(f"board: {about(board.description)}")
     if run is not None:
-        _print_run(options, pose, meshes, run)
+        _print_run(options, meshes, run)
     if not near:
         print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
     if output:
@@ -172,33 +148,39 @@ def _tell(
     return DONE if insides.verdict(near) == "clear" else NO
 
 
-def _write(
-    options: argparse.Namespace,
-    pose: Pose,
-    meshes: MeshPair,
-    run: SceneRun | None,
-    insides: Enclosure,
-    board: dict[str, Any],
-) -> None:
-    turns = [{"axis": AXES[turn.axis], "degrees": turn.degrees} for turn in pose.turns]
+def _report(
+    options: argparse.Namespace, meshes: MeshPair, run: SceneRun | None, insides: Enclosure,
+    board: Board | None, status: Status | None,
+) -> dict[str, Any]:  # fmt: skip
+    turns = [{"axis": AXES[turn.axis], "degrees": turn.degrees} for turn in meshes.pose.turns]
     report = {
         "verdict": insides.verdict(run is not None and run.near_count > 0),
         "a": {"file": options.a, "facets": len(meshes.a)},
         "b": {"file": options.b, "facets": len(meshes.b)},
-        "pose": {"rotate": turns, "move": pose.move},
+        "pose": {"rotate": turns, "move": meshes.pose.move},
         "clearance": options.clearance,
         "grid": grid_entry(meshes.grid),
         "margin": meshes.margin,
         "engine": options.engine,
-        **board,
         **enclosure_entry(insides, options.surfaces_only),
-        **({} if run is None else run_entry(run, len(meshes.a) * len(meshes.b))),
     }
-    write_report(options.json, report)
+    if board is not None:
+        known = not other_build(board.description)
+        report |= {
+            "mode": options.mode.name.lower(),
+            "board": board.description,
+            "bitstream": {"known": known, "any_allowed": options.any_bitstream},
+        }
+    if status is not None:
+        report["status"] = status
+    if run is not None:
+        pairs = len(meshes.a) * len(meshes.b)
+        report |= {"facet_pairs": pairs, **counts_entry(run, "pairs_near"), "near": run.near}
+    return report
 
 
-def _print_scene(options: argparse.Namespace, pose: Pose, meshes: MeshPair) -> None:
-    grid = meshes.grid
+def _print_scene(options: argparse.Namespace, meshes: MeshPair) -> None:
+    grid, pose = meshes.grid, meshes.pose
     offset = ", ".join(f"{float(x):g}" for x in grid.offset)
     print(f"A: {options.a}, {len(meshes.a)} facets; B: {options.b}, {len(meshes.b)} facets")
     if pose.turns or any(pose.move):
@@ -210,7 +192,7 @@ def _print_scene(options: argparse.Namespace, pose: Pose, meshes: MeshPair) -> N
     )
 
 
-def _print_run(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: SceneRun) -> None:
+def _print_run(options: argparse.Namespace, meshes: MeshPair, run: SceneRun) -> None:
     pairs, skipped = len(meshes.a) * len(meshes.b), run.skipped_in_groups + run.skipped
     print(f"facet pairs: {pairs}; skipped by boxes: {skipped}; tested: {run.tested}")
     if run.cycles is not None:
@@ -220,12 +202,13 @@ def _print_run(options: argparse.Namespace, pose: Pose, meshes: MeshPair, run: S
         )
     if not run.near_count:
         return
-    clearance = f"{float(options.clearance):g}"
     count = "at least 1" if options.mode == Mode.FIRST else run.near_count
+    clearance = f"{float(options.clearance):g}"
     print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
-    kind = "exact distance" if pose.exact else "distance as turned"
+    kind = "exact distance" if meshes.pose.exact else "distance as turned"
     for i, j in run.near[:_LISTED].tolist():
-        print(f"  facet {i} of A, facet {j} of B: {kind} {float(exact_distance(meshes, i, j)):g}")
+        distance = distance_of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.pose.move)
+        print(f"  facet {i} of A, facet {j} of B: {kind} {float(distance):g}")
     if len(run.near) > _LISTED:
         print(f"  .. and {len(run.near) - _LISTED} more")
 

@@ -23,156 +23,116 @@ class Answer(NamedTuple):
 
 
 class Command(NamedTuple):
-    """A command: its help, "module:function" that adds its arguments, exit codes 0 and 1, files by option.
+    """A command: its help, its module, what exit codes 0 and 1 mean, the files it writes by option.
 
-    The function sets as default ``run`` what runs the command.
+    The module's ``add_arguments``, or ``add_examples`` of ``scene examples``, adds its arguments, and sets as
+    default ``run`` what runs it.
     """
 
     about: str
-    target: str
+    module: str
     codes: tuple[str, ...] = ("passed", "failed")
     answers: Mapping[str, Answer] = {}
 
 
-_HERE, _VERIF, _BENCH = "triaxis.host.cli.", "triaxis.verif.commands.", "triaxis.bench.commands."
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
+_MESHES = "decide whether two STL meshes come within a clearance"
 
 COMMANDS = {
-    "check": Command(
-        "decide whether two STL meshes come within a clearance",
-        _HERE + "check:add_arguments",
-        ("clear", "near"),
-        _REPORT,
-    ),
+    "check": Command(_MESHES, "host.cli.check", ("clear", "near"), _REPORT),
     "path": Command(
-        "decide whether a tool stays clear of a workpiece along a G-code program",
-        _HERE + "path:add_arguments",
-        ("clear", "near"),
-        _REPORT | {"--picture": Answer(endings=(".png", ".svg"))},
+        "decide whether a tool stays clear of a workpiece along a G-code program", "host.cli.path",
+        ("clear", "near"), _REPORT | {"--picture": Answer(endings=(".png", ".svg"))},
     ),
     "verdict": Command(
-        "decide pairs of triangles from a .npy file",
-        _HERE + "verdict:add_arguments",
-        ("decided",),
-        {"--out": Answer()},
+        "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",), {"--out": Answer()}
     ),
-    "board check": Command(
-        "decide whether two STL meshes come within a clearance",
-        _HERE + "board:add_check",
-        ("clear", "near"),
-        _REPORT,
-    ),
-    "board status": Command("print what the board is, and its status", _HERE + "board:add_status", ("done",)),
-    "board simulate": Command(
-        "serve a simulated board at a pseudo-terminal", _HERE + "board:add_simulate", ("done",)
-    ),
+    "board check": Command(_MESHES, "host.cli.board", ("clear", "near"), _REPORT),
+    "board status": Command("print what the board is, and its status", "host.cli.board", ("done",)),
+    "board simulate": Command("serve a simulated board at a pseudo-terminal", "host.cli.board", ("done",)),
     "scene examples": Command(
-        "write example meshes: a tool and a vise with a workpiece, in several positions",
-        _HERE + "scene:add_examples",
+        "write example meshes: a tool and a vise with a workpiece, in several positions", "host.cli.scene",
         ("written",),
     ),
     "scene advise": Command(
-        "choose the coordinate width for meshes, a working volume and a clearance",
-        _HERE + "scene:add_advise",
-        ("a width is advised", "none fits"),
-        {"--json": Answer()},
+        "choose the coordinate width for meshes, a working volume and a clearance", "host.cli.scene",
+        ("a width is advised", "none fits"), {"--json": Answer()},
     ),
-    "sim": Command("run one test on the simulated core or mesh engine", _VERIF + "sim:add_arguments"),
-    "regress run": Command("run a regression on dvsim, or go on with it", _VERIF + "regress:add_run"),
-    "regress forget": Command(
-        "forget the seeds that failed before", _VERIF + "regress:add_forget", ("done",)
-    ),
+    "sim": Command("run one test on the simulated core or mesh engine", "verif.commands.sim"),
+    "regress run": Command("run a regression on dvsim, or go on with it", "verif.commands.regress"),
+    "regress forget": Command("forget the seeds that failed before", "verif.commands.regress", ("done",)),
     "regress shrink": Command(
-        "make failing pairs small, draw them, keep them as regression cases",
-        _VERIF + "regress:add_shrink",
+        "make failing pairs small, draw them, keep them as regression cases", "verif.commands.regress",
         ("shrunk", "no pair fails on the bare core"),
     ),
     "prove formal": Command(
-        "prove streams, axes, verdicts, widths, skipping and runs, for all inputs",
-        _VERIF + "prove:add_formal",
+        "prove streams, axes, verdicts, widths, skipping and runs, for all inputs", "verif.commands.prove",
         ("all hold", "one does not"),
     ),
     "prove exhaustive": Command(
-        "run every ordered pair of triangles on a small grid", _VERIF + "prove:add_exhaustive"
+        "run every ordered pair of triangles on a small grid", "verif.commands.prove"
     ),
     "prove faults": Command(
-        "put known faults into the design, and see each caught",
-        _VERIF + "prove:add_faults",
-        ("all caught", "not"),
+        "put known faults into the design, and see each caught", "verif.commands.prove", ("all caught", "not")
     ),
     "prove mutate": Command(
         "put small faults into dut/, and see each found out or proved to change nothing",
-        _VERIF + "prove:add_mutate",
-        ("every mutant killed or equivalent", "not"),
+        "verif.commands.prove", ("every mutant killed or equivalent", "not"),
     ),
     "coverage plan": Command(
-        "print the testplan and check that nothing is missing in it",
-        _VERIF + "coverage:add_plan",
+        "print the testplan and check that nothing is missing in it", "verif.commands.coverage",
         ("clean", "refused"),
     ),
     "coverage code": Command(
-        "measure line, branch, expression and toggle coverage of dut/",
-        _VERIF + "coverage:add_code",
+        "measure line, branch, expression and toggle coverage of dut/", "verif.commands.coverage",
         ("all covered", "not"),
     ),
     "coverage export": Command(
-        "write stored coverage as an lcov tracefile and as UCIS XML",
-        _VERIF + "coverage:add_export",
-        ("written",),
-        {"--lcov": Answer(), "--ucis": Answer()},
+        "write stored coverage as an lcov tracefile and as UCIS XML", "verif.commands.coverage",
+        ("written",), {"--lcov": Answer(), "--ucis": Answer()},
     ),
-    "signoff": Command("simulate, measure, prove, and give a verdict", _VERIF + "signoff:add_arguments"),
+    "signoff": Command("simulate, measure, prove, and give a verdict", "verif.commands.signoff"),
     "bench error": Command(
-        "measure run time against error, also of other packages",
-        _BENCH + "errors:add_error",
+        "measure run time against error, also of other packages", "bench.commands.errors",
         ("everything demanded is reached", "something is not"),
     ),
     "bench stress": Command(
-        "turn inputs from easy to impossible, and count wrong answers",
-        _BENCH + "errors:add_stress",
+        "turn inputs from easy to impossible, and count wrong answers", "bench.commands.errors",
         ("the core is right everywhere, and its no-miss mode within its band", "not"),
     ),
     "bench sim": Command(
-        "measure the speed of the simulations",
-        _BENCH + "costs:add_sim",
+        "measure the speed of the simulations", "bench.commands.costs",
         ("all ratios reach their bounds", "one does not"),
     ),
     "bench mesh": Command(
-        "count what whole scenes cost the mesh engine",
-        _BENCH + "costs:add_mesh",
+        "count what whole scenes cost the mesh engine", "bench.commands.costs",
         ("all bounds reached and all scenes right", "not"),
     ),
     "bench skipping": Command(
-        "measure what skipping saves, and compare it with other broad phases",
-        _BENCH + "costs:add_skipping",
+        "measure what skipping saves, and compare it with other broad phases", "bench.commands.costs",
         ("all bounds reached and all answers right", "not"),
     ),
     "fpga report": Command(
-        "synthesise for the XC7A100T and compare with its budget",
-        _VERIF + "fpga:add_report",
+        "synthesise for the XC7A100T and compare with its budget", "verif.commands.fpga",
         ("within the limits", "beyond one"),
     ),
     "fpga timing": Command(
-        "route the core on an ECP5: frequency and critical path",
-        _VERIF + "fpga:add_timing",
+        "route the core on an ECP5: frequency and critical path", "verif.commands.fpga",
         ("fast enough", "too slow"),
     ),
     "fpga activity": Command(
-        "count the toggles of all multipliers with and without operand gating",
-        _BENCH + "costs:add_activity",
+        "count the toggles of all multipliers with and without operand gating", "bench.commands.costs",
         ("gating saves what it must", "it does not"),
     ),
     "fpga gate": Command(
-        "say whether the stored sign-off allows a bitstream of this RTL",
-        _VERIF + "fpga:add_gate",
+        "say whether the stored sign-off allows a bitstream of this RTL", "verif.commands.fpga",
         ("allowed", "refused"),
     ),
     "fpga bitstream": Command(
-        "build the board's bitstream with Vivado, if the sign-off allows it",
-        _VERIF + "fpga:add_bitstream",
+        "build the board's bitstream with Vivado, if the sign-off allows it", "verif.commands.fpga",
         ("written", "refused: by the gate, or for timing, routing or critical warnings"),
     ),
-}
+}  # fmt: skip
 
 GROUPS = {
     "board": "the same on the board, over its serial port, or on a simulated one",
@@ -334,8 +294,8 @@ def _same(one: Path, other: Path) -> bool:
 
 def runner(name: str, words: list[str]) -> Callable[[], int]:
     """Import a command and parse its arguments; return what runs it."""
-    module, _, function = COMMANDS[name].target.partition(":")
     parser = _Parser(name, COMMANDS[name])
-    getattr(import_module(module), function)(parser)
+    module = import_module(f"triaxis.{COMMANDS[name].module}")
+    getattr(module, f"add_{name.partition(' ')[2] or 'arguments'}")(parser)
     options: Any = parser.parse_args(words)
     return lambda: options.run(options)

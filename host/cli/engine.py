@@ -32,18 +32,14 @@ def add_engine(parser: argparse.ArgumentParser) -> None:
 
 def add_port(parser: argparse.ArgumentParser, required: bool = True) -> None:
     """Add ``--port``."""
-    parser.add_argument(
-        "--port", required=required, metavar="DEV", help="the board's serial port, as /dev/ttyUSB1"
-    )
+    port = "the board's serial port, as /dev/ttyUSB1"
+    parser.add_argument("--port", required=required, metavar="DEV", help=port)
 
 
 def add_any_bitstream(parser: argparse.ArgumentParser) -> None:
     """Add ``--any-bitstream``."""
-    parser.add_argument(
-        "--any-bitstream",
-        action="store_true",
-        help="take a board whose bitstream was not built of this checkout, which is refused otherwise",
-    )
+    about_it = "take a board whose bitstream was not built of this checkout, which is refused otherwise"
+    parser.add_argument("--any-bitstream", action="store_true", help=about_it)
 
 
 def checkout_id() -> int:
@@ -62,11 +58,8 @@ def about(board: Description) -> str:
 def other_build(board: Description) -> str:
     """Return in words that the board was not built of this checkout; empty where it was."""
     ours = checkout_id()
-    return (
-        ""
-        if board.build == ours
-        else f"the board was built of {board.build:08x}, this checkout is {ours:08x}"
-    )
+    both = f"the board was built of {board.build:08x}, this checkout is {ours:08x}"
+    return "" if board.build == ours else both
 
 
 @contextmanager

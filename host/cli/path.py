@@ -8,23 +8,25 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import number
+from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
 from triaxis.host.cli.engine import about, add_engine, board_of, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, SceneEngine, scene_engine
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
-from triaxis.host.motion.path_check import NAMES, Effort, NearPose, PathResult, check_path
+from triaxis.host.motion.path_check import NAMES, Effort, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.program import read_program
-from triaxis.host.report import enclosure_entry, grid_entry, milliseconds, write_report
+from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
 _PLACES = 200
+
+_Profile = tuple[list[Clearance], Effort]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,39 +40,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "millimetres. A board that is asked says go at each clear pose, and stop at the end: no machine may "
         "take its output for the verdict on a path."
     )
-    parser.add_argument(
-        "tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in the tool's frame"
-    )
+    parser.add_argument("tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in its own frame")
     parser.add_argument(
         "work", type=Path, metavar="WORK.stl", help="workpiece and fixture, in the program's frame"
     )
     parser.add_argument("moves", type=Path, metavar="MOVES.nc", help="the program")
-    parser.add_argument(
-        "--start", nargs=3, type=number, metavar=("X", "Y", "Z"),
-        help="where the tool is before the first move; 0 0 0 is assumed, and said, where it is not given",
-    )  # fmt: skip
-    parser.add_argument(
-        "--clearance", type=number, default=Fraction(1, 2), metavar="C", help="wanted clearance (0.5)"
+    start = "where the tool is before the first move; 0 0 0 is assumed, and said, where it is not given"
+    step = (
+        f"longest piece of path on which a near pose ends the check ({_STEPS} R); a false alarm is less than "
+        "4 R + S/2 beyond the clearance"
     )
-    parser.add_argument(
-        "--resolution",
-        type=number,
-        default=Fraction(1, 1000),
-        metavar="R",
-        help="one step of the grid (0.001)",
-    )
-    parser.add_argument(
-        "--step", type=number, metavar="S",
-        help=f"longest piece of path on which a near pose ends the check ({_STEPS} R); a false alarm is less "
-        "than 4 R + S/2 beyond the clearance",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scale",
-        type=number,
-        default=Fraction(1),
-        metavar="MM",
-        help="millimetres per unit of the STL files (1)",
-    )
+    add_numbers(parser, "--start", "X Y Z", start)
+    add_numbers(parser, "--clearance", "C", "wanted clearance (0.5)", Fraction(1, 2))
+    add_numbers(parser, "--resolution", "R", "one step of the grid (0.001)", Fraction(1, 1000))
+    add_numbers(parser, "--step", "S", step)
+    add_numbers(parser, "--scale", "MM", "millimetres per unit of the STL files (1)", Fraction(1))
     parser.add_argument(
         "--width", type=int, metavar="W",
         help="coordinate bits of the engine, 8..32 (the smallest of 16, 24, 32 that holds everything)",
@@ -91,7 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check the path and print what was found."""
-    _check_options(options)
+    if options.width is not None:
+        check_width(options.width)
+    if options.profile is not None and options.profile < 2:
+        raise InputError(f"profile {options.profile}: must be at least 2 places")
     start = None if options.start is None else tuple(options.start)
     program = read_program(options.moves, start, options.block_delete)
     tool, work, names = read_stl(options.tool), read_stl(options.work), (str(options.tool), str(options.work))
@@ -106,14 +93,14 @@ def run(options: argparse.Namespace) -> int:
         with progress_bar("moves", len(program.moves)) as progress:
             asked = BoardEngine(board, scene.a, scene.b) if board else others
             result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
-    profile, profiling = _profile(options, scene, others)
+    profile = _profile(options, scene, others)
     if options.json is not None:
-        write_report(options.json, _report(scene, options, result, profile, profiling))
+        write_report(options.json, _report(scene, options, result, profile))
     if options.picture is not None:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
 
-        draw_path(options.picture, scene, result, profile)
+        draw_path(options.picture, scene, result, profile[0])
     _print_scene(options, scene)
     if board is not None:
         print(f"board: {about(board.description)}")
@@ -124,17 +111,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE if result.verdict == "clear" else NO
 
 
-def _check_options(options: argparse.Namespace) -> None:
-    """Raise InputError at what no later check names as well."""
-    if options.width is not None:
-        check_width(options.width)
-    if options.profile is not None and options.profile < 2:
-        raise InputError(f"profile {options.profile}: must be at least 2 places")
-
-
-def _profile(
-    options: argparse.Namespace, scene: PathScene, engine: SceneEngine
-) -> tuple[list[Clearance], Effort]:
+def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
     effort = Effort()
     count = options.profile or (_PLACES if options.picture is not None else 0)
     if not count:
@@ -144,15 +121,10 @@ def _profile(
 
 
 def _report(
-    scene: PathScene,
-    options: argparse.Namespace,
-    result: PathResult,
-    profile: list[Clearance],
-    profiling: Effort,
+    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile
 ) -> dict[str, Any]:
     """Return everything that is known of a checked path; lengths of the path in millimetres."""
     wanted, program = scene.wanted, scene.program
-    scale = wanted.scale
     return {
         "verdict": result.verdict,
         "program": {
@@ -166,28 +138,15 @@ def _report(
         "clearance": wanted.clearance,
         "step": wanted.step,
         "false_alarm_band": scene.band,
-        "millimetres_per_file_unit": scale,
+        "millimetres_per_file_unit": wanted.scale,
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": options.engine,
         **enclosure_entry(result.insides, options.surfaces_only),
-        "near": None if result.near is None else _near_entry(result.near),
+        "near": result.near,
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": profile,
-        "profile_effort": _effort_entry(profiling),
-    }
-
-
-def _near_entry(near: NearPose) -> dict[str, Any]:
-    return {
-        "line": near.line,
-        "move": near.move,
-        "part_of_move": near.along,
-        "position": near.position,
-        "margin": near.margin,
-        "facet_pairs": near.near_count,
-        "within_clearance_for_certain": near.certain,
-        "facets": near.facets,
+        "profile": profile[0],
+        "profile_effort": _effort_entry(profile[1]),
     }
 
 
@@ -195,14 +154,7 @@ def _effort_entry(effort: Effort) -> dict[str, Any]:
     """Return what the engine did, summed over poses; runs stopped at a near pair left pairs out."""
     return {
         "poses": effort.poses,
-        "group_pairs_skipped": effort.group_pairs_skipped,
-        "group_pairs_opened": effort.group_pairs_opened,
-        "pairs_skipped_in_groups": effort.skipped_in_groups,
-        "pairs_skipped_by_their_boxes": effort.skipped,
-        "pairs_tested": effort.tested,
-        "pairs_within_the_margins_asked": effort.near,
-        "cycles": effort.cycles,
-        "milliseconds_at_100_MHz": milliseconds(effort.cycles),
+        **counts_entry(effort, "pairs_within_the_margins_asked"),
         "most_cycles_of_a_pose": effort.most_cycles,
     }
 
@@ -247,18 +199,15 @@ def _print_verdict(scene: PathScene, result: PathResult) -> None:
         return
     for sentence in result.insides.told(NAMES)[:_LISTED]:
         print(f"NEAR: at the start {sentence}")
-    print(f"NEAR: line {near.line}: at {position_text(near)} the tool comes within {clearance}")
-    if not near.certain:
+    # To the tenth of a micrometre.
+    place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip("XYZ", near.position, strict=True))
+    print(f"NEAR: line {near.line}: at {place} the tool comes within {clearance}")
+    if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")
     for found in near.facets[:_LISTED]:
         print(
             f"  facet {found.tool_facet} of the tool, facet {found.work_facet} of the workpiece: exact "
             f"distance {float(found.distance):g}"
         )
-    if near.near_count > _LISTED:
-        print(f"  .. and {near.near_count - _LISTED} more")
-
-
-def position_text(near: NearPose) -> str:
-    """Return a position as words of G-code, to the tenth of a micrometre."""
-    return " ".join(f"{axis}{float(c):.4f}" for axis, c in zip("XYZ", near.position, strict=True))
+    if near.facet_pairs > _LISTED:
+        print(f"  .. and {near.facet_pairs - _LISTED} more")

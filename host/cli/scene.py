@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,23 +12,25 @@ from rich.table import Table
 from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T
 from triaxis.fpga.dsp_count import DspCounts
 from triaxis.golden.errors import InputError
-from triaxis.host.advice.choosing import Advice, advice_report, advise, all_rows
+from triaxis.host.advice.choosing import Advice, advice_report, advise
 from triaxis.host.advice.measuring import Measured, integers, positions_of, translation
 from triaxis.host.advice.wanted import AdviceScene, NamedMesh, Wanted, advice_scene
 from triaxis.host.advice.widths import (
+    WIDTHS,
     Board,
     EngineShape,
     WidthRow,
     known_resources,
     length,
     synthesised_resources,
+    width_row,
     with_resources,
 )
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import number, positive
+from triaxis.host.cli.arguments import add_numbers, number, positive
 from triaxis.host.cli.terminal import progress_bar, table
-from triaxis.host.engines import BULK, RTL
-from triaxis.host.quantise import Box, Steps, Vector
+from triaxis.host.engines import BULK, RTL, MeshEngineScene
+from triaxis.host.quantise import NOWHERE, Box, Steps, Vector, check_clearance, check_scale, vector
 from triaxis.host.report import milliseconds, write_report
 from triaxis.host.scenes import write_scenes
 from triaxis.host.stl import read_stl
@@ -64,29 +67,19 @@ def add_advise(parser: argparse.ArgumentParser) -> None:
         "scene", type=Path, nargs="+", metavar="SCENE.stl",
         help="two or more binary or ASCII STL files in one frame; the first one moves",
     )  # fmt: skip
+    band = "false alarms at most so far beyond the clearance (a tenth of it)"
+    volume = "working volume (the boxes of the meshes over the travel)"
     parser.add_argument(
         "--clearance", type=number, required=True, metavar="C", help="wanted clearance; 0 is touching"
     )
-    parser.add_argument(
-        "--band", type=number, metavar="B",
-        help="false alarms at most so far beyond the clearance (a tenth of it)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scale", type=number, default=Fraction(1), metavar="MM",
-        help="millimetres per unit of the STL files (1)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--move", nargs=3, type=number, default=(Fraction(0),) * 3, metavar=("X", "Y", "Z"),
-        help="move the first mesh (0 0 0)",
-    )  # fmt: skip
+    add_numbers(parser, "--band", "B", band)
+    add_numbers(parser, "--scale", "MM", "millimetres per unit of the STL files (1)", Fraction(1))
+    add_numbers(parser, "--move", "X Y Z", "move the first mesh (0 0 0)", NOWHERE)
     parser.add_argument(
         "--travel", nargs=3, action="append", default=[], metavar=("AXIS", "FROM", "TO"),
         help="it goes from there by FROM to TO along x, y or z; again for other axes (it stays)",
     )  # fmt: skip
-    parser.add_argument(
-        "--volume", nargs=6, type=number, metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
-        help="working volume (the boxes of the meshes over the travel)",
-    )  # fmt: skip
+    add_numbers(parser, "--volume", "X0 Y0 Z0 X1 Y1 Z1", volume)
     parser.add_argument(
         "--positions", type=positive, default=_POSITIONS, metavar="N",
         help=f"positions of the travel at which the scene is measured ({_POSITIONS})",
@@ -132,7 +125,7 @@ def _advise(options: argparse.Namespace) -> int:
     def count_blocks(width: int, margin_bits: int, shape: EngineShape) -> int:
         return counts.board(width, margin_bits, shape.depth, shape.group, shape.lanes).dsps
 
-    rows = all_rows(scene, wanted, options.steps, board, count_blocks)
+    rows = [width_row(scene, wanted, width, options.steps, board, count_blocks) for width in WIDTHS]
     rows = [with_resources(row, known_resources(row)) if row.meets else row for row in rows]
     if options.synthesise:
         rows = _synthesised(rows)
@@ -164,10 +157,8 @@ def _synthesised(rows: list[WidthRow]) -> list[WidthRow]:
 
 def _wanted(options: argparse.Namespace) -> Wanted:
     clearance, scale = options.clearance, options.scale
-    if scale <= 0:
-        raise InputError(f"scale {float(scale):g}: must be positive, in millimetres per unit")
-    if clearance < 0:
-        raise InputError(f"clearance {float(clearance):g}: must not be negative")
+    check_scale(scale)
+    check_clearance(clearance)
     if options.band is None and clearance == 0:
         raise InputError("band: a clearance of 0 gives none: say with --band how far off false alarms may be")
     band = clearance / 10 if options.band is None else options.band
@@ -177,12 +168,9 @@ def _wanted(options: argparse.Namespace) -> Wanted:
 
 
 def _board(options: argparse.Namespace) -> Board:
-    group = SIGNED_OFF.group
+    group, lanes, bits = SIGNED_OFF.group, options.lanes, options.margin_bits
     # The engine's own limits, said as it says them.
-    lanes, bits = options.lanes, options.margin_bits
-    MeshConfiguration(
-        width=32, margin_bits=32 if bits is None else bits, depth=options.depth, group=group, lanes=lanes or 1
-    )
+    MeshConfiguration(32, 32 if bits is None else bits, options.depth, group, lanes or 1)
     if lanes is not None and lanes < 1:
         raise InputError(f"lanes {lanes}: must be a power of two")
     if options.depth > 32768:
@@ -196,51 +184,36 @@ def _scene(options: argparse.Namespace) -> AdviceScene:
     volume: Box | None = None
     if options.volume is not None:
         numbers = [c / scale for c in options.volume]
-        volume = _vector(numbers[:3]), _vector(numbers[3:])
+        volume = vector(numbers[:3]), vector(numbers[3:])
         if any(a >= b for a, b in zip(*volume, strict=True)):
             raise InputError("volume: X0 Y0 Z0 must be below X1 Y1 Z1")
-    move = _vector([c / scale for c in options.move])
+    move = vector([c / scale for c in options.move])
     return advice_scene(meshes, move, _travel(options.travel, scale), volume)
 
 
 def _travel(words: list[list[str]], scale: Fraction) -> Box:
-    """Return the offsets of all --travel; raise InputError where one is none."""
     low, high = [Fraction(0)] * 3, [Fraction(0)] * 3
     seen: set[str] = set()
-    for axis, first, last in words:
+    for axis, *ends in words:
         name = axis.lower()
-        if name not in ("x", "y", "z") or name in seen:
+        if name not in tuple("xyz") or name in seen:
             raise InputError(f"--travel {axis:.40}: must be x, y or z, each once, then from and to")
         seen.add(name)
         try:
-            ends = sorted(number(end) / scale for end in (first, last))
+            low["xyz".index(name)], high["xyz".index(name)] = sorted(number(end) / scale for end in ends)
         except argparse.ArgumentTypeError as error:
             raise InputError(f"--travel {axis} {error}") from error
-        low["xyz".index(name)], high["xyz".index(name)] = ends
-    return _vector(low), _vector(high)
-
-
-def _vector(numbers: list[Fraction]) -> Vector:
-    x, y, z = numbers
-    return x, y, z
+    return vector(low), vector(high)
 
 
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:
     """Return the cycles of the simulated engine at a position, against all other meshes."""
-    from triaxis.host.engines import MeshEngineScene
-
-    configuration = MeshConfiguration(
-        width=row.width,
-        margin_bits=row.margin_bits or 0,
-        depth=row.shape.depth,
-        group=row.shape.group,
-        lanes=row.shape.lanes,
+    configuration = MeshConfiguration(width=row.width, margin_bits=row.margin_bits or 0, **asdict(row.shape))
+    a, *others = (integers(scene, row, place) for place in range(len(scene.meshes)))
+    runs = (
+        MeshEngineScene(a, b, configuration).run(translation(row, offset), row.margin or 0) for b in others
     )
-    a, total = integers(scene, row, 0), 0
-    for place in range(1, len(scene.meshes)):
-        engine = MeshEngineScene(a, integers(scene, row, place), configuration)
-        total += engine.run(translation(row, offset), row.margin or 0).cycles or 0
-    return total
+    return sum(run.cycles or 0 for run in runs)
 
 
 def _print(scene: AdviceScene, wanted: Wanted, advice: Advice, cycles: int | None) -> None:
@@ -278,23 +251,17 @@ def _exactly(value: Fraction) -> str:
     return text
 
 
+_HEADINGS = (
+    "W", "resolution mm", "margin", "M", "band mm", "false alarms", "of tested", "DSPs", "lanes", "ms"
+)  # fmt: skip
+
+
 def _table(wanted: Wanted, advice: Advice) -> Table:
-    headings = (
-        "W",
-        "resolution mm",
-        "margin",
-        "M",
-        "band mm",
-        "false alarms",
-        "of tested",
-        "DSPs",
-        "lanes",
-        "ms",
-    )
-    made = table(None, headings, text=0)
+    made = table(None, _HEADINGS, text=0)
     made.add_column("", overflow="fold")
     for row, measured in zip(advice.rows, advice.measured, strict=True):
-        made.add_row(*_cells(wanted, row, measured), _remark(advice, row))
+        remark = "advised" if row is advice.chosen else "; ".join(row.problems)
+        made.add_row(*_cells(wanted, row, measured), remark)
     return made
 
 
@@ -311,9 +278,3 @@ def _cells(wanted: Wanted, row: WidthRow, measured: Measured | None) -> list[str
         str(row.shape.lanes),
         "-" if measured is None else f"{milliseconds(measured.most_cycles):.3g}",
     ]
-
-
-def _remark(advice: Advice, row: WidthRow) -> str:
-    if row is advice.chosen:
-        return "advised"
-    return "; ".join(row.problems)

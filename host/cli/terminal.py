@@ -12,12 +12,7 @@ from rich.table import Table
 def progress_bar(title: str, total: int) -> Iterator[Callable[[int], None]]:
     """Show a bar on stderr, on a terminal only; the block calls what it is given with each step's size."""
     console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(title, total=total)
         yield lambda step: bar.advance(task, step)

@@ -6,7 +6,6 @@ that was asked for, and complete: one that left pairs out cannot pass for clear.
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
-from enum import Enum
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +21,7 @@ from triaxis.host.link.messages import (
     RunRequest,
     State,
     Status,
-)
+)  # fmt: skip
 
 _FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED)
 # Ends of which the engine counts every pair that it was given.
@@ -72,16 +71,8 @@ def check_status(status: Status, group: int) -> None:
 
 
 def _check_unfinished(status: Status) -> None:
-    none = replace(
-        status,
-        end=RunEnd.NONE,
-        cycles=0,
-        groups_skipped=0,
-        groups_opened=0,
-        pairs_skipped=0,
-        tested=0,
-        near=0,
-    )
+    counters = ("cycles", "groups_skipped", "groups_opened", "pairs_skipped", "tested", "near")
+    none = replace(status, end=RunEnd.NONE, **dict.fromkeys(counters, 0))
     if status.state == State.IDLE:
         none = replace(none, run=0, mode=0, x=0, y=0, z=0, margin=0)
     if status != none:
@@ -184,15 +175,8 @@ class BoardRun:
     near: npt.NDArray[np.int64]
 
 
-class Verdict(Enum):
-    """Whether any pair is within the margin."""
-
-    CLEAR = "clear"
-    NEAR = "near"
-
-
-def audit(run: BoardRun) -> Verdict:
-    """Return the verdict of a run whose status does not contradict itself; LinkError where there is none."""
+def audit(run: BoardRun) -> None:
+    """Raise LinkError where a run, whose status does not contradict itself, is not what was asked for."""
     status, request = run.status, run.request
     must_be("state", status.state, State.DONE)
     must_be("run number", status.run, run.number)
@@ -207,4 +191,3 @@ def audit(run: BoardRun) -> Verdict:
         raise contradiction("a near pair of triangles that were not loaded")
     if len(np.unique(run.near, axis=0)) != len(run.near):
         raise contradiction("a near pair twice")
-    return Verdict.NEAR if status.near else Verdict.CLEAR

@@ -1,11 +1,11 @@
 """The board as an object: each method is one command, checked to have been done."""
 
-from collections.abc import Callable
 from typing import Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.host.engines import Progress, unwatched
 from triaxis.host.link.audit import BoardRun, check_description, check_later, check_results, check_status
 from triaxis.host.link.exchange import Exchange, Line, LinkError, SessionLostError
 from triaxis.host.link.messages import (
@@ -27,7 +27,7 @@ from triaxis.host.link.messages import (
     once,
     pack_triangles,
     triangles_per_load,
-)
+)  # fmt: skip
 from triaxis.host.link.wire import LayoutError, Record
 
 # A dead master's board is free once its watchdog has expired.
@@ -101,9 +101,7 @@ class Board:
         check_description(self.description)
         return self.description
 
-    def load(
-        self, mesh: Mesh, triangles: npt.NDArray[np.int64], progress: Callable[[int], None] | None = None
-    ) -> None:
+    def load(self, mesh: Mesh, triangles: npt.NDArray[np.int64], progress: Progress = unwatched) -> None:
         """Replace a mesh by triangles (N, 3, 3), N at least 1; ``progress`` is told of each step's size."""
         limit, width = self.description.depth, self.description.width
         if not 1 <= len(triangles) <= limit:
@@ -114,8 +112,7 @@ class Board:
             head = LoadHead(mesh, first, len(some))
             loaded = self._ask(Command.LOAD, Loaded, head.pack() + pack_triangles(some, width))
             self._expect("triangles loaded", loaded.count, first + len(some))
-            if progress:
-                progress(len(some))
+            progress(len(some))
         self._counts[mesh] = len(triangles)
 
     def move(self, pose: Pose) -> None:
@@ -123,7 +120,7 @@ class Board:
         self._expect("pose", self._ask(Command.MOVE, Pose, pose), pose)
         self._pose = pose
 
-    def run(self, mode: Mode, margin: int, progress: Callable[[int], None] | None = None) -> BoardRun:
+    def run(self, mode: Mode, margin: int, progress: Progress = unwatched) -> BoardRun:
         """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back."""
         request = RunRequest(mode, margin, *self._counts)
         number = self._ask(Command.RUN, RunNumber, request).number
@@ -136,8 +133,7 @@ class Board:
             raise
         return BoardRun(request, self._pose, number, status, near)
 
-    def _results(self, progress: Callable[[int], None] | None) -> tuple[Status, npt.NDArray[np.int64]]:
-        """Return the status of the end and all near pairs."""
+    def _results(self, progress: Progress) -> tuple[Status, npt.NDArray[np.int64]]:
         parts = [np.empty((0, 2), np.int64)]
         count = 0
         silence = _SILENT_SECONDS + _SECONDS_PER_PAIR * self._counts[0] * self._counts[1]
@@ -150,8 +146,7 @@ class Board:
                 deadline = self._line.now() + silence
                 parts.append(results.near)
                 count += len(results.near)
-                if progress:
-                    progress(len(results.near))
+                progress(len(results.near))
             elif results.status.state != State.RUNNING:
                 return results.status, np.concatenate(parts)
             if self._line.now() > deadline:
@@ -163,7 +158,7 @@ class Board:
 
     def status(self) -> Status:
         """Return the board's status; this also keeps the link alive."""
-        return self._checked(self._ask(Command.STATUS, Status))
+        return self._status(Command.STATUS)
 
     def still(self, run: Status) -> Status:
         """Return the status again of a run that has ended so; raises LinkError where it is another."""
@@ -173,9 +168,10 @@ class Board:
 
     def abort(self) -> Status:
         """End a run that goes on; return the board's status."""
-        return self._checked(self._ask(Command.ABORT, Status))
+        return self._status(Command.ABORT)
 
-    def _checked(self, status: Status) -> Status:
+    def _status(self, command: Command) -> Status:
+        status = self._ask(command, Status)
         check_status(status, self.description.group)
         return status
 

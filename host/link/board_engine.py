@@ -1,32 +1,18 @@
 """The board as an engine: two meshes, from facets in the files' order to near pairs in the same."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
-import numpy.typing as npt
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.broadphase import spatial_order
-from triaxis.host.engines import SceneRun, Translation
-from triaxis.host.link.audit import BoardRun, Verdict, audit
+from triaxis.host.engines import Integers, Progress, SceneRun, Translation, unwatched
+from triaxis.host.link.audit import BoardRun, audit
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
 from triaxis.host.link.messages import Mesh, Mode, Pose, RunEnd, Status
+from triaxis.host.scene import in_order
 
 # Frames that come late may undo a session; so many in a row are no accident.
 _ATTEMPTS = 3
-
-Integers = npt.NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class BoardCheck:
-    """A verdict, and the audited status behind it. ``near``: facet numbers (i of A, j of B), sorted."""
-
-    verdict: Verdict
-    status: Status
-    near: Integers
 
 
 class BoardEngine:
@@ -38,12 +24,7 @@ class BoardEngine:
     status: Status
 
     def __init__(
-        self,
-        board: Board,
-        a: Integers,
-        b: Integers,
-        mode: Mode = Mode.ALL,
-        progress: Callable[[int], None] | None = None,
+        self, board: Board, a: Integers, b: Integers, mode: Mode = Mode.ALL, progress: Progress = unwatched
     ) -> None:
         """Take facets (N, 3, 3) on the board's grid, which are loaded when they are first asked about.
 
@@ -56,50 +37,39 @@ class BoardEngine:
         self._loaded = False
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
-        """Decide all pairs, or go on to the first near one only; raises LinkError as `check` does."""
-        found = self.check(Pose(*translation), margin, Mode.FIRST if stop_at_first else self._mode)
-        status = self.status = found.status
-        opened = status.pairs_skipped + status.tested
-        return SceneRun(
-            # What a run that stopped early has left out was not skipped.
-            len(self._a) * len(self._b) - opened if status.end == RunEnd.COMPLETE else 0,
-            status.pairs_skipped,
-            status.tested,
-            status.near,
-            found.near,
-            status.groups_skipped,
-            status.groups_opened,
-            status.cycles,
-        )
-
-    def check(self, pose: Pose, margin: int, mode: Mode) -> BoardCheck:
-        """Decide A, moved by ``pose``, against B.
+        """Decide all pairs, or go on to the first near one only.
 
         Raises LinkError where the meshes do not fit the board, or no verdict can be had.
         """
+        pose, mode = Pose(*translation), Mode.FIRST if stop_at_first else self._mode
         self._check_fit(pose, margin)
         run = self._run(pose, margin, mode)
-        verdict = audit(run)
-        near = np.stack([self._order_a[run.near[:, 0]], self._order_b[run.near[:, 1]]], 1)
-        return BoardCheck(verdict, run.status, near[np.lexsort((near[:, 1], near[:, 0]))])
+        audit(run)
+        status = self.status = run.status
+        opened = status.pairs_skipped + status.tested
+        near = in_order(np.stack([self._order_a[run.near[:, 0]], self._order_b[run.near[:, 1]]], 1))
+        return SceneRun(
+            # What a run that stopped early has left out was not skipped.
+            len(self._a) * len(self._b) - opened if status.end == RunEnd.COMPLETE else 0,
+            status.pairs_skipped, status.tested, status.near, status.groups_skipped, status.groups_opened,
+            status.cycles, near,
+        )  # fmt: skip
 
-    def _run(self, pose: Pose, margin: int, mode: Mode) -> BoardRun:
+    def _run(self, pose: Pose, margin: int, mode: Mode, attempts: int = _ATTEMPTS) -> BoardRun:
         """Load and run, in a new session where the first one or two were lost."""
-        attempt = 1
-        while True:
-            try:
-                if not self._loaded:
-                    self._board.load(Mesh.A, self._a[self._order_a], self._progress)
-                    self._board.load(Mesh.B, self._b[self._order_b], self._progress)
-                self._loaded = True
-                self._board.move(pose)
-                return self._board.run(mode, margin)
-            except SessionLostError:
-                self._loaded = False
-                if attempt == _ATTEMPTS:
-                    raise
-            attempt += 1
-            self._board.hello()
+        try:
+            if not self._loaded:
+                self._board.load(Mesh.A, self._a[self._order_a], self._progress)
+                self._board.load(Mesh.B, self._b[self._order_b], self._progress)
+            self._loaded = True
+            self._board.move(pose)
+            return self._board.run(mode, margin)
+        except SessionLostError:
+            self._loaded = False
+            if attempts == 1:
+                raise
+        self._board.hello()
+        return self._run(pose, margin, mode, attempts - 1)
 
     def _check_fit(self, pose: Pose, margin: int) -> None:
         """Raise LinkError where the board is too small for the meshes, the margin or the move."""

@@ -8,12 +8,13 @@ import errno
 import secrets
 import termios
 import time
+from collections.abc import Iterator
 from typing import Protocol
 
 import serial
 
 from triaxis.golden.errors import InputError
-from triaxis.host.link.messages import REPLY, Code, Command, Reply, RequestHead
+from triaxis.host.link.messages import REPLY, Code, Command, Reply, ReplyHead, RequestHead
 from triaxis.host.link.wire import Deframer, LayoutError, Record, encode
 
 
@@ -40,7 +41,6 @@ class Line(Protocol):
 
     def send(self, data: bytes) -> None:
         """Send bytes; raises LinkError where the line is gone."""
-        ...
 
     def receive(self, seconds: float) -> bytes:
         """Return what has come, waiting for the first byte at most so long; raises LinkError likewise."""
@@ -48,7 +48,6 @@ class Line(Protocol):
 
     def drop_input(self) -> None:
         """Forget what has come."""
-        ...
 
     def now(self) -> float:
         """Return the time in seconds since some moment."""
@@ -56,22 +55,20 @@ class Line(Protocol):
 
     def wait(self, seconds: float) -> None:
         """Let time go by."""
-        ...
 
     def close(self) -> None:
         """End the use of the line."""
-        ...
 
 
 class SerialLine:
     """A serial port of this machine, for us alone."""
 
-    def __init__(self, name: str, baud: int = BAUD) -> None:
+    def __init__(self, name: str) -> None:
         """Open the port; raises LinkError where it is missing, forbidden, or in use."""
         self.name = name
         try:
             self._port = serial.Serial(
-                name, baud, timeout=_SLICE_SECONDS, write_timeout=_WRITE_SECONDS, exclusive=True
+                name, BAUD, timeout=_SLICE_SECONDS, write_timeout=_WRITE_SECONDS, exclusive=True
             )
         except (*_TROUBLE, ValueError) as error:
             raise LinkError(f"{name}: {_why_not_open(error)}") from error
@@ -81,30 +78,25 @@ class SerialLine:
 
     def send(self, data: bytes) -> None:
         """Send bytes; raises LinkError where the port is gone or takes none."""
-        try:
-            self._port.write(data)
-        except serial.SerialTimeoutException as error:
-            raise LinkError(f"{self.name}: takes no bytes: check the cable; verdict unknown") from error
-        except _TROUBLE as error:
-            raise self._gone() from error
+        with self._there():
+            try:
+                self._port.write(data)
+            except serial.SerialTimeoutException as error:
+                raise LinkError(f"{self.name}: takes no bytes: check the cable; verdict unknown") from error
 
     def receive(self, seconds: float) -> bytes:
         """Return what has come, waiting for the first byte at most so long."""
         deadline = self.now() + seconds
-        try:
+        with self._there():
             data = self._port.read(1)
             while not data and self.now() < deadline:
                 data = self._port.read(1)
             return data + self._port.read(self._port.in_waiting) if data else data
-        except _TROUBLE as error:
-            raise self._gone() from error
 
     def drop_input(self) -> None:
         """Forget what has come."""
-        try:
+        with self._there():
             self._port.reset_input_buffer()
-        except _TROUBLE as error:
-            raise self._gone() from error
 
     def now(self) -> float:
         """Return the time in seconds since some moment."""
@@ -118,25 +110,30 @@ class SerialLine:
         """Close the port, whatever state it is in."""
         self._port.close()
 
-    def _gone(self) -> LinkError:
-        return LinkError(
-            f"{self.name}: the port is gone: plug the board in again and repeat; verdict unknown"
-        )
+    @contextlib.contextmanager
+    def _there(self) -> Iterator[None]:
+        try:
+            yield
+        except _TROUBLE as error:
+            raise LinkError(
+                f"{self.name}: the port is gone: plug the board in again and repeat; verdict unknown"
+            ) from error
+
+
+_WHY_NOT_OPEN = {
+    **dict.fromkeys(
+        (errno.ENOENT, errno.ENODEV), "no such port: plug the board in, or see /dev/ttyUSB* for its name"
+    ),
+    errno.EACCES: "no permission: join the port's group (Debian: adduser USER dialout) and log in again",
+    **dict.fromkeys((errno.EBUSY, errno.EAGAIN), "port in use: end the other program"),
+    errno.EIO: "the port does not answer: plug the board in again",
+}
 
 
 def _why_not_open(error: Exception) -> str:
     number = error.errno if isinstance(error, OSError) else None
-    reasons = {
-        errno.ENOENT: "no such port: plug the board in, or see /dev/ttyUSB* for its name",
-        errno.ENODEV: "no such port: plug the board in, or see /dev/ttyUSB* for its name",
-        errno.EACCES: "no permission: join the port's group (Debian: adduser USER dialout) and log in again",
-        errno.EBUSY: "port in use: end the other program",
-        errno.EAGAIN: "port in use: end the other program",
-        errno.EIO: "the port does not answer: plug the board in again",
-    }
-    if number in reasons:
-        return reasons[number]
-    return f"cannot be used as a serial port: {str(error) or type(error).__name__}"
+    other = f"cannot be used as a serial port: {str(error) or type(error).__name__}"
+    return _WHY_NOT_OPEN.get(number or 0, other)
 
 
 # The first is well above what a USB bridge takes (16 ms), and half of the board's watchdog time.
@@ -170,7 +167,7 @@ class Exchange:
         self._sequence = (self._sequence + 1) % 2**32
         return encode(RequestHead(command, self._sequence, self._session).pack() + payload)
 
-    def ask(self, command: Command, request: Record | bytes = b"", tries: int = _TRIES) -> Reply:
+    def ask(self, command: Command, request: Record | bytes = b"") -> Reply:
         """Return the reply, whatever its code; raises LinkError where none comes."""
         payload = request.pack() if isinstance(request, Record) else request
         frame = self.next_frame(command, payload)
@@ -178,7 +175,7 @@ class Exchange:
         self._line.drop_input()
         self._deframer.clear()
         begin, seconds = self._line.now(), self._patience
-        for _ in range(tries):
+        for _ in range(_TRIES):
             reply = self.send(command, frame, seconds)
             if reply:
                 # A board in a simulation takes longer.
@@ -204,7 +201,7 @@ class Exchange:
 
     def _reply_to(self, command: Command, body: bytes) -> Reply | None:
         try:
-            reply = Reply.read(body)
+            reply = Reply(*ReplyHead.split(body))
         except LayoutError:
             return None
         head = reply.head

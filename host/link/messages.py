@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -14,67 +14,20 @@ PROTOCOL = 3
 REPLY = 0x80
 
 
-class Command(IntEnum):
-    """What the host may ask for."""
-
-    HELLO = 1
-    LOAD = 2
-    MOVE = 3
-    RUN = 4
-    RESULTS = 5
-    STATUS = 6
-    ABORT = 7
-
-
-class Code(IntEnum):
-    """What the board says to it."""
-
-    OK = 0
-    UNKNOWN_COMMAND = 1
-    BAD_LENGTH = 2
-    OTHER_SESSION = 3
-    BAD_SEQUENCE = 4
-    BUSY = 5
-    BAD_VALUE = 6
-    OUT_OF_PLACE = 7
-    COUNTS_DIFFER = 8
-    EMPTY_MESH = 9
-    OVERFULL = 10
-
-
-class Mesh(IntEnum):
-    """The board's two memories."""
-
-    A = 0
-    B = 1
-
-
-class Mode(IntEnum):
-    """What a run looks for."""
-
-    FIRST = 0
-    ALL = 1
-    COUNT = 2
-
-
-class State(IntEnum):
-    """Where the board's last run stands."""
-
-    IDLE = 0
-    RUNNING = 1
-    DONE = 2
-
-
-class RunEnd(IntEnum):
-    """How the engine ended a run."""
-
-    NONE = 0
-    COMPLETE = 1
-    FIRST = 2
-    ABORTED = 3
-    OVERFLOW = 4
-    OVERFULL = 5
-    BAD_MODE = 6
+# What the host may ask for, and what the board says to it.
+Command = IntEnum("Command", "HELLO LOAD MOVE RUN RESULTS STATUS ABORT", start=1)
+Code = IntEnum(
+    "Code",
+    ("OK", "UNKNOWN_COMMAND", "BAD_LENGTH", "OTHER_SESSION", "BAD_SEQUENCE", "BUSY", "BAD_VALUE",
+     "OUT_OF_PLACE", "COUNTS_DIFFER", "EMPTY_MESH", "OVERFULL"),
+    start=0,
+)  # fmt: skip
+# The board's two memories.
+Mesh = IntEnum("Mesh", "A B", start=0)
+# What a run looks for; where the last one stands; how the engine ended it.
+Mode = IntEnum("Mode", "FIRST ALL COUNT", start=0)
+State = IntEnum("State", "IDLE RUNNING DONE", start=0)
+RunEnd = IntEnum("RunEnd", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE", start=0)
 
 
 class Flag(IntFlag):
@@ -88,7 +41,6 @@ class Flag(IntFlag):
 MOST_TRIANGLES, MOST_NEAR = 12, 32
 
 
-@dataclass(frozen=True)
 class RequestHead(Record):
     """The beginning of every request."""
 
@@ -97,17 +49,12 @@ class RequestHead(Record):
     session: U32
 
 
-@dataclass(frozen=True)
-class ReplyHead(Record):
+class ReplyHead(RequestHead):
     """The beginning of every reply; sequence and session are those of the request."""
 
-    command: U8
-    sequence: U32
-    session: U32
     code: U8
 
 
-@dataclass(frozen=True)
 class Description(Record):
     """What the board is: the answer to HELLO."""
 
@@ -121,7 +68,6 @@ class Description(Record):
     watchdog_ms: U16
 
 
-@dataclass(frozen=True)
 class LoadHead(Record):
     """The beginning of LOAD; ``count`` triangles follow, see `pack_triangles`."""
 
@@ -130,14 +76,12 @@ class LoadHead(Record):
     count: U8
 
 
-@dataclass(frozen=True)
 class Loaded(Record):
     """How many triangles the mesh holds: the answer to LOAD."""
 
     count: U16
 
 
-@dataclass(frozen=True)
 class Pose(Record):
     """Where A stands, in steps of the grid: MOVE and its answer."""
 
@@ -146,7 +90,6 @@ class Pose(Record):
     z: I32
 
 
-@dataclass(frozen=True)
 class RunRequest(Record):
     """RUN: the counts must be those that the board holds."""
 
@@ -156,21 +99,18 @@ class RunRequest(Record):
     count_b: U16
 
 
-@dataclass(frozen=True)
 class RunNumber(Record):
     """Which run has begun: the answer to RUN. The first after HELLO is 1; 255 is followed by 0."""
 
     number: U8
 
 
-@dataclass(frozen=True)
 class ResultsRequest(Record):
     """RESULTS: near pairs before ``start`` may be forgotten."""
 
     start: U32
 
 
-@dataclass(frozen=True)
 class Status(Record):
     """The status block. ``end`` and all after the flags but the last three are of the last finished run."""
 
@@ -194,7 +134,6 @@ class Status(Record):
     count_b: U16
 
 
-@dataclass(frozen=True)
 class ResultsHead(Record):
     """What follows the status in the answer to RESULTS; ``count`` pairs of U16 follow."""
 
@@ -215,17 +154,11 @@ def once(payload: bytes) -> bytes:
     return record
 
 
-@dataclass(frozen=True)
-class Reply:
+class Reply(NamedTuple):
     """A reply whose CRC was right."""
 
     head: ReplyHead
     payload: bytes
-
-    @classmethod
-    def read(cls, body: bytes) -> Self:
-        """Read a body; raises LayoutError where it is too short."""
-        return cls(*ReplyHead.split(body))
 
 
 @dataclass(frozen=True)
@@ -271,15 +204,3 @@ def pack_triangles(triangles: npt.NDArray[np.int64], width: int) -> bytes:
     """
     words = np.ascontiguousarray(triangles, "<i8").reshape(-1, 9, 1).view(np.uint8)
     return words[:, :, : coordinate_bytes(width)].tobytes()
-
-
-def unpack_triangles(data: bytes, width: int) -> npt.NDArray[np.int64]:
-    """Return the triangles (N, 3, 3) of some bytes; raises LayoutError where the length is wrong."""
-    size = coordinate_bytes(width)
-    if len(data) % (9 * size):
-        raise LayoutError(f"{len(data)} bytes: triangles have {9 * size}")
-    low = np.frombuffer(data, np.uint8).reshape(-1, 9, size)
-    words = np.zeros((len(low), 9, 8), np.uint8)
-    # The shift back extends the sign.
-    words[:, :, 8 - size :] = low
-    return (words.view("<i8") >> (8 * (8 - size))).astype(np.int64).reshape(-1, 3, 3)

@@ -7,9 +7,9 @@ fields and their types say all of it. Numbers are little endian, without gaps.
 
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
-from typing import Annotated, Self, get_type_hints
+from typing import Annotated, Self, dataclass_transform, get_type_hints
 
 END, ESC, ESC_END, ESC_ESC = 0xC0, 0xDB, 0xDC, 0xDD
 # Unstuffed, with the CRC: what the board can hold.
@@ -74,24 +74,19 @@ class LayoutError(ValueError):
 
 
 @cache
-def _codes(record: type) -> tuple[str, ...]:
+def _layout(record: "type[Record]") -> struct.Struct:
     hints = get_type_hints(record, include_extras=True)
-    return tuple(hints[name].__metadata__[0] for name in record.__dataclass_fields__)
+    return struct.Struct("<" + "".join(hints[field.name].__metadata__[0] for field in fields(record)))
 
 
-@cache
-def _layout(record: type) -> struct.Struct:
-    return struct.Struct("<" + "".join(_codes(record)))
-
-
-def field_sizes(record: type) -> list[int]:
-    """Return the bytes of each field of a record type."""
-    return [struct.calcsize(code) for code in _codes(record)]
-
-
+@dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Record:
-    """A fixed layout; its fields are `U8`, `U16`, `U32` or `I32`."""
+    """A fixed layout, and a frozen dataclass; its fields are `U8`, `U16`, `U32` or `I32`."""
+
+    def __init_subclass__(cls) -> None:
+        """Make it a dataclass."""
+        dataclass(frozen=True)(cls)
 
     @classmethod
     def size(cls) -> int:

@@ -4,7 +4,6 @@ The margin is bisected at each place, from the bounds that its predecessor leave
 steps changes the distance by at most n.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
@@ -12,9 +11,10 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.host.engines import SceneEngine, Translation
+from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, nearest
+from triaxis.host.quantise import vector
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
 _STEPS, _PART = 4, 32
@@ -44,11 +44,7 @@ def lengths(scene: PathScene) -> npt.NDArray[np.float64]:
 
 
 def clearances(
-    scene: PathScene,
-    engine: SceneEngine,
-    count: int,
-    effort: Effort,
-    progress: Callable[[int], None] | None = None,
+    scene: PathScene, engine: SceneEngine, count: int, effort: Effort, progress: Progress = unwatched
 ) -> list[Clearance]:
     """Return bounds at ``count`` places spread evenly along the path, and at the ends of moves if those are
     fewer.
@@ -61,8 +57,8 @@ def clearances(
     starts = [0.0, *accumulate(lengths(scene))]
     for index, part in places(scene, count):
         move = moves[index]
-        x, y, z = (a + (b - a) * part for a, b in zip(move.start, move.end, strict=True))
-        place = scene.path.place(scene.in_files((x, y, z)))
+        position = move.at(part)
+        place = scene.path.place(scene.in_files(position))
         sample = nearest(place)
         clear, near = _bisect(scene, engine, sample, before, effort)
         before = (sample, clear, near)
@@ -74,13 +70,12 @@ def clearances(
                 index,
                 move.line,
                 along,
-                (float(x), float(y), float(z)),
+                vector(map(float, position)),
                 max(0.0, float(scene.path.proven(clear, away) * scale)),
                 float(scene.path.seen(near, away) * scale),
             )
         )
-        if progress:
-            progress(1)
+        progress(1)
     return found
 
 

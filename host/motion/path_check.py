@@ -6,7 +6,6 @@ a face they do so where a margin, which grows in all directions, cannot. Else bo
 turn, down to the step.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, SceneEngine, SceneRun, scene_engine
+from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
 from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector
@@ -39,18 +38,18 @@ class NearFacets:
 class NearPose:
     """The first pose that could not be proven clear.
 
-    ``facets``: the nearest of the ``near_count`` facet pairs within the margin, nearest first; ``certain``:
-    one of them really is within the clearance at the position, in millimetres.
+    ``facets``: the nearest of the ``facet_pairs`` within the margin, nearest first. Really within the
+    clearance is one of them at the position, in millimetres.
     """
 
     move: int
     line: int
     position: Vector
-    along: Fraction
+    part_of_move: Fraction
     margin: int
-    near_count: int
+    facet_pairs: int
     facets: tuple[NearFacets, ...]
-    certain: bool
+    within_clearance_for_certain: bool
 
 
 @dataclass
@@ -63,34 +62,17 @@ class Level:
 
 
 @dataclass
-class Effort:
-    """Poses asked, and what the engine did in all of them.
-
-    ``near``: facet pairs within the margins asked, which are larger than the clearance. ``cycles``: None
-    where no cycles are counted.
-    """
+class Effort(Counts):
+    """Poses asked, and what the engine did in all of them: near pairs are those within the margins asked."""
 
     poses: int = 0
-    skipped_in_groups: int = 0
-    skipped: int = 0
-    tested: int = 0
-    near: int = 0
-    group_pairs_skipped: int = 0
-    group_pairs_opened: int = 0
-    cycles: int | None = None
     most_cycles: int | None = None
 
-    def add(self, run: SceneRun) -> None:
-        """Count a run."""
+    def add(self, run: Counts) -> None:
+        """Count a pose."""
+        super().add(run)
         self.poses += 1
-        self.skipped_in_groups += run.skipped_in_groups
-        self.skipped += run.skipped
-        self.tested += run.tested
-        self.near += run.near_count
-        self.group_pairs_skipped += run.group_pairs_skipped
-        self.group_pairs_opened += run.group_pairs_opened
         if run.cycles is not None:
-            self.cycles = (self.cycles or 0) + run.cycles
             self.most_cycles = max(self.most_cycles or 0, run.cycles)
 
 
@@ -116,7 +98,7 @@ class PathResult:
 def check_path(
     scene: PathScene,
     engine: SceneEngine,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress = unwatched,
     surfaces_only: bool = False,
     insides_first: bool = False,
 ) -> PathResult:
@@ -135,8 +117,7 @@ def check_path(
             segment, run = found
             result.near = _near_pose(scene, index, move, segment, run)
             break
-        if progress:
-            progress(1)
+        progress(1)
     # Segments are proven in the order of the path: where any is, so is the start.
     if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
         result.insides = insides or _insides(scene)
@@ -217,8 +198,8 @@ def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
 def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: SceneRun) -> NearPose:
     half = (segment.first + segment.last) / 2
     along = Fraction(int(half.numerator), int(half.denominator))
-    x, y, z = (a + (b - a) * along for a, b in zip(move.start, move.end, strict=True))
-    place, scale = scene.in_files((x, y, z)), scene.wanted.scale
+    position = move.at(along)
+    place, scale = scene.in_files(position), scene.wanted.scale
     judged = [
         NearFacets(int(i), int(j), scale * distance_of(scene.tool, i, scene.work, j, place))
         for i, j in run.near[:_JUDGED]
@@ -226,4 +207,4 @@ def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: 
     judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))
     certain = judged[0].distance <= scene.wanted.clearance
     margin = scene.path.margin(segment)
-    return NearPose(index, move.line, (x, y, z), along, margin, run.near_count, tuple(judged), certain)
+    return NearPose(index, move.line, position, along, margin, run.near_count, tuple(judged), certain)

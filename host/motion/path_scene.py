@@ -45,20 +45,19 @@ from triaxis.host.quantise import (
     Grid,
     Vector,
     box_of,
+    check_clearance,
     check_resolution,
+    check_scale,
     fits,
     grid_around,
     quantise,
     smallest_width,
+    vector,
 )
 from triaxis.host.scene import AUTOMATIC_WIDTHS
 from triaxis.host.stl import StlMesh
 
 GridPoint = tuple[Rational, Rational, Rational]
-
-
-def _largest(place: GridPoint, translation: Translation) -> Rational:
-    return max(abs(x - t) for x, t in zip(place, translation, strict=True))
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,7 @@ class Segment:
     @property
     def middle(self) -> GridPoint:
         """Return the place half-way."""
-        x, y, z = ((a + b) / 2 for a, b in zip(self.start, self.end, strict=True))
-        return x, y, z
+        return vector((a + b) / 2 for a, b in zip(self.start, self.end, strict=True))
 
     @property
     def sample(self) -> Translation:
@@ -90,8 +88,8 @@ class Segment:
     @property
     def reach(self) -> Rational:
         """Return the Chebyshev distance, in steps, that no point of the segment exceeds from the sample."""
-        sample = self.sample
-        return max(_largest(self.start, sample), _largest(self.end, sample))
+        ends = zip(self.start + self.end, self.sample * 2, strict=True)
+        return max(abs(x - t) for x, t in ends)
 
     def halves(self) -> "tuple[Segment, Segment]":
         """Return both halves, in the order of the path."""
@@ -109,8 +107,7 @@ def round_half_up(value: Rational) -> int:
 
 def nearest(place: GridPoint) -> Translation:
     """Return the integer translation nearest a place."""
-    x, y, z = (round_half_up(c) for c in place)
-    return x, y, z
+    return vector(map(round_half_up, place))
 
 
 def upwards(value: Rational) -> int:
@@ -137,8 +134,7 @@ class PathGrid:
 
     def place(self, position: Vector) -> GridPoint:
         """Return the place u of a position, in steps."""
-        x, y, z = (Rational((p + s) / self.resolution) for p, s in zip(position, self.shift, strict=True))
-        return x, y, z
+        return vector(Rational((p + s) / self.resolution) for p, s in zip(position, self.shift, strict=True))
 
     def margin(self, segment: Segment) -> int:
         """Return the margin at which a clear sample proves the whole segment clear."""
@@ -206,8 +202,7 @@ class PathScene:
 
     def in_files(self, position: Vector) -> Vector:
         """Return a position in millimetres in the unit of the files."""
-        x, y, z = (c / self.wanted.scale for c in position)
-        return x, y, z
+        return vector(c / self.wanted.scale for c in position)
 
     def segment(self, move: Move) -> Segment:
         """Return the whole move as a segment."""
@@ -241,8 +236,8 @@ def prepare_path(
     if not fits(boxes, grid):
         # Then it is the move that leaves it that is to be named, not the workpiece.
         grid = grid_around([box_of(work.facets)], resolution, width)
-    x, y, z = (a - b for a, b in zip(grid_a.offset, grid.offset, strict=True))
-    path = PathGrid(resolution, (x, y, z), clearance, tool.rounding + work.rounding)
+    shift = vector(a - b for a, b in zip(grid_a.offset, grid.offset, strict=True))
+    path = PathGrid(resolution, shift, clearance, tool.rounding + work.rounding)
     a, b = quantise(tool.facets, grid_a, names[0]), quantise(work.facets, grid, names[1])
     scene = PathScene(tool, work, a, b, program, grid, path, wanted)
     _check_margin(scene)
@@ -251,12 +246,8 @@ def prepare_path(
 
 
 def _check_wanted(wanted: Wanted) -> None:
-    if wanted.clearance < 0:
-        raise InputError(f"clearance {float(wanted.clearance):g}: must not be negative")
-    if wanted.scale <= 0:
-        raise InputError(
-            f"scale {float(wanted.scale):g}: must be positive: millimetres per unit of the files"
-        )
+    check_clearance(wanted.clearance)
+    check_scale(wanted.scale)
     if wanted.step < wanted.resolution:
         raise InputError(
             f"step {float(wanted.step):g}: must be at least the resolution, {float(wanted.resolution):g}"
@@ -267,8 +258,7 @@ def _swept(tool: StlMesh, program: Program, scale: Fraction, room: Fraction) -> 
     """Yield boxes of the tool, with room around, that together reach as far as it does on the path."""
     positions = [program.moves[0].start, *(move.end for move in program.moves)]
     for extreme, far in ((min, -room), (max, room)):
-        x, y, z = (extreme(position[k] for position in positions) / scale + far for k in range(3))
-        yield box_of(tool.facets, (x, y, z))
+        yield box_of(tool.facets, vector(extreme(c) / scale + far for c in zip(*positions, strict=True)))
 
 
 def _check_margin(scene: PathScene) -> None:

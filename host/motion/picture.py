@@ -32,11 +32,6 @@ _TICKS = 8
 
 def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
-    write_figure(figure_of(scene, result, profile), path)
-
-
-def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) -> Figure:
-    """Return the figure that `draw_path` writes."""
     figure = Figure(figsize=_INCHES, dpi=_DPI)
     FigureCanvasAgg(figure)
     figure.text(
@@ -55,7 +50,7 @@ def figure_of(scene: PathScene, result: PathResult, profile: list[Clearance]) ->
     assert isinstance(space, Axes3D)
     _draw_space(space, scene, result, profile)
     _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
-    return figure
+    write_figure(figure, path)
 
 
 def _verdict(scene: PathScene, result: PathResult) -> str:
@@ -161,7 +156,7 @@ def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: l
         axes.axhspan(0, wanted, color=GAP, alpha=0.08, linewidth=0)
     else:
         before = float(lengths(scene)[: result.near.move].sum())
-        at = before + float(result.near.along) * float(lengths(scene)[result.near.move])
+        at = before + float(result.near.part_of_move) * float(lengths(scene)[result.near.move])
         axes.axvspan(at, total, color=_WORK, alpha=0.15, linewidth=0, label="after the first near pose")
         axes.plot([at], [wanted], marker="X", markersize=10, color="black", linestyle="", zorder=5)
         right = at > 0.6 * total

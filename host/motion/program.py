@@ -14,7 +14,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import Place
 from triaxis.host.motion.gcode import AFTER_THE_END, WHY_REFUSED, Block, Word, read_blocks
-from triaxis.host.quantise import Vector
+from triaxis.host.quantise import NOWHERE, Vector, vector
 
 _AXES = "XYZ"
 _INCH = Fraction(254, 10)
@@ -43,6 +43,10 @@ class Move:
     start: Vector
     end: Vector
     feed: Fraction | None
+
+    def at(self, part: Fraction) -> Vector:
+        """Return the position after a part of it, 0..1."""
+        return vector(a + (b - a) * part for a, b in zip(self.start, self.end, strict=True))
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,7 @@ def read_program(path: Path, start: Vector | None, skip_optional: bool = False) 
     ``skip_optional`` leaves out lines that begin with /. Raises InputError, naming file, line and word, at
     whatever is not understood or stands after the program's end, and where there is no move.
     """
-    state = _State(start or (Fraction(0), Fraction(0), Fraction(0)))
+    state = _State(start or NOWHERE)
     ended = False
     for block in read_blocks(path):
         if ended and block.words:
@@ -199,6 +203,6 @@ def _move(place: Place, axes: Iterable[Word], codes: dict[str, Word], state: _St
     for word in axes:
         k = _AXES.index(word.letter)
         target[k] = word.value * scale + (state.position[k] if state.relative else 0)
-    end = (target[0], target[1], target[2])
+    end = vector(target)
     state.moves.append(Move(place.line, state.position, end, None if rapid else state.feed))
     state.position = end

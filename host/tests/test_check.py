@@ -7,74 +7,78 @@ import pytest
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.scenes import mesh_data
+from triaxis.host.tests.test_cli import meshes
+
+__all__ = ["meshes"]
+
+
+LONG = [pytest.mark.regress, pytest.mark.simulator]
 
 
 @pytest.fixture
-def meshes(tmp_path):
-    """Return two STL files, 2 mm apart along z."""
-    a, b = tmp_path / "a.stl", tmp_path / "b.stl"
-    scenes.write_stl(a, scenes.box((0, 0, 0), (10, 10, 10)))
-    scenes.write_stl(b, scenes.box((2, 2, 12), (8, 8, 20)))
-    return a, b
+def check(meshes, capsys, tmp_path):
+    """Return a function that runs the command: what it printed, or the error, where it is refused."""
 
-
-@pytest.fixture
-def check(meshes, capsys):
-    """Return a function that runs the command and returns what it printed: the error, where it is refused."""
-
-    def run(*options, status=0):
-        assert main(["check", *map(str, (*meshes, *options))]) == status
+    def run(*options, status=0, files=meshes):
+        report = ("--json", tmp_path / "new" / "report.json") if "--json" not in options else ()
+        assert main(["check", *map(str, (*files, *options, *report))]) == status
         printed = capsys.readouterr()
-        return printed.err if status == 2 else printed.out
+        return printed.out + printed.err
 
     return run
 
 
+@pytest.fixture
+def report(tmp_path):
+    """Return a function that reads the report."""
+    return lambda: json.loads((tmp_path / "new" / "report.json").read_text())
+
+
 @pytest.mark.simulator
-def test_check_reports(check, meshes, tmp_path):
-    report = tmp_path / "new" / "report.json"
-    found = {}
+def test_all_engines_say_the_same(check, report):
+    said, found = {}, {}
     for engine in ("rtl", "bulk", "golden"):
-        check("--clearance", "2", "--engine", engine, "--json", report, status=1)
-        found[engine] = json.loads(report.read_text())
+        said[engine] = check("--clearance", 2, "--engine", engine, status=1).splitlines()
+        found[engine] = report()
     rtl = found["rtl"]
-    assert rtl["verdict"] == "near"
-    assert rtl["margin"] == 2001
-    assert rtl["facet_pairs"] == 144
+    assert (rtl["verdict"], rtl["margin"], rtl["facet_pairs"]) == ("near", 2001, 144)
     skipped = rtl["pairs_skipped_in_groups"] + rtl["pairs_skipped_by_their_boxes"]
     assert skipped + rtl["pairs_tested"] == 144
     assert rtl["pairs_near"] == len(rtl["near"]) > 0
     assert rtl["group_pairs_skipped"] + rtl["group_pairs_opened"] == 4
     assert rtl["milliseconds_at_100_MHz"] == rtl["cycles"] / 100_000
+    # Only the simulated engine knows groups and cycles.
+    (line,) = [line for line in said["rtl"] if "cycles" in line]
+    said["rtl"].remove(line)
+    assert any(line.endswith("exact distance 2") for line in said["rtl"])
     for engine in ("bulk", "golden"):
+        assert said[engine] == said["rtl"]
         assert found[engine]["near"] == rtl["near"]
         assert found[engine]["pairs_tested"] == rtl["pairs_tested"]
         assert found[engine]["cycles"] is None
-    assert "is an input file" in check("--json", meshes[0], status=2)
+    out = check()
+    assert "CLEAR" in out
+    assert "facet pairs: 144; skipped by boxes: 144; tested: 0" in out
 
 
-@pytest.mark.simulator
-def test_check_in_a_pose(check, meshes, tmp_path):
+def test_a_pose(check, report):
+    bulk = ("--engine", "bulk", "--move")
     # The gap of 2 mm along z is a gap along y, x for A turned about the origin.
-    moved = check("--move", "0", "0", "-1.5", "--clearance", "3.4")
-    assert "A is moved by 0 0 -1.5" in moved
-    out = check("--move", "0", "0", "1.75", "--clearance", "0.25", status=1)
-    assert "exact distance 0.25\n" in out
-    check("--move", "0", "0", "1.7", "--clearance", "0.25")
+    assert "A is moved by 0 0 -1.5" in check(*bulk, 0, 0, -1.5, "--clearance", 3.4)
+    assert "exact distance 0.25\n" in check(*bulk, 0, 0, 1.75, "--clearance", 0.25, status=1)
+    check(*bulk, 0, 0, 1.7, "--clearance", 0.25)
     # By 90 degrees about x: y becomes z, and -z y. Then 10 to y puts it back under B.
-    turned = ("--rotate", "x", "90", "--engine", "bulk")
-    check(*turned, "--move", "0", "10", "0", "--clearance", "1.9")
-    out = check(*turned, "--move", "0", "10", "0", "--clearance", "2", status=1)
+    turned = ("--rotate", "x", 90, *bulk, 0, 10, 0)
+    check(*turned, "--clearance", 1.9)
+    out = check(*turned, "--clearance", 2, status=1)
     assert "A is turned by 90 degrees about x, moved by 0 10 0" in out
     assert "exact distance 2\n" in out
     # About z by 45: A's corner reaches 10 sqrt 2 along y; turned back, it is as it was.
-    report = tmp_path / "report.json"
-    there = ("--rotate", "z", "45", "--rotate", "z", "-45", "--engine", "bulk")
-    out = check(*there, "--clearance", "2", "--json", report, status=1)
-    assert "distance as turned 2\n" in out
-    turns = json.loads(report.read_text())["pose"]["rotate"]
+    there = ("--rotate", "z", 45, "--rotate", "z", -45, "--engine", "bulk")
+    assert "distance as turned 2\n" in check(*there, "--clearance", 2, status=1)
+    turns = report()["pose"]["rotate"]
     assert turns == [{"axis": "z", "degrees": 45.0}, {"axis": "z", "degrees": -45.0}]
-    check(*there, "--clearance", "1.99")
+    check(*there, "--clearance", 1.99)
 
 
 @pytest.fixture
@@ -87,95 +91,62 @@ def nested(tmp_path):
     return files
 
 
-@pytest.fixture
-def nested_check(nested, tmp_path, capsys):
-    """Return a function that checks two of the files: exit code, what was printed, the report."""
-    report = tmp_path / "nested.json"
-
-    def run(a, b, *options):
-        names = [str(nested[k]) for k in (a, b)]
-        status = main(["check", *names, "--engine", "bulk", "--json", str(report), *options])
-        out, error = capsys.readouterr()
-        return status, out + error, json.loads(report.read_text())
-
-    return run
-
-
-def test_inside_is_near(nested_check):
-    status, said, report = nested_check(0, 1)
-    assert (status, report["verdict"], report["enclosure"]["state"]) == (1, "near", "inside")
-    assert "NEAR: no facets come within 0.5, but A is inside B\n" in said
-    (part,) = report["enclosure"]["parts"]
-    assert (part["mesh"], part["first_facet"], part["facets"]) == ("a", 0, 12)
-    status, said, _ = nested_check(1, 0)
-    assert status == 1
-    assert "but B is inside A\n" in said
-    status, said, report = nested_check(0, 1, "--surfaces-only")
-    assert (status, report["verdict"]) == (0, "clear")
-    assert (report["surfaces_only"], report["enclosure"]["state"]) == (True, "not asked")
-    assert "(surfaces only: one may be inside the other)" in said
-    status, said, report = nested_check(0, 1, "--move", "30", "0", "0")
-    assert (status, report["verdict"], report["enclosure"]["state"]) == (0, "clear", "outside")
-    assert "and neither is inside the other" in said
-    # Near facets leave nothing to ask.
-    status, said, report = nested_check(0, 2, "--move", "14.6", "0", "0")
-    assert (status, report["enclosure"]["state"]) == (1, "not asked")
-
-
-def test_inside_of_an_open_mesh_is_unknown(nested_check, nested):
-    for a, b in ((0, 2), (2, 0)):
-        status, said, report = nested_check(a, b)
-        assert (status, report["verdict"], report["enclosure"]["state"]) == (2, "unknown", "undecided")
-        (line,) = [line for line in said.splitlines() if "verdict unknown" in line]
-        assert f"{nested[2]}: not closed: 3 edges" in line
-        assert f"{nested[0]} may be inside" in line
-        assert "CLEAR" not in said
-    assert nested_check(0, 2, "--surfaces-only")[0] == 0
-    assert nested_check(0, 2, "--move", "30", "0", "0")[0] == 0
+@pytest.mark.parametrize(
+    ("a", "b", "options", "status", "verdict", "state", "line"),
+    [
+        (0, 1, "", 1, "near", "inside", "NEAR: no facets come within 0.5, but A is inside B\n"),
+        (1, 0, "", 1, "near", "inside", "but B is inside A\n"),
+        (0, 1, "--surfaces-only", 0, "clear", "not asked", "(surfaces only: one may be inside the other)"),
+        (0, 1, "--move 30 0 0", 0, "clear", "outside", "and neither is inside the other"),
+        # Near facets leave nothing to ask.
+        (0, 2, "--move 14.6 0 0", 1, "near", "not asked", "NEAR: "),
+        # Of an open mesh no inside can be told.
+        (0, 2, "", 2, "unknown", "undecided", "open.stl: not closed: 3 edges"),
+        (2, 0, "", 2, "unknown", "undecided", "small.stl may be inside"),
+        (0, 2, "--surfaces-only", 0, "clear", "not asked", "CLEAR"),
+        (0, 2, "--move 30 0 0", 0, "clear", "outside", "CLEAR"),
+    ],
+)
+def test_inside_is_near(check, report, nested, a, b, options, status, verdict, state, line):
+    files = nested[a], nested[b]
+    said = check("--engine", "bulk", *options.split(), status=status, files=files)
+    assert line in said
+    assert ("CLEAR" in said) == (status == 0)
+    found = report()
+    assert (found["verdict"], found["enclosure"]["state"]) == (verdict, state)
+    assert found["surfaces_only"] == ("--surfaces-only" in options)
+    if state == "inside":
+        (part,) = found["enclosure"]["parts"]
+        assert (part["mesh"], part["first_facet"], part["facets"]) == ("ab"[a], 0, 12)
 
 
 def test_check_never_misses_and_alarms_only_in_the_band(check):
     # The gap is 2; at resolution 0.25 alarms may begin three steps early.
-    for clearance, status in (("2", 1), ("1.999", 1), ("1.2", 0), ("0", 0)):
-        check("--resolution", "0.25", "--clearance", clearance, "--engine", "bulk", status=status)
-
-
-@pytest.mark.simulator
-def test_check_says_the_same_with_every_engine(check):
-    out = check()
-    assert "CLEAR" in out
-    assert "facet pairs: 144; skipped by boxes: 144; tested: 0" in out
-    out = check("--clearance", "2", status=1)
-    assert "NEAR: " in out
-    assert "exact distance 2\n" in out
-    # Only the simulated engine knows groups and cycles.
-    lines = [line for line in out.splitlines(keepends=True) if "cycles" not in line]
-    assert len(lines) == len(out.splitlines()) - 1
-    for engine in ("golden", "bulk"):
-        assert check("--clearance", "2", "--engine", engine, status=1) == "".join(lines)
+    for clearance, status in ((2, 1), (1.999, 1), (1.2, 0), (0, 0)):
+        check("--resolution", 0.25, "--clearance", clearance, "--engine", "bulk", status=status)
 
 
 def test_check_refuses_bad_input(check, meshes):
-    for clearance in ("-0.5", "-1e-3"):
-        assert "must not be negative" in check("--clearance", clearance, status=2)
-    line = check("--resolution", "0.0001", "--width", "16", status=2)
-    assert "facet" in line
-    assert "does not fit 16 bits at resolution 0.0001" in line
-    assert str(meshes[0]) in line or str(meshes[1]) in line
     for options, why in (
-        (("--resolution", "0"), "resolution"),
-        (("--resolution", "nan"), "not a finite decimal number"),
-        (("--width", "5"), "8..32"),
-        (("--clearance", "99", "--width", "16"), "width 16 allows 65535"),
-        (("--rotate", "w", "90"), "--rotate w: must be x, y or z"),
-        (("--rotate", "xy", "90"), "--rotate xy: must be x, y or z"),
-        (("--rotate", "x", "inf"), "--rotate x inf: not a finite decimal number"),
-        (("--move", "0", "0", "up"), "--move: up: not a finite decimal number"),
-        (("--width", "16", "--move", "0", "0", "90"), "does not fit 16 bits"),
-        (("--engine", "board"), "--engine board: name its serial port with --port"),
-        (("--port", "/dev/ttyUSB1"), "--port and --any-bitstream go with --engine board"),
+        ("--clearance -0.5", "must not be negative"),
+        ("--clearance -1e-3", "must not be negative"),
+        ("--resolution 0.0001 --width 16", "does not fit 16 bits at resolution 0.0001"),
+        ("--resolution 0", "resolution"),
+        ("--resolution nan", "not a finite decimal number"),
+        ("--width 5", "8..32"),
+        ("--clearance 99 --width 16", "width 16 allows 65535"),
+        ("--rotate w 90", "--rotate w: must be x, y or z"),
+        ("--rotate xy 90", "--rotate xy: must be x, y or z"),
+        ("--rotate x inf", "--rotate x inf: not a finite decimal number"),
+        ("--move 0 0 up", "--move: up: not a finite decimal number"),
+        ("--width 16 --move 0 0 90", "does not fit 16 bits"),
+        ("--engine board", "--engine board: name its serial port with --port"),
+        ("--port /dev/ttyUSB1", "--port and --any-bitstream go with --engine board"),
+        (f"--json {meshes[0]}", "is an input file"),
     ):
-        assert why in check(*options, status=2)
+        said = check(*options.split(), status=2)
+        assert why in said
+        assert said.count("\n") == 1
     whole = meshes[0].read_bytes()
     for content, why in ((whole[:-10], f"{meshes[0]}: "), (b"", "empty file")):
         meshes[0].write_bytes(content)
@@ -184,14 +155,12 @@ def test_check_refuses_bad_input(check, meshes):
     assert "cannot read" in check(status=2)
 
 
-@pytest.mark.simulator
-def test_real_meshes(capsys):
+@pytest.mark.skipif(mesh_data() is None, reason="no real meshes: set TRIAXIS_DATA to a folder with vmc/*.stl")
+@pytest.mark.parametrize("engine", ["bulk", pytest.param("rtl", marks=LONG)])
+def test_real_meshes(check, engine):
     data = mesh_data()
-    if data is None:
-        pytest.skip("no real meshes here: set TRIAXIS_DATA to a folder with vmc/*.stl")
-    arm = str(data / "vmc/arm.stl")
-    assert main(["check", str(data / "vmc/carousel.stl"), arm, "--clearance", "0"]) == 1
-    assert "facet pairs: 1208024" in capsys.readouterr().out
+    assert data is not None
+    arm, options = data / "vmc/arm.stl", ("--clearance", 0, "--engine", engine)
+    assert "facet pairs: 1208024" in check(*options, files=(data / "vmc/carousel.stl", arm), status=1)
     # This binary file's header begins with "solid".
-    assert main(["check", str(data / "parts/unit_cube.STL"), arm]) == 0
-    assert "12 facets" in capsys.readouterr().out
+    assert "12 facets" in check(*options, files=(data / "parts/unit_cube.STL", arm))

@@ -1,9 +1,13 @@
-"""The command line as its users meet it: results, exit codes, one-line errors."""
+"""The command line as its users meet it: results, exit codes, errors, no older answers, interrupts."""
 
+import json
 import os
+import random
 import signal
 import subprocess
 import sys
+import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -17,26 +21,25 @@ from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.cli.commands import COMMANDS, GROUPS
 from triaxis.host.motion.gcode import read_blocks
-from triaxis.host.scenes import mesh_data
 from triaxis.host.stl import read_stl
+from triaxis.sim.paths import ROOT
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
+UNKNOWN = {"verdict": "unknown"}
 
 
-def triaxis(*arguments, status=0):
-    answer = subprocess.run([TRIAXIS, *map(str, arguments)], capture_output=True, text=True, check=False)
-    assert answer.returncode == status, answer.stdout + answer.stderr
-    return answer.stdout, answer.stderr
+@pytest.fixture
+def refused(capsys):
+    """Return a function that runs a command, which must fail with one line and exit code 2: that line."""
 
+    def run(*words):
+        assert main([*map(str, words)]) == 2
+        out, error = capsys.readouterr()
+        assert (out, error.count("\n")) == ("", 1), out + error
+        assert error.startswith("triaxis: error: ")
+        return error
 
-def refused(*arguments):
-    """Return the error line of a command that must be refused with exit code 2."""
-    out, error = triaxis(*arguments, status=2)
-    assert out == ""
-    lines = error.strip().splitlines()
-    assert len(lines) == 1, error
-    assert "error: " in lines[0]
-    return lines[0]
+    return run
 
 
 @pytest.fixture
@@ -59,16 +62,12 @@ def test_help_imports_nothing_heavy():
     words = [sys.executable, "-X", "importtime", TRIAXIS, "--help"]
     told = subprocess.run(words, capture_output=True, text=True, check=True).stderr
     imported = {line.split("|")[-1].strip() for line in told.splitlines()}
-    assert "triaxis.host.cli.commands" in imported
     assert not imported & {"numpy", "matplotlib", "rich", "pyslang", "cocotb", "multiprocessing", "ctypes"}
-    ours = {name for name in imported if name.startswith("triaxis.")}
-    assert {name.split(".")[1] for name in ours} == {"golden", "host"}
-    assert {name for name in ours if name.startswith("triaxis.host.")} == {
-        "triaxis.host.cli", "triaxis.host.cli.commands",
-    }  # fmt: skip
+    ours = {name for name in imported if name.startswith("triaxis.") and ".golden" not in name}
+    assert ours == {"triaxis.host", "triaxis.host.cli", "triaxis.host.cli.commands"}
 
 
-def test_unknown_commands_are_told_in_a_line():
+def test_unknown_commands_are_told_in_a_line(refused):
     for words, known in (((), "check, path"), (["bench-sim"], "bench, fpga"), (["prove", "all"], "formal, ")):
         assert known in refused(*words)
     # An option is known by its whole name.
@@ -79,37 +78,35 @@ def test_unknown_commands_are_told_in_a_line():
 def test_verdicts_of_all_engines_are_equal(tmp_path, rng):
     pairs = tmp_path / "pairs.npy"
     # An empty file is no error.
-    for count, margin in ((1000, 0), (1000, 7), (0, 0)):
+    for count in (1000, 0):
         np.save(pairs, rng.integers(-40, 40, (count, 2, 3, 3)).astype(np.int32))
         found = {}
         for engine in ("rtl", "bulk", "golden"):
             out = tmp_path / f"{engine}.npy"
-            options = ("--engine", engine, "--margin", str(margin), "--out", str(out))
-            assert main(["verdict", str(pairs), *options]) == 0
+            words = ("--engine", engine, "--margin", "7", "--out", str(out))
+            assert main(["verdict", str(pairs), *words]) == 0
             found[engine] = np.load(out)
-            assert found[engine].dtype == VERDICT
-            assert found[engine].shape == (count,)
+            assert (found[engine].dtype, found[engine].shape) == (VERDICT, (count,))
         assert (found["rtl"] == found["golden"]).all()
         assert (found["bulk"] == found["golden"]).all()
         assert (found["rtl"]["near"] == (found["rtl"]["axis"] == -1)).all()
 
 
-def test_bad_pairs_leave_no_output(tmp_path):
+def test_bad_pairs_leave_no_output(tmp_path, refused):
     pairs, out = tmp_path / "pairs.npy", tmp_path / "out.npy"
     good = np.zeros((3, 2, 3, 3), np.int64)
-    common = ("verdict", pairs, "--engine", "rtl", "--out", out)
-    np.save(pairs, good + 40000)
-    assert f"{pairs}: pair 0, triangle A, vertex 0, coordinate x: 40000 is outside" in refused(*common)
-    np.save(pairs, good[:, 0])
-    assert "shape (3, 3, 3): must be (N, 2, 3, 3)" in refused(*common)
-    np.save(pairs, good * np.nan)
-    assert "type float64" in refused(*common)
-    np.save(pairs, good)
-    assert "0..65535" in refused(*common, "--margin", 65536)
-    assert "must be 0.." in refused(*common, "--margin", -1)
-    assert "8..32" in refused(*common, "--width", 33)
+    for content, words, why in (
+        (good + 40000, (), f"{pairs}: pair 0, triangle A, vertex 0, coordinate x: 40000 is outside"),
+        (good[:, 0], (), "shape (3, 3, 3): must be (N, 2, 3, 3)"),
+        (good * np.nan, (), "type float64"),
+        (good, ("--margin", 65536), "0..65535"),
+        (good, ("--margin", -1), "must be 0.."),
+        (good, ("--width", 33), "8..32"),
+        (good, ("--engine", "guess"), "invalid choice"),
+    ):
+        np.save(pairs, content)
+        assert why in refused("verdict", pairs, "--engine", "rtl", "--out", out, *words)
     assert "cannot read" in refused("verdict", tmp_path / "no.npy", "--engine", "rtl", "--out", out)
-    assert "invalid choice" in refused("verdict", pairs, "--engine", "guess", "--out", out)
     assert [path.name for path in tmp_path.iterdir()] == ["pairs.npy"]
 
 
@@ -130,31 +127,138 @@ def test_only_ordinary_files_are_read(tmp_path, reader):
     signal.alarm(10)
     try:
         for path, kind in ((tmp_path / "pipe", "pipe"), (tmp_path, "folder"), (Path("/dev/null"), "device")):
-            with pytest.raises(
-                InputError, match=rf"^{path}: is a [^\n]*{kind}[^\n]*: name an ordinary file$"
-            ):
+            wanted = rf"^{path}: is a [^\n]*{kind}[^\n]*: name an ordinary file$"
+            with pytest.raises(InputError, match=wanted):
                 READERS[reader](path)
     finally:
         signal.alarm(0)
 
 
-def test_commands_refuse_a_pipe(meshes, tmp_path):
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    for command in (
-        ("check", pipe, meshes[0]),
-        ("path", *meshes, pipe),
-        ("verdict", pipe, "--engine", "bulk", "--out", tmp_path / "out.npy"),
+def started(*words: object) -> "subprocess.Popen[bytes]":
+    """Start a command; return when it handles signals, before which nothing can be promised."""
+    process = subprocess.Popen([TRIAXIS, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    status = Path(f"/proc/{process.pid}/status")
+    while process.poll() is None:
+        caught = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
+        if int(caught.split()[1], 16) & 1 << (signal.SIGHUP - 1):
+            break
+    return process
+
+
+@pytest.mark.parametrize("moments", [4, pytest.param(24, marks=pytest.mark.regress)])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, number, moments):
+    report = tmp_path / "report.json"
+    command = ("check", *meshes, "--engine", "golden", "--clearance", "2", "--json", report)
+    begun = time.monotonic()
+    with started(*command) as process:
+        assert process.wait() == 1
+    whole, chance = time.monotonic() - begun, random.Random(seed)
+    for moment in range(moments):
+        # Of a run that said what this one cannot say.
+        report.write_text('{"verdict": "clear"}')
+        with started(*command) as process:
+            time.sleep(whole * (moment + chance.uniform(0, 1)) / moments)
+            process.send_signal(number)
+            assert process.stderr
+            errors = process.stderr.read().decode()
+            code = process.wait()
+        verdict = json.loads(report.read_text())["verdict"]
+        if code == 130:
+            assert errors.endswith("triaxis: interrupted\n") and "Traceback" not in errors
+            assert verdict in ("unknown", "near")
+        else:
+            assert (code, verdict) == (1, "near"), errors
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_ignored_signals_stay_ignored(meshes):
+    command = ["nohup", TRIAXIS, "check", *meshes, "--engine", "golden"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        for _ in range(10):
+            time.sleep(0.02)
+            process.send_signal(signal.SIGHUP)
+        assert process.wait() == 0
+
+
+def test_whatever_fails_leaves_no_older_answer(meshes, tmp_path, refused):
+    report, picture, out = (tmp_path / name for name in ("report.json", "path.png", "out.npy"))
+    os.mkfifo(tmp_path / "pipe")
+    for words in (
+        ("check", *meshes, "--json", report, "--no-such-option"),
+        ("check", meshes[0], tmp_path / "no.stl", f"--json={report}"),
+        ("check", meshes[0], tmp_path / "pipe", "--json", report),
+        ("path", *meshes, tmp_path / "no.nc", "--json", report, "--picture", picture),
+        ("path", *meshes, tmp_path / "no.nc", "--json", report, "--picture", tmp_path / "path.gif"),
+        ("board", "check", *meshes, "--port", tmp_path / "no", "--json", report),
+        ("verdict", tmp_path / "no.npy", "--engine", "rtl", "--out", out),
+        ("verdict", "--out", out),
     ):
-        assert f"{pipe}: is a pipe" in refused(*command)
+        for path in (report, picture, out):
+            path.write_text('{"verdict": "clear"}')
+        refused(*words)
+        if report in words:
+            assert json.loads(report.read_text()) == UNKNOWN
+        assert (picture in words) == (not picture.exists())
+        assert (out in words) == (not out.exists())
 
 
-def test_real_meshes():
-    data = mesh_data()
-    if data is None:
-        pytest.skip("no real meshes here: set TRIAXIS_DATA to a folder with vmc/*.stl")
-    out, _ = triaxis("check", data / "vmc/carousel.stl", data / "vmc/arm.stl", "--clearance", "0", status=1)
-    assert "facet pairs: 1208024" in out
-    # This binary file's header begins with "solid".
-    out, _ = triaxis("check", data / "parts/unit_cube.STL", data / "vmc/arm.stl")
-    assert "12 facets" in out
+def test_outputs_that_cannot_be(meshes, tmp_path, refused):
+    before = [mesh.read_bytes() for mesh in meshes]
+    for words, why in (
+        (("--json", ""), "--json: names no file"),
+        (("--json", os.devnull), "/dev/null: is a device"),
+        (("--json", "/dev/stdout"), "is a device or a pipe"),
+        (("--json", tmp_path), "is a folder"),
+        (("--json", meshes[1]), "is an input file"),
+        ((f"--json={tmp_path / '..' / tmp_path.name / 'a.stl'}",), "is an input file"),
+    ):
+        if "/dev/stdout" not in words:
+            assert why in refused("check", *meshes, *words)
+            continue
+        words = [TRIAXIS, "check", *meshes, *words]
+        answer = subprocess.run(words, capture_output=True, text=True, check=False)
+        assert (answer.returncode, why in answer.stderr) == (2, True)
+    assert [mesh.read_bytes() for mesh in meshes] == before
+    same = tmp_path / "same.png"
+    words = ("path", *meshes, tmp_path / "moves.nc", "--json", same, "--picture", same)
+    assert "named for two outputs" in refused(*words)
+    log = tmp_path / "log"
+    with log.open("w") as file:
+        command = [TRIAXIS, "check", *meshes, "--json", log]
+        answer = subprocess.run(command, stdout=file, stderr=subprocess.PIPE, check=False)
+    assert answer.returncode == 2
+    assert b"the output of this very command goes there" in answer.stderr
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """Return a folder that holds 8 KiB."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    options = ["mount", "-t", "tmpfs", "-o", "size=8k", "none", str(folder)]
+    if subprocess.run(options, capture_output=True, check=False).returncode:
+        pytest.skip("needs the right to mount a file system")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_full_disk_leaves_nothing_half_written(small_disk, meshes, refused):
+    assert "No space left on device" in refused("scene", "examples", small_disk)
+    assert list(small_disk.iterdir()) == []
+    report = small_disk / "report.json"
+    report.write_text('{"verdict": "clear"}')
+    (small_disk / "full").write_bytes(bytes(4096))
+    command = ("check", *meshes, "--engine", "golden", "--clearance", "20", "--json", report)
+    assert "No space left on device" in refused(*command)
+    assert json.loads(report.read_text()) == UNKNOWN
+    assert sorted(path.name for path in small_disk.iterdir()) == ["full", "report.json"]
+
+
+def test_all_that_the_package_reads_is_package_data():
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+    for package, folder in told["package-dir"].items():
+        root, kinds = ROOT / folder, told["package-data"].get(package, ())
+        found = {path for path in root.rglob("*.*") if path.is_file() and "tests" not in path.parts}
+        read = {path for path in found if path.suffix not in (".py", ".pyc", ".md")}
+        assert sorted(read - {path for kind in kinds for path in root.glob(kind)}) == []

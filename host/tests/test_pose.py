@@ -27,32 +27,23 @@ def first(mesh):
     return mesh.facets[0, 0].tolist()
 
 
-@pytest.mark.parametrize(
-    ("axis", "degrees", "point"),
-    [
-        (Z, 90, [-2, 1, 3]),
-        (Z, -90, [2, -1, 3]),
-        (Z, 180, [-1, -2, 3]),
-        (Z, 450, [-2, 1, 3]),
-        (X, 90, [1, -3, 2]),
-        (Y, 90, [3, 2, -1]),
-        (Y, 270, [-3, 2, 1]),
-        (X, -360, [1, 2, 3]),
-    ],
-)
-def test_quarter_turns_are_exact_and_right_handed(axis, degrees, point):
-    mesh = turned(mesh_of([1, 2, 3]), [Turn(axis, Fraction(degrees))])
-    assert first(mesh) == point
-    assert mesh.rounding == 0
-    assert Turn(axis, Fraction(degrees)).exact
-
-
-def test_turns_follow_one_another():
-    quarter = Fraction(90)
-    assert first(turned(mesh_of([1, 0, 0]), [Turn(Z, quarter), Turn(X, quarter)])) == [0, 0, 1]
-    assert first(turned(mesh_of([1, 0, 0]), [Turn(X, quarter), Turn(Z, quarter)])) == [0, 1, 0]
-    assert Pose((Turn(X, quarter), Turn(Z, -quarter))).exact
-    assert not Pose((Turn(X, quarter), Turn(Z, Fraction(1, 3)))).exact
+def test_quarter_turns_are_exact_and_right_handed_and_follow_one_another():
+    for turns, point in (
+        (((Z, 90),), [-2, 1, 3]),
+        (((Z, -90),), [2, -1, 3]),
+        (((Z, 180),), [-1, -2, 3]),
+        (((Z, 450),), [-2, 1, 3]),
+        (((X, 90),), [1, -3, 2]),
+        (((Y, 90),), [3, 2, -1]),
+        (((Y, 270),), [-3, 2, 1]),
+        (((Z, 90), (X, 90)), [-2, -3, 1]),
+        (((X, 90), (Z, 90)), [3, 1, 2]),
+    ):
+        pose = Pose(tuple(Turn(axis, Fraction(degrees)) for axis, degrees in turns))
+        mesh = turned(mesh_of([1, 2, 3]), pose.turns)
+        assert first(mesh) == point
+        assert (mesh.rounding, pose.exact) == (0, True)
+    assert not Pose((Turn(X, Fraction(90)), Turn(Z, Fraction(1, 3)))).exact
 
 
 def really(point, turns):

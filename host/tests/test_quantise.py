@@ -5,7 +5,24 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.host.quantise import Grid, box_of, centred_grid, margin_for, quantise, smallest_width
+from triaxis.host.quantise import (
+    NOWHERE,
+    Grid,
+    Steps,
+    box_of,
+    centred_grid,
+    extent_of,
+    false_alarm_band,
+    finest_resolution,
+    fits,
+    grid_around,
+    grown,
+    margin_for,
+    quantise,
+    smallest_width,
+    vector,
+    widest_extent,
+)
 
 
 def exact(facets):
@@ -68,7 +85,7 @@ def test_a_smaller_margin_would_miss():
     a = np.full((1, 3, 3), np.float32(0.5))
     b = np.full((1, 3, 3), np.float32(2.5))
     b[..., 0] = np.float32(3.5)
-    grid = Grid(resolution, (Fraction(0), Fraction(0), Fraction(0)), 8)
+    grid = Grid(resolution, NOWHERE, 8)
     qa, qb = quantise(a, grid, "a")[0].tolist(), quantise(b, grid, "b")[0].tolist()
     assert judge(exact(a)[0], exact(b)[0], 3).near
     assert margin_for(Fraction(3), grid) == 4
@@ -88,25 +105,18 @@ def test_errors_name_the_place(rng):
     for resolution in (Fraction(0), Fraction(-1), Fraction(1, 10**400), Fraction(10**400)):
         with pytest.raises(InputError, match="resolution"):
             centred_grid([facets], resolution, 16)
-
-
-def test_extreme_sizes_never_wrap():
     huge = np.full((1, 3, 3), np.float32(3e38))
     huge[0, 0] = np.float32(-3e38)
-    grid = centred_grid([huge], Fraction(1, 10**30), 32)
     with pytest.raises(InputError, match="does not fit"):
-        quantise(huge, grid, "huge.stl")
+        quantise(huge, centred_grid([huge], Fraction(1, 10**30), 32), "huge.stl")
 
 
 def test_smallest_width():
     facets = np.zeros((1, 3, 3), np.float32)
     facets[0, 1] = 60
-    widths = (16, 24, 32)
-    assert smallest_width([box_of(facets)], Fraction(1, 1000), Fraction(1), widths) == 16
-    assert smallest_width([box_of(facets * 10)], Fraction(1, 1000), Fraction(1), widths) == 24
-    assert smallest_width([box_of(facets * 1e4)], Fraction(1, 1000), Fraction(1), widths) == 32
-    assert smallest_width([box_of(facets * 1e9)], Fraction(1, 1000), Fraction(1), widths) == 32
-    assert smallest_width([box_of(facets)], Fraction(1, 1000), Fraction(100), widths) == 24
+    for scale, clearance, width in ((1, 1, 16), (10, 1, 24), (1e4, 1, 32), (1e9, 1, 32), (1, 100, 24)):
+        boxes = [box_of(facets * scale)]
+        assert smallest_width(boxes, Fraction(1, 1000), Fraction(clearance), (16, 24, 32)) == width
 
 
 def test_a_moved_mesh_is_rounded_where_it_stands(rng):
@@ -123,6 +133,82 @@ def test_a_moved_mesh_is_rounded_where_it_stands(rng):
         assert high[k] == max(v[k] for facet in exact(facets) for v in facet) + move[k]
 
 
-def test_what_reading_moved_is_covered():
-    grid = Grid(Fraction(1), (Fraction(0), Fraction(0), Fraction(0)), 8)
-    assert margin_for(Fraction(3), grid, Fraction(1, 10**20)) == 5
+def random_vector(rng, low=-(10**6), high=10**6):
+    return vector(Fraction(int(c), 1000) for c in rng.integers(low, high, 3))
+
+
+def random_box(rng):
+    scale = Fraction(10) ** int(rng.integers(-4, 5))
+    low, sides = random_vector(rng), random_vector(rng, 0)
+    high = (a + 1 + s for a, s in zip(low, sides, strict=True))
+    return vector(c * scale for c in low), vector(c * scale for c in high)
+
+
+@pytest.mark.parametrize("steps", Steps)
+@pytest.mark.parametrize("width", (8, 13, 32))
+def test_the_resolution_holds_the_box_and_the_next_finer_does_not(rng, steps, width):
+    for _ in range(20):
+        box, unit = random_box(rng), Fraction(int(rng.integers(1, 30)), int(rng.integers(1, 30)))
+        resolution = finest_resolution(box, width, unit, steps)
+        assert fits([box], grid_around([box], resolution, width))
+        shown = resolution * unit
+        if steps is Steps.BINARY:
+            assert 1 in (shown.numerator, shown.denominator)
+            finer = resolution / 2
+        else:
+            assert Fraction(f"{float(shown):.2e}") == shown
+            power = Fraction(10) ** int(f"{float(shown):e}".partition("e")[2])
+            # Below 1.00 the third digit is a tenth as large.
+            finer = (shown - power / (1000 if shown == power else 100)) / unit
+        assert not fits([box], grid_around([box], finer, width))
+        roomy = finest_resolution(box, width, room=2)
+        assert fits([grown(box, 2 * roomy)], grid_around([box], roomy, width))
+
+
+def test_a_point_has_no_resolution():
+    with pytest.raises(InputError, match="single point"):
+        finest_resolution((NOWHERE, NOWHERE), 16)
+
+
+def test_the_band_holds_for_triangles_rounded_in_any_way(rng):
+    """Each vertex of A and B moves by up to r/2, A also by up to r/2 at once: near means within the band."""
+    resolution = Fraction(1)
+    beyond = []
+    for _ in range(150):
+        clearance = Fraction(int(rng.integers(0, 400)), 100)
+        reading = resolution / 2
+        grid = Grid(resolution, NOWHERE, 8)
+        margin = margin_for(clearance, grid, reading)
+        band = false_alarm_band(clearance, resolution, margin, reading)
+        assert 2 * resolution + 2 * reading <= band < 3 * resolution + 2 * reading
+        a, b = rng.integers(-3, 4, (2, 3, 3))
+        b[:, 0] += int(margin) + int(rng.integers(-2, 4))
+        # To the sides that help most to be wrong: A's and B's vertices apart, or towards each other.
+        sign = int(rng.choice((-1, 1)))
+        real_a = [[Fraction(int(x)) - sign * (k == 0) for k, x in enumerate(v)] for v in a]
+        real_b = [[Fraction(int(x)) + sign * Fraction(k == 0, 2) for k, x in enumerate(v)] for v in b]
+        real, rounded = judge(real_a, real_b, 0).distance, judge(a.tolist(), b.tolist(), 0).distance
+        if rounded <= margin:
+            assert real <= clearance + band
+            beyond.append(real - clearance - band)
+        else:
+            assert real > clearance
+    # The band is no larger than it must be.
+    assert max(beyond) == 0
+
+
+def test_an_extent_of_which_every_volume_meets_the_band(rng):
+    for _ in range(100):
+        width, moved = int(rng.integers(8, 33)), bool(rng.integers(2))
+        band, rounding = Fraction(1), Fraction(int(rng.integers(0, 40)), 100)
+        extent = widest_extent(band, width, rounding, moved)
+        corner = random_vector(rng)
+        box = corner, vector(c + extent for c in corner)
+        resolution = finest_resolution(box, width, room=int(moved))
+        grid = grid_around([box], resolution, width)
+        reading = rounding + (resolution / 2 if moved else 0)
+        clearance = min(extent, Fraction(int(rng.integers(0, 10**4)), 777))
+        margin = margin_for(clearance, grid, reading)
+        assert false_alarm_band(clearance, resolution, margin, reading) <= band
+        assert extent_of([box]) == extent
+    assert widest_extent(Fraction(1), 16, Fraction(1)) == 0

@@ -76,21 +76,22 @@ def test_not_finite_names_the_facet(tmp_path, value):
         read_stl(path)
 
 
-@pytest.mark.parametrize("number", ["one", "1,5", "1_0", "nan", "1e", "0x1"])
-def test_malformed_numbers_name_the_facet(tmp_path, number):
+BAD_NUMBER = r"words\.stl: line 12: word '{}': facet 1: .* number"
+BEYOND = "facet 1, vertex 1, coordinate x: {}: must be a number of at most"
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        *((number, BAD_NUMBER.format(number)) for number in ("one", "1,5", "1_0", "nan", "1e", "0x1")),
+        ("1e999", BEYOND.format("inf")),
+        ("1e308", BEYOND.format(r"1e\+308")),
+    ],
+)
+def test_malformed_numbers_name_the_facet(tmp_path, number, message):
     path = tmp_path / "words.stl"
     path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
-    with pytest.raises(InputError, match=rf"words\.stl: line 12: word '{number}': facet 1: .* number"):
-        read_stl(path)
-
-
-@pytest.mark.parametrize(("number", "read"), [("1e999", "inf"), ("1e308", r"1e\+308")])
-def test_numbers_beyond_any_length(tmp_path, number, read):
-    path = tmp_path / "huge.stl"
-    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
-    with pytest.raises(
-        InputError, match=f"facet 1, vertex 1, coordinate x: {read}: must be a number of at most"
-    ):
+    with pytest.raises(InputError, match=message):
         read_stl(path)
 
 
@@ -121,16 +122,14 @@ def test_ascii_variants(tmp_path, variant):
 FACET = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet"
 
 
+@pytest.mark.parametrize("name", ["", " named"])
 @pytest.mark.parametrize("glue", [" ", "\t", "\f", "\v", "\x1c", "\x85", "\u2028", " name "])
-@pytest.mark.parametrize("line", ["solid", "endsolid", "solid named", "endsolid named"])
-def test_no_facet_hides_in_a_name(tmp_path, line, glue):
-    begins, ends = (
-        ("solid", f"{line}{glue}{FACET}") if line[0] == "e" else (f"{line}{glue}{FACET}", "endsolid")
-    )
-    path = tmp_path / "hidden.stl"
-    path.write_bytes(f"{begins}\n{FACET}\n{ends}\n".encode())
-    with pytest.raises(InputError, match=rf"line {1 + 2 * (line[0] == 'e')}: word '"):
-        read_stl(path)
+def test_no_facet_hides_in_a_name(tmp_path, name, glue):
+    path, hidden = tmp_path / "hidden.stl", f"{name}{glue}{FACET}"
+    for line, begins, ends in ((1, f"solid{hidden}", "endsolid"), (3, "solid", f"endsolid{hidden}")):
+        path.write_bytes(f"{begins}\n{FACET}\n{ends}\n".encode())
+        with pytest.raises(InputError, match=rf"line {line}: word '"):
+            read_stl(path)
 
 
 @pytest.mark.parametrize(
@@ -205,21 +204,17 @@ def slowly_read(text):
     return np.array(found).reshape(-1, 3, 3)
 
 
+OTHERS = [
+    *(" ", "\n", "\r", "\r\n", "\t", "\f", "\v", "\x1c", "\x85", "\x7f", "", " \n "), *FACET.split(),
+    "solid", "endsolid", "endsolid x\nsolid y\n", "name", f"\n{FACET}\n", FACET,
+]  # fmt: skip
+
+
 def mutated(text, rng):
     """Return a text with a word or blank dropped, doubled, moved, replaced, or a character put in."""
     pieces = re.findall(r"\s+|\S+", text)
-    blanks = [" ", "\n", "\r", "\r\n", "\t", "\f", "\v", "\x1c", "\x85", "\x7f", "", " \n "]
-    others = [
-        *blanks,
-        *FACET.split(),
-        "solid",
-        "endsolid",
-        "endsolid x\nsolid y\n",
-        "name",
-        f"\n{FACET}\n",
-        FACET,
-    ]
     place, other = rng.integers(0, len(pieces), 2)
+    new = OTHERS[rng.integers(0, len(OTHERS))]
     match rng.integers(0, 6):
         case 0:
             pieces[place : place + rng.integers(1, 4)] = []
@@ -228,14 +223,14 @@ def mutated(text, rng):
         case 2:
             pieces[place] = pieces[other]
         case 3:
-            pieces[place] = others[rng.integers(0, len(others))]
+            pieces[place] = new
         case 4:
-            pieces.insert(place, others[rng.integers(0, len(others))])
+            pieces.insert(place, new)
         case _:
             # Within a line that holds a name, where most of the harm is done.
             lines = [n for n, piece in enumerate(pieces) if piece.endswith("solid")]
             near = lines[rng.integers(0, len(lines))] + rng.integers(0, 9) if lines else place
-            pieces[near : near + rng.integers(0, 2)] = [others[rng.integers(0, len(others))]]
+            pieces[near : near + rng.integers(0, 2)] = [new]
     return "".join(pieces)
 
 
@@ -243,7 +238,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
     path = tmp_path / "mutated.stl"
     text = ascii_text(FACETS)
     outcomes = {"read": 0, "refused": 0}
-    for _ in range(1500):
+    for _ in range(800):
         changed = mutated(text + text, rng)
         for _ in range(rng.integers(0, 2)):
             changed = mutated(changed, rng)
@@ -257,7 +252,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
         outcomes["read"] += 1
         assert wanted is not None, repr(changed)
         assert np.array_equal(facets, wanted), repr(changed)
-    assert min(outcomes.values()) > 150, outcomes
+    assert min(outcomes.values()) > 80, outcomes
 
 
 def test_decimals_are_not_rounded_to_float32(tmp_path):

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
 from triaxis.host.enclosure import NOT_ASKED, enclosure
-from triaxis.host.scene import check_meshes, prepare
+from triaxis.host.engines import DecidingEngine
+from triaxis.host.scene import prepare
 from triaxis.host.scenes import box, mesh_data, write_scenes, write_stl
 from triaxis.host.stl import read_stl
 from triaxis.sim.core_engine import RtlEngine, configuration_for
@@ -50,17 +51,17 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
         agrees &= bool((verdicts == judge_pairs(pairs, margins)).all())
         return verdicts
 
-    result = check_meshes(meshes, decide, listed=0)
-    insides = NOT_ASKED if result.near_count else enclosure(meshes.a, meshes.b)
+    run = DecidingEngine(meshes.a, meshes.b, decide).run((0, 0, 0), meshes.margin)
+    insides = NOT_ASKED if run.near_count else enclosure(meshes.a, meshes.b)
     return SceneResult(
         name,
         "near" if expected else "clear",
-        insides.verdict(result.near_count > 0),
+        insides.verdict(run.near_count > 0),
         agrees,
-        result.pairs,
-        result.skipped,
-        result.tested,
-        result.near_count,
+        run.skipped + run.tested,
+        run.skipped,
+        run.tested,
+        run.near_count,
     )
 
 

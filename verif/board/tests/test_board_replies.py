@@ -3,6 +3,7 @@
 The CRC is left out, since it would find most: what is shown is that the verdict does not hang on it alone.
 """
 
+import struct
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from triaxis.host.cli.board import simulated_parameters
-from triaxis.host.link.audit import Verdict
+from triaxis.host.link import wire
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import Exchange, LinkError
@@ -33,7 +34,6 @@ from triaxis.host.link.messages import (
     RunNumber,
     Status,
 )
-from triaxis.host.link.wire import field_sizes
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
@@ -155,17 +155,17 @@ class Recorded:
     replies: list[Reply]
 
     def heard(self, exchange):
-        """Return the verdict, None for unknown, and whether the output is then taken for go."""
+        """Return whether it is clear, None for unknown, and whether the output is then taken for go."""
         board = Board(exchange._line)
         board._exchange = exchange
-        verdict = None
+        clear = None
         try:
             board.hello()
-            found = BoardEngine(board, A, CLEAR_B).check(HERE, MARGIN, self.mode)
-            verdict = found.verdict
-            return verdict, bool(board.still(found.status).flags & Flag.GO)
+            engine = BoardEngine(board, A, CLEAR_B, self.mode)
+            clear = engine.run((HERE.x, HERE.y, HERE.z), MARGIN).near_count == 0
+            return clear, bool(board.still(engine.status).flags & Flag.GO)
         except LinkError:
-            return verdict, False
+            return clear, False
 
     def count(self, number, bodies):
         """Return how many of a reply's altered bodies there are, are answers at all, and make clear or go."""
@@ -184,8 +184,8 @@ class Recorded:
             except LinkError:
                 continue
             counts["believed"] += 1
-            verdict, go = self.heard(exchange)
-            counts["dangerous"] += verdict == Verdict.CLEAR or go
+            clear, go = self.heard(exchange)
+            counts["dangerous"] += clear or go
         return counts
 
 
@@ -207,6 +207,11 @@ def altered_fields(rng, reply: Reply, clear: Reply) -> Iterator[bytes]:
         for value in {bytes(size), b"\xff" * size, inverted, other[begin:end], *random}:
             if len(value) == size and value != was:
                 yield body[:begin] + value + body[end:]
+
+
+def field_sizes(record: type[wire.Record]) -> list[int]:
+    """Return the bytes of each field of a record."""
+    return [struct.calcsize(code) for code in wire._layout(record).format.removeprefix("<")]
 
 
 def field_bounds(reply: Reply) -> list[int]:
@@ -253,9 +258,9 @@ def dangerous(rng, run: Recorded, clear, numbers, every=False) -> Counter[str]:
 @pytest.mark.parametrize("mode", Mode)
 def test_no_altered_reply_makes_clear_of_near(mode, top, rng):
     clear = record(top, mode, CLEAR_B)
-    assert Recorded(mode, clear).heard(Replaying(clear)) == (Verdict.CLEAR, True)
+    assert Recorded(mode, clear).heard(Replaying(clear)) == (True, True)
     run = Recorded(mode, record(top, mode, NEAR_B))
-    assert run.heard(Replaying(run.replies)) == (Verdict.NEAR, False)
+    assert run.heard(Replaying(run.replies)) == (False, False)
     # Where the pairs are only counted, one number alone says near.
     total = dangerous(rng, run, clear, range(len(run.replies)), every=mode == Mode.COUNT)
     assert total["altered"] > (80_000 if mode == Mode.COUNT else 4_000)
