@@ -6,9 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from triaxis.bench.harness import Progress, clocked
-from triaxis.bench.peers.peer import MeshPeer
-from triaxis.bench.skipping.scenes import SURFACES, Surfaces
-from triaxis.bench.skipping.software import Meeting, PeerRun, all_pairs, ask_peer, behind_boxes, contradiction
+from triaxis.bench.peers.peer import Peer
+from triaxis.bench.skipping.scenes import Surfaces
+from triaxis.bench.skipping.software import (
+    Meeting,
+    PeerRun,
+    all_pairs,
+    ask_peer,
+    behind_boxes,
+    contradictions,
+)
 from triaxis.host.broadphase import Work, candidates
 from triaxis.host.engines import Integers
 from triaxis.host.scene import in_order
@@ -70,7 +77,7 @@ class Growth:
             where = f"{name}, {point.facets} facets"
             if point.same_as_all_pairs is False:
                 found.append(f"{where}: not the near pairs of all pairs")
-            found += [contradiction(where, run) for run in point.packages if run.contradicts]
+            found += contradictions(where, point.packages)
         if len(self.points) > 1:
             if self.compared_exponent > MOST_COMPARED:
                 found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
@@ -85,20 +92,10 @@ def exponent(points: Sequence[tuple[float, float]]) -> float:
     return float(np.polyfit(size, cost, 1)[0])
 
 
-def growths(
-    seed: int, peers: Sequence[MeshPeer], progress: Progress, sizes: Sequence[int] = SIZES
-) -> list[Growth]:
-    """Measure all surfaces at all sizes; ``progress`` is told of each."""
-    return [_growth(surfaces, seed, peers, progress, sizes) for surfaces in SURFACES]
-
-
-def _growth(
-    surfaces: Surfaces,
-    seed: int,
-    peers: Sequence[MeshPeer],
-    progress: Progress,
-    sizes: Sequence[int],
+def growth_of(
+    surfaces: Surfaces, seed: int, peers: Sequence[Peer], progress: Progress, sizes: Sequence[int] = SIZES
 ) -> Growth:
+    """Measure surfaces at all sizes; ``progress`` is told of each."""
     points: list[GrowthPoint] = []
     asked = list(peers)
     for size in sizes:
@@ -111,7 +108,7 @@ def _growth(
     return Growth(surfaces, tuple(points))
 
 
-def _point(a: Integers, b: Integers, peers: Sequence[MeshPeer]) -> GrowthPoint:
+def _point(a: Integers, b: Integers, peers: Sequence[Peer]) -> GrowthPoint:
     def boxes_alone() -> tuple[Work, int]:
         work = Work()
         return work, sum(len(i) for i, _ in candidates(a, b, 0, work))

@@ -34,7 +34,7 @@ class Command(NamedTuple):
     answers: Mapping[str, Answer] = {}
 
 
-_HERE, _VERIF, _BENCH = "triaxis.host.cli.", "triaxis.verif.commands.", "triaxis.bench.commands."
+_HERE, _VERIF, _BENCH = "triaxis.host.cli.", "triaxis.verif.commands.", "triaxis.bench."
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
 
 COMMANDS = {
@@ -124,27 +124,27 @@ COMMANDS = {
     "signoff": Command("simulate, measure, prove, and give a verdict", _VERIF + "signoff:add_arguments"),
     "bench error": Command(
         "measure run time against error, also of other packages",
-        _BENCH + "errors:add_error",
+        _BENCH + "error.report:add_error",
         ("everything demanded is reached", "something is not"),
     ),
     "bench stress": Command(
         "turn inputs from easy to impossible, and count wrong answers",
-        _BENCH + "errors:add_stress",
+        _BENCH + "stress.report:add_stress",
         ("the core is right everywhere, and its no-miss mode within its band", "not"),
     ),
     "bench sim": Command(
         "measure the speed of the simulations",
-        _BENCH + "costs:add_sim",
-        ("all ratios reach their bounds", "one does not"),
+        _BENCH + "speed:add_sim",
+        ("measured",),
     ),
     "bench mesh": Command(
         "count what whole scenes cost the mesh engine",
-        _BENCH + "costs:add_mesh",
+        _BENCH + "mesh_cycles:add_mesh",
         ("all bounds reached and all scenes right", "not"),
     ),
     "bench skipping": Command(
         "measure what skipping saves, and compare it with other broad phases",
-        _BENCH + "costs:add_skipping",
+        _BENCH + "skipping.report:add_skipping",
         ("all bounds reached and all answers right", "not"),
     ),
     "fpga report": Command(
@@ -159,7 +159,7 @@ COMMANDS = {
     ),
     "fpga activity": Command(
         "count the toggles of all multipliers with and without operand gating",
-        _BENCH + "costs:add_activity",
+        _BENCH + "activity.measuring:add_activity",
         ("gating saves what it must", "it does not"),
     ),
     "fpga gate": Command(
