@@ -22,7 +22,9 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
 
-_FLAGS = ("-O3", "-DNDEBUG", "-fPIC", "-shared", "-w", "-std=c++17")
+_FLAGS = ("-O3", "-DNDEBUG", "-fPIC", "-shared", "-w")
+# Behind what pkg-config says, which is older.
+_STANDARD = "-std=c++17"
 # Its interval arithmetic rests on the rounding mode.
 _CGAL_FLAGS = ("-march=native", "-frounding-math")
 _CGAL_PROBE = "#include <CGAL/version.h>\nCGAL_VERSION_NR\n"
@@ -36,7 +38,7 @@ def _compiled(package: str, version: str, flags: Sequence[str], libraries: Seque
     """Return the loop of a package, built where needed; raise PeerAbsentError where that fails."""
     name = package.lower()
     source, file = Path(__file__).with_name(f"{name}.cpp"), f"{name}.so"
-    options = [*_FLAGS, *flags]
+    options = [*_FLAGS, *flags, _STANDARD]
     key = content_hash([source], target(cxx()), version, *options, *libraries)
 
     def make(partial_: Path) -> None:

@@ -62,10 +62,14 @@ class Growth:
         return exponent([(point.facets, point.boxes_compared) for point in self.points])
 
     @property
+    def large(self) -> list[GrowthPoint]:
+        """Return the meshes whose times are worth a judgement."""
+        return [point for point in self.points if point.facets >= _SECONDS_FROM]
+
+    @property
     def seconds_exponent(self) -> float:
         """Return that of the time of the broad phase, for larger meshes where there are such."""
-        large = [point for point in self.points if point.facets >= _SECONDS_FROM]
-        chosen = large if len(large) > 1 else self.points
+        chosen = self.large if len(self.large) > 1 else self.points
         return exponent([(point.facets, point.seconds_broad_phase) for point in chosen])
 
     @property
@@ -78,11 +82,10 @@ class Growth:
             if point.same_as_all_pairs is False:
                 found.append(f"{where}: not the near pairs of all pairs")
             found += contradictions(where, point.packages)
-        if len(self.points) > 1:
-            if self.compared_exponent > MOST_COMPARED:
-                found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
-            if self.seconds_exponent > MOST_SECONDS:
-                found.append(f"{name}: seconds grow like N^{self.seconds_exponent:.2f}")
+        if len(self.points) > 1 and self.compared_exponent > MOST_COMPARED:
+            found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
+        if len(self.large) > 1 and self.seconds_exponent > MOST_SECONDS:
+            found.append(f"{name}: seconds grow like N^{self.seconds_exponent:.2f}")
         return found
 
 

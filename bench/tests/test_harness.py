@@ -1,4 +1,4 @@
-"""What all benchmarks are run with: the timer, steps that survive an interruption, other packages, reports."""
+"""What all benchmarks are run with: the timer, steps that survive an interruption, peers, reports."""
 
 import json
 import time
