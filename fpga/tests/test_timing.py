@@ -123,14 +123,10 @@ def test_timing_file(tmp_path):
     write_timing(path, missed, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
     content = json.loads(path.read_text())
     assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (99.99, False, "u_b.y_q")
-
-
-def test_what_is_no_report_is_an_error(tmp_path):
-    report = tmp_path / "report.json"
     for text in ("", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'):
-        report.write_text(text)
+        path.write_text(text)
         with pytest.raises(InputError, match="no timing report"):
-            read_timing(report)
+            read_timing(path)
 
 
 def _stand_in(tmp_path, monkeypatch, name, script):
@@ -150,36 +146,32 @@ assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
 """
 
 
-def test_the_flow_hands_on_what_each_tool_leaves(tmp_path, monkeypatch):
-    _stand_in(tmp_path, monkeypatch, "yosys", _SYNTHESISE)
-    _stand_in(tmp_path, monkeypatch, "nextpnr", _ROUTE)
-    done = []
-    report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
-    assert report.read_text() == "{}" and absorbed == Absorbed(0, 0, 0)
-    assert len(done) == len(ecp5_timing.STAGES)
-
-
 @pytest.mark.parametrize(
     ("yosys", "nextpnr", "message"),
     [
+        (_SYNTHESISE, _ROUTE, None),
         ("", _ROUTE, "yosys: no result, exit status 0"),
         ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
         (_SYNTHESISE.replace(TOP, "other"), _ROUTE, f"no netlist of {TOP}"),
         (_SYNTHESISE, "print('ERROR: unroutable'); sys.exit(1)", "nextpnr: ERROR: unroutable"),
         (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
+        (_SYNTHESISE, None, "make fpga-timing"),
     ],
 )
-def test_a_tool_that_fails_is_one_clear_error(tmp_path, monkeypatch, yosys, nextpnr, message):
+def test_the_flow_hands_on_what_each_tool_leaves_or_fails(tmp_path, monkeypatch, yosys, nextpnr, message):
     _stand_in(tmp_path, monkeypatch, "yosys", yosys)
-    _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
+    if nextpnr is None:
+        monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    else:
+        _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
     # What an earlier run left must not be taken for an answer.
     (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "report.json").write_text("{}")
-    with pytest.raises(InputError, match=message):
-        route([tmp_path / "a.sv"], {}, tmp_path / "out", lambda _: None)
-
-
-def test_a_missing_tool_is_one_clear_error(tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
-    with pytest.raises(InputError, match="make fpga-timing"):
-        route([tmp_path / "a.sv"], {}, tmp_path, lambda _: None)
+    (tmp_path / "out" / "report.json").write_text("older")
+    done = []
+    if message is None:
+        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
+        assert report.read_text() == "{}" and absorbed == Absorbed(0, 0, 0)
+        assert len(done) == len(ecp5_timing.STAGES)
+    else:
+        with pytest.raises(InputError, match=message):
+            route([tmp_path / "a.sv"], {}, tmp_path / "out", done.append)
