@@ -80,16 +80,21 @@ def _full_size(construction: Construction, rng: Rng, count: int, width: int) -> 
     return contact[largest_extents(contact.pairs.reshape(-1, 6, 3)) > largest_span(width) // 4]
 
 
-def _of_all(constructions: list[tuple[Construction, int]], rng: Rng, count: int, width: int) -> Ints:
-    """Return contacts of all constructions by their shares, in any order, orientation and place."""
+def contacts(construction: Construction, rng: Rng, count: int, width: int) -> Stimulus:
+    """Return contacts of proper triangles, in any orientation and place."""
 
-    def make(construction: Construction, asked: int) -> Stimulus:
+    def make(asked: int) -> Stimulus:
         made = placed(rng, construction(rng, asked, width), width, 0)
         facts = bulk_facts(made.pairs, 0)
         return made[(facts.rank_a == 2) & (facts.rank_b == 2)]
 
+    return collected(count, make)
+
+
+def _of_all(constructions: list[tuple[Construction, int]], rng: Rng, count: int, width: int) -> Ints:
+    """Return contacts of all constructions by their shares."""
     counts = divided(count, [share for _, share in constructions])
-    parts = [collected(n, partial(make, made)) for (made, _), n in zip(constructions, counts, strict=True)]
+    parts = [contacts(made, rng, n, width) for (made, _), n in zip(constructions, counts, strict=True)]
     return joined(parts).pairs.astype(np.int64)
 
 
