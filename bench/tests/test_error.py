@@ -130,18 +130,19 @@ def test_no_miss_mode_keeps_its_word_and_a_broken_one_is_noticed(asked, no_rtl, 
 
 @pytest.mark.simulator
 def test_a_sample_runs_through_the_rtl(asked, monkeypatch):
-    point = core_point(*asked, WIDTH, COLLISION)
+    rounded, truth = asked
+    point = core_point(rounded, truth, WIDTH, COLLISION)
     assert (point.sampled, point.rtl_differs, point.cycles_per_pair) == (400, 0, 1)
 
     class Wrong(points.RtlEngine):
-        def verdicts(self, pairs, *_):
+        def verdicts(self, pairs, margins, progress=None):
             return np.zeros(len(pairs), VERDICT)
 
-        def words(self, pairs, _):
+        def words(self, pairs, margins):
             return np.zeros(len(pairs), np.uint16), 3 * len(pairs) + 20
 
     monkeypatch.setattr(points, "RtlEngine", Wrong)
-    point = core_point(*asked, WIDTH, COLLISION)
+    point = core_point(rounded, truth, WIDTH, COLLISION)
     assert point.rtl_differs > 0 and point.cycles_per_pair == 3
 
 

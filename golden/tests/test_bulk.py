@@ -82,7 +82,8 @@ def test_touching_points_lie_on_the_supports(rng):
     chosen = np.flatnonzero(facts.near & (facts.level != 0))
     assert len(chosen) > 100
     for index in chosen:
-        witness = judge(*pairs[index].tolist(), 0).witness
+        a, b = pairs[index].tolist()
+        witness = judge(a, b, 0).witness
         assert witness is not None
         for weights, support in (
             (witness.weights_a, facts.support_a[index]),

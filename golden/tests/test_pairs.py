@@ -13,8 +13,8 @@ def test_good_pairs_of_any_integer_type():
     assert len(check_pairs(np.zeros((0, 2, 3, 3), np.int16), 8)) == 0
 
 
-def placed(value, dtype=np.int64):
-    pairs = np.zeros((9, 2, 3, 3), dtype)
+def placed(value):
+    pairs = np.zeros((9, 2, 3, 3), np.uint64 if value >= 1 << 63 else np.int64)
     pairs[7, 1, 2, 1] = value
     return pairs
 
@@ -29,7 +29,7 @@ def placed(value, dtype=np.int64):
         (placed(2**15), r"pair 7, triangle B, vertex 2, coordinate y: .*-32768\.\.32767"),
         (placed(-(2**15) - 1), "coordinate y"),
         # No value wraps.
-        (placed(2**64 - 1, np.uint64), "18446744073709551615"),
+        (placed(2**64 - 1), "18446744073709551615"),
     ],
 )
 def test_wrong_pairs_are_refused(array, message):
