@@ -25,7 +25,7 @@ from triaxis.golden.outputs import write_whole
 from triaxis.host.broadphase import spatial_order
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
-from triaxis.host.scenes import Scene, scenes
+from triaxis.host.scenes import scenes
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -121,33 +121,33 @@ def trace(stream: Stream, configuration: Configuration, file: Path, dut: Path = 
     return multiplier_toggles(read_saif(file))
 
 
-def measure(stream: Stream, dut: Path = DUT) -> Row:
+def measure(stream: Stream) -> Row:
     """Measure a stream, with and without gating."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "core.saif"
-        gated, ungated = trace(stream, GATED, file, dut), trace(stream, UNGATED, file, dut)
+        gated, ungated = trace(stream, GATED, file), trace(stream, UNGATED, file)
     return Row(stream.name, len(stream.pairs), int(stream.undecided.sum()), stream.margin, gated, ungated)
 
 
-def trace_scene(scene: Scene, file: Path = SAIF, dut: Path = DUT) -> MultiplierToggles:
-    """Run a scene on the mesh engine, leave its activity in ``file``, and return the multipliers' toggles.
+def trace_scene() -> MultiplierToggles:
+    """Run `SAIF_SCENE` on the mesh engine, leave its activity in `SAIF`; return the multipliers' toggles.
 
     The margin is that of the scene's stream. Raises InputError where the number of near pairs is wrong.
     """
-    stream, (a, b) = scene_stream(scene), scene_meshes(scene)
-    order_a, order_b = spatial_order(a, ENGINE.group), spatial_order(b, ENGINE.group)
-    engine = MeshEngine(ENGINE, dut, traced=True)
-    engine.load(a[order_a], b[order_b])
+    stream, meshes = scene_stream(SAIF_SCENE), scene_meshes(SAIF_SCENE)
+    engine = MeshEngine(ENGINE, traced=True)
+    a, b = (mesh[spatial_order(mesh, ENGINE.group)] for mesh in meshes)
+    engine.load(a, b)
     # Without the loading.
-    with followed(engine.library, file):
+    with followed(engine.library, SAIF):
         found = engine.run(margin=stream.margin, mode=Mode.COUNT).near_count
-    write_whole(file, in_place(file.read_text()))
+    write_whole(SAIF, in_place(SAIF.read_text()))
     right = int(bulk_facts(stream.pairs, stream.margin).near.sum())
     if found != right:
         raise InputError(
-            f"activity: {scene.name}: the mesh engine finds {found} near pairs, there are {right}"
+            f"activity: {SAIF_SCENE.name}: the mesh engine finds {found} near pairs, there are {right}"
         )
-    return multiplier_toggles(read_saif(file))
+    return multiplier_toggles(read_saif(SAIF))
 
 
 def in_place(engine: str) -> str:
@@ -176,7 +176,7 @@ def _measured(seed: int) -> Findings:
         for stream in wanted:
             rows.append(measure(stream))
             progress(1)
-        engine = trace_scene(SAIF_SCENE)
+        engine = trace_scene()
         progress(1)
     return findings(rows, engine, seed)
 

@@ -7,7 +7,6 @@ and of the model's sources.
 
 import hashlib
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -52,13 +51,8 @@ def exact_triangle(triangle: npt.NDArray[np.floating[Any]]) -> Triangle:
     return [[Rational(x) for x in vertex] for vertex in triangle.tolist()]
 
 
-def exact_truth(
-    a: Triangles, b: Triangles, progress: Callable[[int], None] = lambda _: None, folder: Path | None = None
-) -> Truth:
-    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known.
-
-    On all cores; ``progress`` is told how many pairs were done.
-    """
+def exact_truth(a: Triangles, b: Triangles, folder: Path | None = None) -> Truth:
+    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known."""
     path = (folder or harness.FOLDER / "truth") / f"{_key(a, b)}.json"
     try:
         known = tuple(Fraction(text) for text in json.loads(path.read_text(encoding="utf-8")))
@@ -66,10 +60,9 @@ def exact_truth(
     except (OSError, ValueError, TypeError, ZeroDivisionError):
         known = ()
     if len(known) == len(a):
-        progress(len(a))
         return Truth(known)
     chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
-    solved = in_processes(_solve, chunks, lambda chunk: progress(len(chunk)), default_solver)
+    solved = in_processes(_solve, chunks, lambda _: None, default_solver)
     found = tuple(distance for chunk in solved for distance in chunk)
     write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
     return Truth(found)

@@ -145,7 +145,7 @@ def test_command(tmp_path, monkeypatch, capsys, gated, status):
     row = Row("pairs", 1000, 10, 5, MultiplierToggles(1, gated, 0, 0), MultiplierToggles(1, 50, 30, 20))
     monkeypatch.setattr(measuring, "ACTIVITY", tmp_path / "activity.json")
     monkeypatch.setattr(measuring, "measure", lambda _: row)
-    monkeypatch.setattr(measuring, "trace_scene", lambda _: row.gated)
+    monkeypatch.setattr(measuring, "trace_scene", lambda: row.gated)
     assert main(["fpga", "activity"]) == status
     assert f"{gated}.00 %" in capsys.readouterr().out
     content = json.loads((tmp_path / "activity.json").read_text())
