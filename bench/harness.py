@@ -1,4 +1,4 @@
-"""What all benchmarks are run with: the timer, steps that survive an interruption, the writer of results.
+"""What all benchmarks are run with: the timer, steps that survive an interruption, and what they leave.
 
 Times are seconds of processor time of this process: what else the machine does meanwhile is not in them. What
 is compared works in one thread. The machine still makes itself felt, by its caches and its clock: so works
@@ -10,15 +10,22 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from math import ceil
 from pathlib import Path
 from typing import Any, TypeVar
 
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
 from triaxis.golden.outputs import write_whole
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.terminal import print_list
+from triaxis.host.figures import write_figures
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
-from triaxis.sim.validity import Provenance, Sources
+from triaxis.sim.validity import Sources, provenance
 
 FOLDER = BUILD / "bench"
 # All of the benchmarks together: what one of them found is of the others' code too.
@@ -29,6 +36,9 @@ SOURCES = Sources(
         if "tests" not in path.parts and path.stem != "__init__"
     )
 )
+
+# Of what is printed, in columns.
+_WIDTH = 170
 
 ROUNDS = 40
 # What takes less is repeated within a round, so that what the others left in the caches does not count.
@@ -87,60 +97,71 @@ class StoredSteps:
         self._folder, self._key, self._progress = folder, key, progress
         self.taken_up = 0
 
-    def once(self, name: str, make: Callable[[], Mapping[str, Any]]) -> dict[str, Any]:
+    def once(self, name: str, make: Callable[[], Any]) -> Any:
         """Return the result of a step, made where it is not there; as JSON gives it back."""
-        path = self._folder / f"{file_name(name)}.json"
-        result = self._stored(path)
-        if result is None:
-            write_whole(path, json.dumps({"key": self._key, "result": make()}) + "\n")
-            result = self._stored(path)
-            assert result is not None
-        else:
-            self.taken_up += 1
-        self._progress(1)
-        return result
-
-    def _stored(self, path: Path) -> dict[str, Any] | None:
+        name = "".join(letter if letter.isalnum() else "-" for letter in name)
+        path = self._folder / f"{name}.json"
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-        fits = isinstance(content, dict) and content.get("key") == self._key
-        return content.get("result") if fits else None
+            stored = json.loads(path.read_text(encoding="utf-8"))
+            fits = stored["key"] == self._key
+        except (OSError, ValueError, TypeError, KeyError):
+            stored, fits = {}, False
+        if fits:
+            self.taken_up += 1
+        else:
+            stored = json.loads(json.dumps({"key": self._key, "result": make()}))
+            write_whole(path, json.dumps(stored) + "\n")
+        self._progress(1)
+        return stored["result"]
 
     def finish(self) -> None:
         """Remove the results."""
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
-def file_name(name: str) -> str:
-    """Return a name as a file's: without what folders or shells would take for something else."""
-    return "".join(letter if letter.isalnum() else "-" for letter in name)
+@dataclass(frozen=True)
+class Findings:
+    """What a benchmark found: what its file says, and what is shown.
 
-
-def write_result(
-    path: Path,
-    command: str,
-    problems: Sequence[str],
-    summary: str,
-    seconds: float,
-    content: Mapping[str, Any],
-    before: Provenance | None = None,
-) -> Path:
-    """Write what a benchmark found, whole or not at all; passed where there are no problems.
-
-    ``before``: the checkout's state before the run, where that takes long; else it is taken now.
+    ``problems``: what must not be, a line each; without any it has passed. ``figures``: by the names of their
+    files, beside that of the numbers; ``notes``: lines to be printed.
     """
-    return write_evidence(
-        path,
-        {
-            **({} if before is None else asdict(before)),
-            "command": command,
-            "passed": not problems,
-            "problems": list(problems),
-            "summary": summary,
-            "seconds": round(seconds, 1),
-            **content,
-        },
-        SOURCES,
-    )
+
+    command: str
+    summary: str
+    problems: Sequence[str]
+    content: Mapping[str, Any]
+    tables: Sequence[Table]
+    figures: Mapping[str, Callable[[], Figure]] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+def report(path: Path, measure: Callable[[], Findings]) -> int:
+    """Run a benchmark, show what it found, write it to ``path`` and beside; return the exit status.
+
+    What it is evidence of is the checkout as it was before.
+    """
+    started, before = time.monotonic(), provenance(SOURCES)
+    found = measure()
+    seconds = time.monotonic() - started
+    content = {
+        **asdict(before),
+        "command": found.command,
+        "passed": not found.problems,
+        "problems": list(found.problems),
+        "summary": found.summary,
+        "seconds": round(seconds, 1),
+        **found.content,
+    }
+    console = Console(width=_WIDTH)
+    for shown in found.tables:
+        console.print(shown)
+    for note in found.notes:
+        print(note)
+    print_list("PROBLEM", found.problems)
+    print(f"{'FAILED' if found.problems else 'PASSED'}: {found.summary}, {seconds:.0f} s")
+    print(f"written to {write_evidence(path, content, SOURCES)}")
+    for name, draw in found.figures.items():
+        for picture in write_figures(draw(), path.with_name(name)):
+            print(f"written to {picture}")
+    return NO if found.problems else DONE

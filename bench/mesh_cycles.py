@@ -1,8 +1,9 @@
-"""What whole scenes cost the mesh engine: cycles counted in RTL simulation, against the numbers of pairs.
+"""``triaxis bench mesh``: cycles of each scene on the mesh engine, in RTL simulation, against its pairs.
 
 Each scene's near pairs are compared with those of the bulk checker behind the broad phase in NumPy.
 """
 
+import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
@@ -12,15 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.bench.harness import FOLDER, Progress, write_result
+from triaxis.bench import harness
+from triaxis.bench.harness import Findings, Progress, report
 from triaxis.golden.bulk import bulk_verdicts
+from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.engines import DecidingEngine, Integers, MeshEngineScene, SceneRun
 from triaxis.host.quantise import centred_grid, margin_for, quantise
-from triaxis.host.scenes import Scene, machine_scenes, scenes
+from triaxis.host.scenes import Scene, machine_scenes, mesh_data, scenes
 from triaxis.host.stl import Facets
 from triaxis.sim.mesh_configuration import MeshConfiguration
 
-RESULT = FOLDER / "mesh.json"
 CONFIGURATION = MeshConfiguration()
 CLOCK_MHZ = 100
 
@@ -66,17 +68,14 @@ class Case:
 class Row:
     """A scene that was run. ``right``: its near pairs are those of the bulk checker."""
 
-    name: str
-    facets_a: int
-    facets_b: int
-    bound: Bound
+    case: Case
     run: SceneRun
     right: bool
 
     @property
     def pairs(self) -> int:
         """Return the number of facet pairs."""
-        return self.facets_a * self.facets_b
+        return len(self.case.a) * len(self.case.b)
 
     @property
     def cycles(self) -> int:
@@ -84,14 +83,16 @@ class Row:
         return self.run.cycles or 0
 
     @property
-    def passed(self) -> bool:
-        """Return whether it is right and within its bound."""
-        return self.right and self.bound.met(self.pairs, self.cycles)
+    def verdict(self) -> str:
+        """Return in a word whether it is right and within its bound."""
+        if not self.right:
+            return "WRONG"
+        return "reached" if self.case.bound.met(self.pairs, self.cycles) else "MISSED"
 
     @property
-    def verdict(self) -> str:
-        """Return it in a word."""
-        return "WRONG" if not self.right else "reached" if self.passed else "MISSED"
+    def passed(self) -> bool:
+        """Return whether it is right and within its bound."""
+        return self.verdict == "reached"
 
 
 def _tilted(rng: np.random.Generator, side: int) -> Integers:
@@ -139,46 +140,81 @@ def cases(data: Path | None) -> list[Case]:
     return [*_made_cases(), *(_close_case(scene) for scene in close)]
 
 
-def _run(case: Case) -> Row:
-    run = MeshEngineScene(case.a, case.b, CONFIGURATION).run((0, 0, 0), case.margin)
-    exact = DecidingEngine(case.a, case.b, bulk_verdicts).run((0, 0, 0), case.margin)
-    right = np.array_equal(run.near, exact.near) and run.tested == exact.tested
-    return Row(case.name, len(case.a), len(case.b), case.bound, run, right)
+def real_meshes() -> Path | None:
+    """Return the folder of real meshes, or say that there is none."""
+    data = mesh_data()
+    if data is None:
+        print("real meshes: no folder $TRIAXIS_DATA or ../shared/data: left out")
+    return data
+
+
+def add_mesh(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``bench mesh``."""
+    parser.description = (
+        "Count the cycles of the simulated mesh engine in the worst case, on close scenes and on objects "
+        "apart, against their bounds; compare every scene with the bulk checker. Scenes of real meshes are "
+        "left out where their folder ($TRIAXIS_DATA, or ../shared/data) is absent. Writes "
+        "build/bench/mesh.json."
+    )
+    parser.set_defaults(run=lambda _: report(harness.FOLDER / "mesh.json", _measured))
+
+
+def _measured() -> Findings:
+    data = real_meshes()
+    chosen = cases(data)
+    with progress_bar("scenes", len(chosen)) as progress:
+        return findings(bench_mesh(chosen, progress), data is not None)
 
 
 def bench_mesh(chosen: list[Case], progress: Progress) -> list[Row]:
     """Run all scenes; ``progress`` is told of each."""
     rows: list[Row] = []
     for case in chosen:
-        rows.append(_run(case))
+        run = MeshEngineScene(case.a, case.b, CONFIGURATION).run((0, 0, 0), case.margin)
+        exact = DecidingEngine(case.a, case.b, bulk_verdicts).run((0, 0, 0), case.margin)
+        right = np.array_equal(run.near, exact.near) and run.tested == exact.tested
+        rows.append(Row(case, run, right))
         progress(1)
     return rows
 
 
-def write_rows(rows: list[Row], data_present: bool, seconds: float) -> Path:
-    """Write build/bench/mesh.json, whole or not at all."""
-    failed = [row for row in rows if not row.passed]
+def findings(rows: list[Row], data_present: bool) -> Findings:
+    """Return what is told of the rows; ``data_present``: scenes of real meshes are among them."""
+    headings = ("scene", "facets", "pairs", "tested", "near", "cycles", "ms", "pairs/cycle", "bound", "")
+    shown = table(f"triaxis_mesh {CONFIGURATION.name}, at {CLOCK_MHZ} MHz", headings)
+    for row in rows:
+        shown.add_row(
+            row.case.name,
+            f"{len(row.case.a)} x {len(row.case.b)}",
+            *(f"{count:,}" for count in (row.pairs, row.run.tested, row.run.near_count, row.cycles)),
+            f"{row.cycles / CLOCK_MHZ / 1000:.3f}",
+            f"{row.pairs / row.cycles:.1f}",
+            str(row.case.bound),
+            row.verdict,
+        )
     pairs, cycles = sum(row.pairs for row in rows), sum(row.cycles for row in rows)
-    content = {
-        "engine": CONFIGURATION.name,
-        "clock_mhz": CLOCK_MHZ,
-        "real_meshes": data_present,
-        "scenes": [_scene(row) for row in rows],
-    }
-    return write_result(
-        RESULT,
+    return Findings(
         "triaxis bench mesh",
-        [f"{row.name}: {row.verdict}, {row.cycles:,} cycles, {row.bound}" for row in failed],
         f"{len(rows)} scenes, {pairs:,} pairs, {cycles:,} cycles",
-        seconds,
-        content,
+        [
+            f"{row.case.name}: {row.verdict}, {row.cycles:,} cycles, {row.case.bound}"
+            for row in rows
+            if not row.passed
+        ],
+        {
+            "engine": CONFIGURATION.name,
+            "clock_mhz": CLOCK_MHZ,
+            "real_meshes": data_present,
+            "scenes": [_scene(row) for row in rows],
+        },
+        [shown],
     )
 
 
 def _scene(row: Row) -> dict[str, Any]:
     return {
-        "name": row.name,
-        "facets": [row.facets_a, row.facets_b],
+        "name": row.case.name,
+        "facets": [len(row.case.a), len(row.case.b)],
         "pairs": row.pairs,
         "cycles": row.cycles,
         "milliseconds": row.cycles / CLOCK_MHZ / 1000,
@@ -189,6 +225,6 @@ def _scene(row: Row) -> dict[str, Any]:
         "tested": row.run.tested,
         "near": row.run.near_count,
         "right": row.right,
-        "bound": asdict(row.bound),
+        "bound": asdict(row.case.bound),
         "passed": row.passed,
     }

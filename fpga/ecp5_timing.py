@@ -8,7 +8,7 @@ import json
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +29,11 @@ HARNESS = Path(__file__).resolve().parent / "ecp5" / f"{TOP}.sv"
 TARGET_MHZ = 100.0
 # The slowest grade of the largest ECP5, in the package of most pins.
 PART, _PART_OPTIONS = "LFE5U-85F-6BG756", ("--85k", "--speed", "6", "--package", "CABGA756")
-# Both operands of its multipliers have 18 bits, so the core's split for 25 x 18 bits would take two for one.
-_PORT_BITS = 18
 STAGES = ("synthesis", "registers", "placement and routing")
 
 _BLOCK, _REGISTER = "MULT18X18D", "TRELLIS_FF"
-_OPERAND_BITS, _PRODUCT_BITS = 18, 36
+# Operands have 18 bits, so the core's split for 25 x 18 bits would take two blocks for one.
+_PORT_BITS = {"A": 18, "B": 18, "P": 36}
 _CELL_SUFFIX = re.compile(
     r"_(TRELLIS_(FF|DPR16X4)|CCU2C|LUT4|PFUMX|L6MUX21|MULT18X18D)_[A-Z]+\d*(_\d+)?(?=_|\$|$)"
 )
@@ -55,138 +54,96 @@ class Absorbed:
     behind: int
 
 
-@dataclass
-class _Netlist:
-    """The cells of a module, what drives each net, and which pins each net drives."""
-
-    cells: dict[str, Any]
-    driver: dict[int, str] = field(default_factory=dict)
-    users: defaultdict[int, set[tuple[str, str]]] = field(default_factory=lambda: defaultdict(set))
-
-    def register_behind(self, net: int) -> str | None:
-        """Return the plain register that alone takes a net."""
-        if len(self.users[net]) != 1:
-            return None
-        ((name, pin),) = self.users[net]
-        return name if pin == "DI" and self._is_plain(name) else None
-
-    def register_before(self, net: int | str) -> str | None:
-        """Return the plain register that drives a net."""
-        name = self.driver.get(net) if isinstance(net, int) else None
-        return name if name is not None and self._is_plain(name) else None
-
-    def _is_plain(self, name: str) -> bool:
-        cell = self.cells.get(name, {})
-        if cell.get("type") != _REGISTER:
-            return False
-        parameters, pins = cell["parameters"], cell["connections"]
-        return (
-            parameters["CEMUX"] == "1 "
-            and parameters["CLKMUX"] == "CLK"
-            and parameters["LSRMUX"] == "LSR"
-            and pins.get("LSR", ["0"]) == ["0"]
-        )
-
-
 def absorb_registers(module: dict[str, Any]) -> Absorbed:
     """Move registers into the blocks of a module, a flat netlist of yosys's ``write_json``, in place.
 
     A register that others need too stays, beside its copy in the block.
     """
-    netlist = _read(module)
-    blocks = [cell for cell in netlist.cells.values() if cell["type"] == _BLOCK]
-    behind = sum(_absorb_behind(netlist, block) for block in blocks)
-    before = sum(_absorb_before(netlist, block) for block in blocks)
-    for name, cell in list(netlist.cells.items()):
-        if cell["type"] == _REGISTER and not netlist.users[cell["connections"]["Q"][0]]:
-            del netlist.cells[name]
-    return Absorbed(len(blocks), before, behind)
+    cells = module["cells"]
+    driver: dict[int, str] = {}
+    users: defaultdict[int, list[tuple[str, str]]] = defaultdict(list)
+    for name, cell in cells.items():
+        for pin, net in _connected(cell):
+            if cell["port_directions"][pin] == "output":
+                driver[net] = name
+            else:
+                users[net].append((name, pin))
+    outside = {net for port in module["ports"].values() for net in port["bits"]}
+
+    def behind(net: int) -> str:
+        """Return the register that alone takes a net."""
+        taken = users[net]
+        alone = len(taken) == 1 and net not in outside
+        return taken[0][0] if alone and taken[0][1] == "DI" else ""
+
+    blocks = [cell for cell in cells.values() if cell["type"] == _BLOCK]
+    taken_behind = 0
+    for block in blocks:
+        # What nobody uses of a product needs no register.
+        product = {pin: net for pin, net in _connected(block, "P") if users[net] or net in outside}
+        names = [behind(net) for net in product.values()]
+        if _absorbed(cells, block, list(product), names, "Q", ("OUTPUT",)):
+            taken_behind += 1
+            for name in names:
+                del cells[name]
+    taken_before = 0
+    for block in blocks:
+        # A register does not change a constant.
+        operands = dict(_connected(block, "AB"))
+        names = [driver.get(net, "") for net in operands.values()]
+        taken_before += _absorbed(cells, block, list(operands), names, "DI", ("INPUTA", "INPUTB"))
+    needed = outside.union(
+        net
+        for cell in cells.values()
+        for pin, net in _connected(cell)
+        if cell["port_directions"][pin] != "output"
+    )
+    for name, cell in list(cells.items()):
+        if cell["type"] == _REGISTER and cell["connections"]["Q"][0] not in needed:
+            del cells[name]
+    return Absorbed(len(blocks), taken_before, taken_behind)
 
 
-def _read(module: dict[str, Any]) -> _Netlist:
-    netlist = _Netlist(module["cells"])
-    for name, cell in netlist.cells.items():
-        for pin, nets in cell["connections"].items():
-            for net in nets:
-                if not isinstance(net, int):
-                    continue
-                if cell["port_directions"][pin] == "output":
-                    netlist.driver[net] = name
-                else:
-                    netlist.users[net].add((name, pin))
-    for name, port in module["ports"].items():
-        for net in port["bits"]:
-            netlist.users[net].add((name, "port"))
-    return netlist
+def _connected(cell: dict[str, Any], ports: str = "") -> Iterator[tuple[str, int]]:
+    """Yield the pins that are on nets, not constants, with the nets: all, or those of a block's ports."""
+    wanted = {f"{port}{place}" for port in ports for place in range(_PORT_BITS[port])}
+    for pin, nets in cell["connections"].items():
+        if not ports or pin in wanted:
+            yield from ((pin, net) for net in nets if isinstance(net, int))
 
 
-def _bits(block: dict[str, Any], port: str, width: int) -> Iterator[tuple[str, int | str]]:
-    """Return the connected pins of a port of a block, and their nets or constants."""
-    for place in range(width):
-        for net in block["connections"].get(f"{port}{place}", []):
-            yield f"{port}{place}", net
+def _absorbed(
+    cells: dict[str, Any], block: dict[str, Any], pins: list[str], names: list[str], far: str,
+    places: tuple[str, ...],
+) -> bool:  # fmt: skip
+    """Put the far side of each register on the block's pin, if all are plain and on the block's clock.
 
-
-def _absorb_behind(netlist: _Netlist, block: dict[str, Any]) -> bool:
-    product = [
-        (pin, net)
-        for pin, net in _bits(block, "P", _PRODUCT_BITS)
-        if isinstance(net, int) and netlist.users[net]
-    ]
-    names = [netlist.register_behind(net) for _, net in product]
-    registers = [netlist.cells[name] for name in names if name is not None]
-    if not registers or len(registers) != len(product) or not _one_clock(block, registers):
+    The block's own registers at ``places`` then do their work: always enabled, never reset.
+    """
+    registers = [cells.get(name, {}) for name in names]
+    if not registers or not all(map(_is_plain, registers)):
         return False
-    for (pin, _), name, register in zip(product, names, registers, strict=True):
-        block["connections"][pin] = register["connections"]["Q"]
-        del netlist.cells[str(name)]
-    _clock(block, registers[0], ("OUTPUT",))
+    clock = block["connections"].get("CLK0", registers[0]["connections"]["CLK"])
+    if any(register["connections"]["CLK"] != clock for register in registers):
+        return False
+    own = {"CLK0": clock, "CE0": ["1"], "RST0": ["0"]}
+    taken = zip(pins, registers, strict=True)
+    block["connections"].update({pin: register["connections"][far] for pin, register in taken}, **own)
+    block["port_directions"].update(dict.fromkeys(own, "input"))
+    block["parameters"].update({f"REG_{place}_{pin[:-1]}": pin for place in places for pin in own})
     return True
 
 
-def _absorb_before(netlist: _Netlist, block: dict[str, Any]) -> bool:
-    operands = [*_bits(block, "A", _OPERAND_BITS), *_bits(block, "B", _OPERAND_BITS)]
-    # A register does not change a constant.
-    pins = [(pin, net) for pin, net in operands if isinstance(net, int)]
-    names = [netlist.register_before(net) for _, net in pins]
-    registers = [netlist.cells[name] for name in names if name is not None]
-    if not registers or len(registers) != len(pins) or not _one_clock(block, registers):
+def _is_plain(cell: dict[str, Any]) -> bool:
+    """Return whether a cell is a register without enable and reset."""
+    if cell.get("type") != _REGISTER:
         return False
-    own = next(name for name, cell in netlist.cells.items() if cell is block)
-    for (pin, old), register in zip(pins, registers, strict=True):
-        new = register["connections"]["DI"]
-        block["connections"][pin] = new
-        netlist.users[old].discard((own, pin))
-        if isinstance(new[0], int):
-            netlist.users[new[0]].add((own, pin))
-    _clock(block, registers[0], ("INPUTA", "INPUTB"))
-    return True
-
-
-def _one_clock(block: dict[str, Any], registers: list[dict[str, Any]]) -> bool:
-    clocks = [register["connections"]["CLK"] for register in registers]
-    return all(clock == block["connections"].get("CLK0", clocks[0]) for clock in clocks)
-
-
-def _clock(block: dict[str, Any], register: dict[str, Any], places: tuple[str, ...]) -> None:
-    """Use the block's own registers: always enabled, never reset."""
-    pins = {"CLK0": register["connections"]["CLK"], "CE0": ["1"], "RST0": ["0"]}
-    block["connections"].update(pins)
-    block["port_directions"].update(dict.fromkeys(pins, "input"))
-    for place in places:
-        block["parameters"].update({f"REG_{place}_{pin[:-1]}": pin for pin in pins})
+    parameters = cell["parameters"]
+    plain = (parameters["CEMUX"], parameters["CLKMUX"], parameters["LSRMUX"]) == ("1 ", "CLK", "LSR")
+    return plain and cell["connections"].get("LSR", ["0"]) == ["0"]
 
 
 # --- The flow ---------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Routed:
-    """What a run left: nextpnr's report and log, and the registers moved into multiplier blocks."""
-
-    report: Path
-    log: Path
-    absorbed: Absorbed
 
 
 def nextpnr() -> Path:
@@ -209,8 +166,10 @@ def route(
     progress: Callable[[int], None],
     *,
     seed: int = 1,
-) -> Routed:
-    """Synthesise, place and route; everything the tools write stays in ``folder``.
+) -> tuple[Path, Absorbed]:
+    """Synthesise, place and route; return nextpnr's report, and what moved into multiplier blocks.
+
+    Everything the tools write stays in ``folder``.
 
     Raises InputError where a tool is missing, fails, or ends without an answer.
     """
@@ -218,11 +177,16 @@ def route(
     folder.mkdir(parents=True, exist_ok=True)
     netlist, packed, report = (folder / name for name in ("synthesised.json", "packed.json", "report.json"))
     place, (written, *read) = from_one_folder([netlist, *sources, HARNESS])
-    options = f"-D TRIAXIS_DSP_PORT_A={_PORT_BITS} -I {read[0].parent}"
+    options = f"-D TRIAXIS_DSP_PORT_A={_PORT_BITS['A']} -I {read[0].parent}"
     script = f"{read_slang(read, TOP, parameters, options)}; synth_ecp5 -top {TOP} -json {written}"
     run_to_result([str(yosys()), "-p", script], netlist, netlist.with_suffix(".log"), place)
     progress(1)
-    absorbed = _pack(netlist, packed)
+    try:
+        design = json.loads(netlist.read_text(encoding="utf-8"))
+        absorbed = absorb_registers(design["modules"][TOP])
+    except (ValueError, KeyError) as error:
+        raise InputError(f"{netlist}: no netlist of {TOP}: {error!r}") from error
+    write_whole(packed, json.dumps(design))
     progress(1)
     command = [
         str(place_and_route), *_PART_OPTIONS, "--freq", f"{TARGET_MHZ:g}", "--timing-allow-fail",
@@ -232,18 +196,7 @@ def route(
     ]  # fmt: skip
     run_to_result(command, report, report.with_suffix(".log"), folder)
     progress(1)
-    return Routed(report, report.with_suffix(".log"), absorbed)
-
-
-def _pack(netlist: Path, packed: Path) -> Absorbed:
-    """Move registers into the multipliers' blocks."""
-    try:
-        design = json.loads(netlist.read_text(encoding="utf-8"))
-        absorbed = absorb_registers(design["modules"][TOP])
-    except (ValueError, KeyError) as error:
-        raise InputError(f"{netlist}: no netlist of {TOP}: {error!r}") from error
-    write_whole(packed, json.dumps(design))
-    return absorbed
+    return report, absorbed
 
 
 # --- The report: a path is told by registers; nextpnr knows cells only, and names them after nets ------

@@ -12,7 +12,9 @@ import json
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +31,7 @@ _READ_ADDRESS = re.compile(r"A\d*|DPRA\d*|ADDR[A-D]")
 
 
 @dataclass(frozen=True)
-class Cell:
+class _Cell:
     """A cell of a flat netlist: nets by pin, lowest bit first. Constants are left out of ``pins``."""
 
     name: str
@@ -38,9 +40,9 @@ class Cell:
     outputs: frozenset[str]
     parameters: Mapping[str, int]
 
-    def nets(self, pin: str) -> list[int]:
-        """Return the nets at a pin."""
-        return [net for _, net in self.pins.get(pin, ())]
+    def nets(self, *pins: str) -> list[int]:
+        """Return the nets at pins."""
+        return [net for pin in pins for _, net in self.pins.get(pin, ())]
 
     def inputs(self) -> list[str]:
         """Return the pins that are no outputs."""
@@ -48,7 +50,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Arc:
+class _Arc:
     """``target`` depends on ``source`` through a cell. ``carry``: by the carry chain's own wire."""
 
     source: Point
@@ -57,95 +59,68 @@ class Arc:
 
 
 @dataclass
-class Ways:
+class _Ways:
     """How paths go through one cell, begin and end there."""
 
-    arcs: list[Arc]
-    starts: list[Point]
-    ends: list[Point]
+    arcs: list[_Arc] = field(default_factory=list)
+    starts: list[Point] = field(default_factory=list)
+    ends: list[Point] = field(default_factory=list)
+
+    def join(self, sources: Iterable[Point], targets: Iterable[Point]) -> None:
+        """Let all targets depend on all sources."""
+        self.arcs += [_Arc(source, target) for source, target in product(sources, targets)]
 
 
-def ways(cell: Cell) -> Ways:
+def _ways(cell: _Cell) -> _Ways:
     """Return how paths go through a cell."""
+    found, outputs = _Ways(), cell.nets(*cell.outputs)
     if _COMBINATIONAL.fullmatch(cell.kind):
-        return Ways(list(_all_to_all(cell)), [], [])
-    if cell.kind == "CARRY4":
-        return Ways(list(_carry(cell)), [], [])
-    if cell.kind == "DSP48E1":
-        return _dsp(cell)
-    found = _clocked(cell)
-    if _LUT_MEMORY.fullmatch(cell.kind):
-        outputs = [net for pin in cell.outputs for net in cell.nets(pin)]
-        addresses = [pin for pin in cell.inputs() if _READ_ADDRESS.fullmatch(pin)]
-        found.arcs = [Arc(net, out) for pin in addresses for net in cell.nets(pin) for out in outputs]
+        found.join(cell.nets(*cell.inputs()), outputs)
+    elif cell.kind == "CARRY4":
+        found.arcs += _carry(cell)
+    elif cell.kind == "DSP48E1":
+        _add_dsp(found, cell)
+    else:
+        # What stores what comes in: flip-flops, shift registers, memories.
+        stored = [pin for pin in cell.inputs() if not pin.startswith(("C", "WCLK")) or pin == "CE"]
+        found.starts += outputs
+        found.ends += cell.nets(*stored)
+        if _LUT_MEMORY.fullmatch(cell.kind):
+            found.join(cell.nets(*filter(_READ_ADDRESS.fullmatch, cell.inputs())), outputs)
     return found
 
 
-def is_register(cell: Cell) -> bool:
-    """Return whether a cell is a flip-flop."""
-    return _FLIP_FLOP.fullmatch(cell.kind) is not None
+def _carry(cell: _Cell) -> Iterator[_Arc]:
+    for pin, output in product(("CI", "CYINIT", "S", "DI"), ("O", "CO")):
+        for (place, net), (to, out) in product(cell.pins.get(pin, ()), cell.pins.get(output, ())):
+            # DI[i] joins the chain behind O[i].
+            if to >= (place + 1 if (pin, output) == ("DI", "O") else place):
+                yield _Arc(net, out, carry=pin == "CI")
 
 
-def _clocked(cell: Cell) -> Ways:
-    """Return the ways of a cell that stores what comes in: flip-flops, shift registers, memories."""
-    outputs = [net for pin in cell.outputs for net in cell.nets(pin)]
-    inputs = [
-        net
-        for pin in cell.inputs()
-        if not pin.startswith(("C", "WCLK")) or pin == "CE"
-        for net in cell.nets(pin)
-    ]
-    return Ways([], list(outputs), list(inputs))
-
-
-def _all_to_all(cell: Cell) -> Iterator[Arc]:
-    outputs = [net for pin in cell.outputs for net in cell.nets(pin)]
-    for pin in cell.inputs():
-        for net in cell.nets(pin):
-            yield from (Arc(net, out) for out in outputs)
-
-
-def _carry(cell: Cell) -> Iterator[Arc]:
-    for pin in ("CI", "CYINIT", "S", "DI"):
-        for place, net in cell.pins.get(pin, ()):
-            for output in ("O", "CO"):
-                # DI[i] joins the chain behind O[i].
-                first = place + 1 if (pin, output) == ("DI", "O") else place
-                for to, out in cell.pins.get(output, ()):
-                    if to >= first:
-                        yield Arc(net, out, carry=pin == "CI")
-
-
-def _dsp(cell: Cell) -> Ways:
-    """Return the ways of a DSP48E1: A, B -> multiplier (M) -> adder (P), with C and PCIN to the adder."""
+def _add_dsp(found: _Ways, cell: _Cell) -> None:
+    """Add the ways of a DSP48E1: A, B -> multiplier (M) -> adder (P), with C and PCIN to the adder."""
     used = {name: cell.parameters.get(name, 1) > 0 for name in ("AREG", "BREG", "CREG", "MREG", "PREG")}
-    adder, result = f"{cell.name}.M", f"{cell.name}.P"
-    outputs: list[Point] = [net for pin in ("P", "PCOUT") for net in cell.nets(pin)]
-    found = Ways([], [], [])
-    beyond: list[Point] = outputs
+    adder, result, inside = (f"{cell.name}.{place}" for place in ("M", "P", "inside"))
+    beyond: list[Point] = list(cell.nets("P", "PCOUT"))
     if used["PREG"]:
-        found.starts += outputs
+        found.starts += beyond
         found.ends.append(result)
         beyond = [result]
     if used["MREG"]:
         found.ends.append(adder)
     if used["MREG"] or used["AREG"] or used["BREG"] or used["CREG"]:
-        inside = f"{cell.name}.inside"
         found.starts.append(inside)
-        found.arcs += [Arc(inside, target) for target in beyond]
+        found.join([inside], beyond)
         if used["AREG"] and used["MREG"]:
-            found.arcs.append(Arc(inside, adder))
+            found.join([inside], [adder])
     for pin in cell.inputs():
-        nets = cell.nets(pin)
         if pin in ("A", "B") and not used[f"{pin}REG"]:
-            targets = [adder] if used["MREG"] else beyond
+            found.join(cell.nets(pin), [adder] if used["MREG"] else beyond)
         elif (pin == "C" and not used["CREG"]) or pin == "PCIN":
-            targets = beyond
-        else:
-            found.ends += [] if pin == "CLK" else nets
-            continue
-        found.arcs += [Arc(net, target) for net in nets for target in targets]
-    return found
+            found.join(cell.nets(pin), beyond)
+        elif pin != "CLK":
+            found.ends += cell.nets(pin)
 
 
 @dataclass(frozen=True)
@@ -196,17 +171,22 @@ def logic_depth(netlist: Path) -> LogicDepth:
         graph = _graph(module)
     except (OSError, ValueError, KeyError, AttributeError) as error:
         raise InputError(f"{netlist}: no netlist of one top module by yosys: {error!r}") from error
-    order = _in_order(graph, netlist)
+    depends = {target: [step.source for step in steps] for target, steps in graph.steps.items()}
+    try:
+        order = list(TopologicalSorter(depends).static_order())
+    except CycleError as error:
+        point = error.args[1][0]
+        raise InputError(f"{netlist}: logic in a circle at {graph.names.get(point, point)}") from error
     return LogicDepth(
         most_levels=_longest(graph, order, chains_once=True),
         most_cells=_longest(graph, order, chains_once=False),
     )
 
 
-def _cells(module: Mapping[str, Any]) -> Iterable[Cell]:
+def _cells(module: Mapping[str, Any]) -> Iterator[_Cell]:
     for name, cell in module["cells"].items():
         directions = cell["port_directions"]
-        yield Cell(
+        yield _Cell(
             name=name,
             kind=cell["type"],
             # Constants are strings.
@@ -229,10 +209,9 @@ def _graph(module: Mapping[str, Any]) -> _Graph:
     starts: set[Point] = set()
     ends: dict[Point, str] = {}
     for cell in _cells(module):
-        found = ways(cell)
-        outputs = [names.get(net, cell.name) for pin in cell.outputs for net in cell.nets(pin)]
-        own = outputs[0] if outputs else cell.name
-        if not is_register(cell):
+        found, outputs = _ways(cell), cell.nets(*cell.outputs)
+        own = names.get(outputs[0], cell.name) if outputs else cell.name
+        if not _FLIP_FLOP.fullmatch(cell.kind):
             own = f"{own} ({cell.kind})"
         starts.update(found.starts)
         ends.update((point, own) for point in found.ends)
@@ -258,29 +237,6 @@ def _net_names(netnames: Mapping[str, Any]) -> dict[Point, str]:
                 rank = (bool(net.get("hide_name")), not name.endswith("_q"), len(name), shown)
                 ranked[bit] = min(rank, ranked.get(bit, rank))
     return {bit: rank[3] for bit, rank in ranked.items()}
-
-
-def _in_order(graph: _Graph, netlist: Path) -> list[Point]:
-    """Return all points so that each comes behind those that it depends on."""
-    followers: defaultdict[Point, list[Point]] = defaultdict(list)
-    missing: dict[Point, int] = {}
-    for target, steps in graph.steps.items():
-        missing[target] = len(steps)
-        for step in steps:
-            followers[step.source].append(target)
-    ready = [point for point in followers if point not in missing]
-    order: list[Point] = []
-    while ready:
-        point = ready.pop()
-        order.append(point)
-        for target in followers[point]:
-            missing[target] -= 1
-            if not missing[target]:
-                ready.append(target)
-    circle = [point for point, count in missing.items() if count]
-    if circle:
-        raise InputError(f"{netlist}: logic in a circle at {graph.names.get(circle[0], circle[0])}")
-    return order
 
 
 def _longest(graph: _Graph, order: Iterable[Point], *, chains_once: bool) -> LogicPath:

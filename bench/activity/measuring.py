@@ -1,28 +1,31 @@
-"""How much operand gating saves: toggles of all multipliers with it against without, on the same pairs.
+"""``triaxis fpga activity``: how much operand gating saves: toggles of all multipliers with and without it.
 
 Toggles are counted in RTL simulation, bit by bit, on the operands, the registers behind the partial
 products, and the products of every instance of triaxis_mul.
 """
 
+import argparse
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from triaxis.bench.activity.saif import Activity, read_saif
-from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream
-from triaxis.bench.harness import Progress, write_result
-from triaxis.fpga.bitstream import ACTIVITY as RESULT
-from triaxis.fpga.bitstream import SAIF
+from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream, streams
+from triaxis.bench.harness import Findings, report
+from triaxis.fpga.bitstream import ACTIVITY, SAIF
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.broadphase import spatial_order
-from triaxis.host.scenes import Scene, scenes
+from triaxis.host.cli.arguments import add_seed
+from triaxis.host.cli.terminal import progress_bar, table
+from triaxis.host.scenes import scenes
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -118,38 +121,33 @@ def trace(stream: Stream, configuration: Configuration, file: Path, dut: Path = 
     return multiplier_toggles(read_saif(file))
 
 
-def measure(streams: Sequence[Stream], dut: Path = DUT, progress: Progress = lambda _: None) -> list[Row]:
-    """Measure all streams; ``progress`` is told of each that is done with."""
-    rows: list[Row] = []
+def measure(stream: Stream) -> Row:
+    """Measure a stream, with and without gating."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "core.saif"
-        for stream in streams:
-            gated, ungated = trace(stream, GATED, file, dut), trace(stream, UNGATED, file, dut)
-            undecided = int(stream.undecided.sum())
-            rows.append(Row(stream.name, len(stream.pairs), undecided, stream.margin, gated, ungated))
-            progress(1)
-    return rows
+        gated, ungated = trace(stream, GATED, file), trace(stream, UNGATED, file)
+    return Row(stream.name, len(stream.pairs), int(stream.undecided.sum()), stream.margin, gated, ungated)
 
 
-def trace_scene(scene: Scene, file: Path = SAIF, dut: Path = DUT) -> MultiplierToggles:
-    """Run a scene on the mesh engine, leave its activity in ``file``, and return the multipliers' toggles.
+def trace_scene() -> MultiplierToggles:
+    """Run `SAIF_SCENE` on the mesh engine, leave its activity in `SAIF`; return the multipliers' toggles.
 
     The margin is that of the scene's stream. Raises InputError where the number of near pairs is wrong.
     """
-    stream, (a, b) = scene_stream(scene), scene_meshes(scene)
-    order_a, order_b = spatial_order(a, ENGINE.group), spatial_order(b, ENGINE.group)
-    engine = MeshEngine(ENGINE, dut, traced=True)
-    engine.load(a[order_a], b[order_b])
+    stream, meshes = scene_stream(SAIF_SCENE), scene_meshes(SAIF_SCENE)
+    engine = MeshEngine(ENGINE, traced=True)
+    a, b = (mesh[spatial_order(mesh, ENGINE.group)] for mesh in meshes)
+    engine.load(a, b)
     # Without the loading.
-    with followed(engine.library, file):
+    with followed(engine.library, SAIF):
         found = engine.run(margin=stream.margin, mode=Mode.COUNT).near_count
-    write_whole(file, in_place(file.read_text()))
+    write_whole(SAIF, in_place(SAIF.read_text()))
     right = int(bulk_facts(stream.pairs, stream.margin).near.sum())
     if found != right:
         raise InputError(
-            f"activity: {scene.name}: the mesh engine finds {found} near pairs, there are {right}"
+            f"activity: {SAIF_SCENE.name}: the mesh engine finds {found} near pairs, there are {right}"
         )
-    return multiplier_toggles(read_saif(file))
+    return multiplier_toggles(read_saif(SAIF))
 
 
 def in_place(engine: str) -> str:
@@ -159,8 +157,43 @@ def in_place(engine: str) -> str:
     return engine
 
 
-def write_numbers(rows: Sequence[Row], engine: MultiplierToggles, seed: int, seconds: float) -> Path:
-    """Write `RESULT`: all rows, and the mesh engine on the scene of `SAIF`."""
+def add_activity(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga activity``."""
+    parser.description = (
+        "Send the same pairs, one in a hundred undecided by its boxes, through the core with and without "
+        f"operand gating, which must leave at most {100 * BOUND:g} % of the toggles. Writes "
+        "build/fpga/activity.json, and build/fpga/activity.saif, the activity of the mesh engine on a "
+        "scene, for power reports."
+    )
+    add_seed(parser, "seed of the random pairs")
+    parser.set_defaults(run=lambda options: report(ACTIVITY, partial(_measured, options.seed)))
+
+
+def _measured(seed: int) -> Findings:
+    wanted = streams(seed)
+    rows: list[Row] = []
+    with progress_bar("activity", len(wanted) + 1) as progress:
+        for stream in wanted:
+            rows.append(measure(stream))
+            progress(1)
+        engine = trace_scene()
+        progress(1)
+    return findings(rows, engine, seed)
+
+
+def findings(rows: Sequence[Row], engine: MultiplierToggles, seed: int) -> Findings:
+    """Return what is told of all rows, and of the mesh engine on the scene of `SAIF`."""
+    title = f"toggles of all {rows[0].gated.multipliers} multipliers, W = 16, M = 16"
+    shown = table(title, ("pairs", "undecided", "ungated", "gated", "share", "at most"))
+    for row in rows:
+        shown.add_row(
+            f"{row.pairs:,}: {row.name}",
+            f"{100 * row.undecided / row.pairs:.2f} %",
+            f"{row.ungated.total:,}",
+            f"{row.gated.total:,}",
+            f"{100 * row.ratio:.2f} %",
+            f"{100 * BOUND:g} %" if row.within_bound else f"{100 * BOUND:g} % EXCEEDED",
+        )
     worst = max(row.ratio for row in rows)
     problems = [
         f"{row.name}: {100 * row.ratio:.2f} % of the ungated toggles" for row in rows if not row.within_bound
@@ -173,4 +206,5 @@ def write_numbers(rows: Sequence[Row], engine: MultiplierToggles, seed: int, sec
         "engine": {"scene": SAIF_SCENE.name, "saif": SAIF.name, **asdict(engine)},
     }
     summary = f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles"
-    return write_result(RESULT, f"triaxis fpga activity --seed {seed}", problems, summary, seconds, content)
+    command = f"triaxis fpga activity --seed {seed}"
+    return Findings(command, summary, problems, content, [shown], notes=[f"activity of a scene: {SAIF}"])

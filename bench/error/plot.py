@@ -3,20 +3,16 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log10
-from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from triaxis.bench import harness
 from triaxis.bench.error.points import CLOCK_NS, COLLISION, NO_MISS, WIDTHS, Errors
 from triaxis.bench.error.running import Measured, WorkloadResult
 from triaxis.fpga.board_build import XC7A100T
-from triaxis.host.figures import BLACK, BLUE, GREEN, SMALL, VERMILION, chart, write_figures
-
-PICTURE = harness.FOLDER / "error"
+from triaxis.host.figures import BLACK, BLUE, GREEN, SMALL, VERMILION, chart
 
 _COLLISION, _NO_MISS, _GOLDEN, _PEER, _CALL = BLUE, GREEN, BLACK, VERMILION, "#BBBBBB"
 _DPI = 100
@@ -41,13 +37,8 @@ class PlottedPoint:
     about: bool = False
 
 
-def draw(measured: Measured) -> list[Path]:
-    """Write both pictures, whole or not at all."""
-    return write_figures(figure_of(measured), PICTURE)
-
-
 def figure_of(measured: Measured) -> Figure:
-    """Return the figure that `draw` writes."""
+    """Return the picture of a benchmark."""
     results = measured.results
     rows: tuple[tuple[str, Callable[[Errors], float]], ...] = (
         ("missed: share of the pairs that collide", lambda errors: errors.missed_share),

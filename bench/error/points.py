@@ -53,8 +53,6 @@ class Errors:
 def count_errors(verdicts: Mask, truth: Truth) -> Errors:
     """Return the errors of verdicts (N,), true: near, on whether pairs collide, touching included."""
     colliding = truth.near()
-    if verdicts.shape != colliding.shape:
-        raise ValueError(f"{len(verdicts)} verdicts on {len(truth)} pairs")
     return Errors(
         len(truth),
         int(colliding.sum()),
@@ -109,22 +107,6 @@ class CorePoint:
     cycles_per_pair: float
     unchanged: bool
 
-    @property
-    def problems(self) -> list[str]:
-        """Return what must not be: misses in no-miss mode, alarms beyond the band, another RTL verdict."""
-        found: list[str] = []
-        if self.mode == NO_MISS and self.errors.missed:
-            found.append(f"{self.errors.missed} collisions missed")
-        if self.beyond_band:
-            found.append(f"{self.beyond_band} false alarms beyond {self.margin + 1} resolutions")
-        if self.mode == COLLISION and self.unchanged and self.errors.missed + self.errors.false_alarms:
-            found.append("wrong verdicts although no coordinate was rounded")
-        if self.rtl_differs:
-            found.append(f"the RTL differs on {self.rtl_differs} of {self.sampled} pairs")
-        if self.cycles_per_pair != 1:
-            found.append(f"{self.cycles_per_pair:g} cycles a pair")
-        return found
-
 
 def configuration(width: int, mode: str) -> Configuration:
     """Return the core's build: without margins for collision mode, with one margin bit for no-miss mode."""
@@ -138,24 +120,20 @@ def spread_rows(count: int, most: int) -> npt.NDArray[np.int64]:
 
 def on_grid(workload: Workload, width: int) -> OnGrid:
     """Return a workload on the finest grids that hold its parts."""
-    parts = [_part_on_grid(part, width) for part in workload.parts]
-    grids = [grid for _, grid, _ in parts]
-    sizes = [len(part) for part in workload.parts]
+    grids = [part_grid(part.a, part.b, width) for part in workload.parts]
+    pairs = [
+        np.stack(
+            [quantise(x, grid, f"{part.source}, {name}") for name, x in (("A", part.a), ("B", part.b))], 1
+        )
+        for part, grid in zip(workload.parts, grids, strict=True)
+    ]
     return OnGrid(
-        np.concatenate([pairs for pairs, _, _ in parts]),
+        np.concatenate(pairs),
         tuple(grid.resolution for grid in grids),
         tuple(margin_for(Fraction(0), grid) for grid in grids),
-        np.repeat(np.arange(len(sizes)), sizes),
-        all(unchanged for _, _, unchanged in parts),
+        np.repeat(np.arange(len(grids)), [len(part) for part in workload.parts]),
+        all(map(_unchanged, workload.parts, pairs, grids)),
     )
-
-
-def _part_on_grid(part: Part, width: int) -> tuple[Pairs, Grid, bool]:
-    grid = part_grid(part.a, part.b, width)
-    pairs = np.stack(
-        [quantise(part.a, grid, f"{part.source}, A"), quantise(part.b, grid, f"{part.source}, B")], 1
-    )
-    return pairs, grid, _unchanged(part, pairs, grid)
 
 
 def _unchanged(part: Part, pairs: Pairs, grid: Grid) -> bool:
@@ -168,22 +146,15 @@ def _unchanged(part: Part, pairs: Pairs, grid: Grid) -> bool:
     return bool((real == np.stack([part.a, part.b], 1).astype(np.float64)).all())
 
 
-def core_verdicts(rounded: OnGrid, mode: str) -> Mask:
-    """Return whether each pair is near on the grid: (N,)."""
-    return np.asarray(bulk_verdicts(rounded.pairs, margins_of(rounded, mode))["near"])
-
-
 def margins_of(rounded: OnGrid, mode: str) -> npt.NDArray[np.int64]:
     """Return the margin of each pair in a mode, in resolutions: (N,)."""
-    margins = (
-        np.array(rounded.margins, np.int64) if mode == NO_MISS else np.zeros(len(rounded.margins), np.int64)
-    )
-    return margins[rounded.part]
+    return np.array(rounded.margins, np.int64)[rounded.part] * (mode == NO_MISS)
 
 
 def core_point(rounded: OnGrid, truth: Truth, width: int, mode: str) -> CorePoint:
     """Return the core's errors on a workload in one mode, with what was compared with the RTL."""
-    near, margins = core_verdicts(rounded, mode), margins_of(rounded, mode)
+    margins = margins_of(rounded, mode)
+    near: Mask = bulk_verdicts(rounded.pairs, margins)["near"]
     # In resolutions, exactly.
     alarms = [
         (truth.distances[i] / rounded.resolutions[rounded.part[i]], int(margins[i]))

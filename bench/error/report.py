@@ -1,22 +1,33 @@
-"""What the benchmark demands, and what it leaves: build/bench/error.json."""
+"""``triaxis bench error``: what is demanded, and what is told."""
 
+import argparse
 import os
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from triaxis.bench import harness
-from triaxis.bench.error.points import CLOCK_NS, NO_MISS, WIDTHS, CorePoint, Errors
-from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.sim.validity import Provenance
+from rich.table import Table
 
-RESULT = harness.FOLDER / "error.json"
+from triaxis.bench import harness
+from triaxis.bench.error.plot import figure_of
+from triaxis.bench.error.points import CLOCK_NS, MODES, NO_MISS, WIDTHS, CorePoint, Errors
+from triaxis.bench.error.running import Benchmark, Measured, WorkloadResult
+from triaxis.bench.error.software_points import PeerPoint
+from triaxis.bench.harness import Findings, report
+from triaxis.host.cli.arguments import add_seed
+from triaxis.host.cli.terminal import progress_bar, table
+
 # How many times the bulk checker's time a pair CGAL's exact kernel must take at least, over all workloads.
 LEAST_TIMES_BULK = 2.0
 # What it installs from; in this order, since calls from Python blur the first steps of its kernel.
 CGAL = ("libcgal-dev", "cgal")
+
+# Of the bulk checker's widths: those of the two arithmetics, and the widest.
+_SHOWN = (16, 24, WIDTHS[-1])
+_SHARES = "missed: of those that collide; alarms: of the others"
 
 
 @dataclass(frozen=True)
@@ -99,17 +110,34 @@ def _against_cgal(results: list[WorkloadResult]) -> Demand:
     return Demand(what, "CGAL is not installed", None)
 
 
-def passed(found: Iterable[Demand]) -> bool:
-    """Return whether nothing was missed; what was not measured is not."""
-    return all(demand.reached is not False for demand in found)
+def add_error(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``bench error``."""
+    parser.description = (
+        "Ask whether pairs of float32 triangles collide: the core at eight widths, in collision mode and in "
+        "no-miss mode, the bulk checker, the golden model, and those of python-fcl, coal, CGAL, libigl, VTK, "
+        "Open3D and trimesh that are installed (`make peers`; CGAL also by its C++ headers, Debian: "
+        "libcgal-dev). Compare with exact rational verdicts. Writes build/bench/error.json, error.png and "
+        "error.svg. A run that was interrupted goes on with the same command."
+    )
+    add_seed(parser, "what the pairs follow from")
+    parser.set_defaults(
+        run=lambda options: report(harness.FOLDER / "error.json", partial(_measured, options.seed))
+    )
 
 
-def write_report(measured: Measured, found: list[Demand], before: Provenance, seconds: float) -> Path:
-    """Write build/bench/error.json, whole or not at all. ``before``: the checkout's state before the run."""
-    missed = [demand for demand in found if demand.reached is False]
-    not_measured = [demand.what for demand in found if demand.reached is None]
+def _measured(seed: int) -> Findings:
+    benchmark = Benchmark(seed)
+    if not benchmark.real_meshes:
+        print("real meshes: no folder $TRIAXIS_DATA or ../shared/data: our own solids take their place")
+    with progress_bar("bench", benchmark.steps) as progress:
+        return findings(benchmark.run(progress))
+
+
+def findings(measured: Measured) -> Findings:
+    """Return what is told; what was not measured is no problem."""
+    found = demands(measured)
     content = {
-        "not_measured": not_measured,
+        "not_measured": [demand.what for demand in found if demand.reached is None],
         "seed": measured.seed,
         "real_meshes": measured.real_meshes,
         # Times are those of this machine.
@@ -123,14 +151,15 @@ def write_report(measured: Measured, found: list[Demand], before: Provenance, se
         "peers_absent": measured.absent,
         "workloads": {result.workload.name: _workload(result) for result in measured.results},
     }
-    return harness.write_result(
-        RESULT,
+    taken_up = f"{measured.taken_up} steps were taken over from an interrupted run"
+    return Findings(
         f"triaxis bench error --seed {measured.seed}",
-        [f"{demand.what}: {demand.found}" for demand in missed],
         "; ".join(f"{demand.what}: {demand.found}" for demand in found[:2]),
-        seconds,
+        [f"{demand.what}: {demand.found}" for demand in found if demand.reached is False],
         content,
-        before,
+        [_core_table(measured), _software_table(measured), _demand_table(found)],
+        {"error": lambda: figure_of(measured)},
+        [taken_up] if measured.taken_up else [],
     )
 
 
@@ -167,3 +196,63 @@ def _workload(result: WorkloadResult) -> dict[str, Any]:
 def _errors(errors: Errors) -> Mapping[str, Any]:
     shares = {"missed_share": errors.missed_share, "false_alarm_share": errors.false_alarm_share}
     return {**asdict(errors), **shares}
+
+
+def _shares(errors: Errors) -> str:
+    return f"{_percent(errors.missed_share)}  {_percent(errors.false_alarm_share)}"
+
+
+def _kernel(point: PeerPoint) -> str:
+    most = point.most_kernel_ns
+    return f"{point.kernel_ns:,.0f}" if most is None else f"<{most:,.0f}"
+
+
+def _percent(share: float) -> str:
+    return "0" if share == 0 else f"{100 * share:.2f} %"
+
+
+def _core_table(measured: Measured) -> Table:
+    title = f"core: one pair a clock, {CLOCK_NS:g} ns at 100 MHz; {_SHARES}"
+    workloads = (f"{result.workload.name}: missed, alarms" for result in measured.results)
+    rows = table(title, ("W", "mode", "DSP48E1", *workloads))
+    for mode in MODES:
+        for width in WIDTHS:
+            points = [p for r in measured.results for p in r.core if (p.width, p.mode) == (width, mode)]
+            shares = (_shares(point.errors) for point in points)
+            rows.add_row(str(width), mode, str(measured.dsps[width, mode]), *shares)
+        rows.add_section()
+    return rows
+
+
+def _software_table(measured: Measured) -> Table:
+    title = f"software, one thread, kernel's time without calls; {_SHARES}"
+    workloads = (f"{result.workload.name}: ns, missed, alarms" for result in measured.results)
+    rows = table(title, ("what", "call, ns", *workloads))
+    for mode in MODES:
+        for width in _SHOWN:
+            cells: list[str] = []
+            for result in measured.results:
+                time_ns = next(p.claims_ns for p in result.bulk if (p.width, p.mode) == (width, mode))
+                errors = next(p.errors for p in result.core if (p.width, p.mode) == (width, mode))
+                cells.append(f"{time_ns:,.0f}  {_shares(errors)}")
+            rows.add_row(f"bulk, {mode}, W = {width}", "", *cells)
+    rows.add_row("golden model: the truth", "", *(f"{r.golden_ns:,.0f}  0  0" for r in measured.results))
+    rows.add_section()
+    for points in zip(*(result.peers for result in measured.results), strict=True):
+        calls = [point.overhead_ns for point in points]
+        rows.add_row(
+            f"{points[0].name} {points[0].version}",
+            f"{min(calls):,.0f}..{max(calls):,.0f}",
+            *(f"{_kernel(point)}  {_shares(point.errors)}" for point in points),
+        )
+    for name, reason in measured.absent.items():
+        rows.add_row(name, "-", *["absent" for _ in measured.results])
+        rows.caption = f"{rows.caption or ''}{reason}\n"
+    return rows
+
+
+def _demand_table(found: list[Demand]) -> Table:
+    rows = table("demanded", ("what", "found", ""), text=3)
+    for demand in found:
+        rows.add_row(demand.what, demand.found, demand.verdict)
+    return rows

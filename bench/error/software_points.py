@@ -6,17 +6,15 @@ kernel here is a little less than that. The bulk checker's time on the same pair
 rounds of the package's.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from triaxis.bench.error.points import Errors, OnGrid, count_errors, margins_of, spread_rows
 from triaxis.bench.error.truth import Truth, exact_triangle
 from triaxis.bench.error.workloads import Workload
 from triaxis.bench.harness import ROUNDS, best_times, clocked
-from triaxis.bench.peers.peer import TrianglePeer
+from triaxis.bench.peers.peer import Peer
 from triaxis.golden.bulk import bulk_claims, bulk_facts
 from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.judge import judge
@@ -42,12 +40,6 @@ class BulkPoint:
     clear: int
     unproven: int
     differs: int
-
-
-def collision_work(rounded: OnGrid, chosen: npt.NDArray[np.int64]) -> Callable[[], npt.NDArray[np.int8]]:
-    """Return what asks the bulk checker whether the chosen pairs collide, without copying them."""
-    pairs, margins = np.ascontiguousarray(rounded.pairs[chosen], np.int32), np.zeros(len(chosen), np.uint32)
-    return lambda: bulk_claims(pairs, margins)
 
 
 def bulk_point(rounded: OnGrid, width: int, mode: str) -> BulkPoint:
@@ -79,7 +71,7 @@ def golden_ns(workload: Workload) -> float:
 # Pairs that are timed; all are judged.
 TIMED = 4000
 # A second triangle moved so far that no pair of any workload meets.
-_FAR = np.float32(2**20)
+_FAR = 2.0**20
 
 
 @dataclass(frozen=True)
@@ -118,18 +110,17 @@ class PeerPoint:
         return self.kernel_ns / self.bulk_ns
 
 
-def peer_point(
-    peer: TrianglePeer, version: str, workload: Workload, finest: OnGrid, truth: Truth
-) -> PeerPoint:
+def peer_point(peer: Peer, version: str, workload: Workload, finest: OnGrid, truth: Truth) -> PeerPoint:
     """Return a peer's errors and times on a workload; ``finest``: the same pairs on the finest grid."""
-    a, b = workload.a, workload.b
-    ask, load = clocked(lambda: peer.load(a, b))
-    errors = count_errors(ask(), truth)
+    # As most packages take them: the same numbers.
+    a, b = workload.a.astype(np.float64), workload.b.astype(np.float64)
+    question, load = clocked(lambda: peer.load(a, b))
     chosen = spread_rows(len(a), TIMED)
     run = peer.load(a[chosen], b[chosen])
     # A batch has one call for all of its pairs.
     calls = peer.load(a[:1], b[:1]) if peer.batched else peer.load(a[chosen], b[chosen] + _FAR)
-    works = [run, calls, collision_work(finest, chosen)]
+    pairs, margins = np.ascontiguousarray(finest.pairs[chosen], np.int32), np.zeros(len(chosen), np.uint32)
+    works = [run.ask, calls.ask, lambda: bulk_claims(pairs, margins)]
     halves = np.array([best_times(works, ROUNDS // 2) for _ in range(2)]) * 1e9 / len(chosen)
     run_ns, calls_ns, bulk_ns = halves.min(0).tolist()
     return PeerPoint(
@@ -137,7 +128,7 @@ def peer_point(
         peer.distribution,
         version,
         peer.call,
-        errors,
+        count_errors(question.ask(), truth),
         run_ns,
         calls_ns,
         load * 1e9 / len(a),

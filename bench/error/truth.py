@@ -7,10 +7,8 @@ and of the model's sources.
 
 import hashlib
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.bench import harness
-from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational, Triangle
 from triaxis.golden.judge import default_solver, judge
 from triaxis.golden.outputs import write_whole
@@ -29,7 +26,6 @@ from triaxis.sim.paths import ROOT
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]
 
-FOLDER = harness.FOLDER / "truth"
 _MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
@@ -55,63 +51,28 @@ def exact_triangle(triangle: npt.NDArray[np.floating[Any]]) -> Triangle:
     return [[Rational(x) for x in vertex] for vertex in triangle.tolist()]
 
 
-def check_triangles(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> None:
-    """Raise InputError unless both are finite float32 of one shape (N, 3, 3)."""
-    for name, triangles in (("A", a), ("B", b)):
-        if triangles.dtype != np.float32 or triangles.shape != (len(a), 3, 3):
-            found = f"{triangles.dtype} of shape {triangles.shape}"
-            raise InputError(f"triangles {name}: {found}: must be float32 of shape ({len(a)}, 3, 3)")
-        wrong = ~np.isfinite(triangles)
-        if wrong.any():
-            pair, vertex, coordinate = (int(i) for i in np.argwhere(wrong)[0])
-            place = f"pair {pair}, vertex {vertex}, coordinate {'xyz'[coordinate]}"
-            raise InputError(f"triangles {name}: {place}: not finite")
-
-
-def exact_truth(
-    a: Triangles, b: Triangles, progress: Callable[[int], None] | None = None, folder: Path = FOLDER
-) -> Truth:
-    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known.
-
-    On all cores; ``progress`` is told how many pairs were done. Raises InputError where the triangles are not
-    finite float32.
-    """
-    check_triangles(a, b)
-    report = progress or (lambda _: None)
-    path = folder / f"{_key(a, b)}.json"
-    distances = _stored(path, len(a))
-    if distances is not None:
-        report(len(a))
-        return Truth(distances)
+def exact_truth(a: Triangles, b: Triangles, folder: Path | None = None) -> Truth:
+    """Return the exact distances of A (N, 3, 3) and B (N, 3, 3), from ``folder`` where they are known."""
+    path = (folder or harness.FOLDER / "truth") / f"{_key(a, b)}.json"
+    try:
+        known = tuple(Fraction(text) for text in json.loads(path.read_text(encoding="utf-8")))
+    # Absent, or damaged: solve.
+    except (OSError, ValueError, TypeError, ZeroDivisionError):
+        known = ()
+    if len(known) == len(a):
+        return Truth(known)
     chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
-    solved = in_processes(_solve, chunks, lambda chunk: report(len(chunk)), default_solver)
-    found = [distance for chunk in solved for distance in chunk]
+    solved = in_processes(_solve, chunks, lambda _: None, default_solver)
+    found = tuple(distance for chunk in solved for distance in chunk)
     write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
-    return Truth(tuple(found))
+    return Truth(found)
 
 
 def _key(a: Triangles, b: Triangles) -> str:
-    digest = hashlib.sha256(_model().encode())
+    digest = hashlib.sha256(content_hash([ROOT / "golden" / name for name in _MODEL]).encode())
     for triangles in (a, b):
         digest.update(np.ascontiguousarray(triangles).tobytes())
     return digest.hexdigest()[:24]
-
-
-@cache
-def _model() -> str:
-    return content_hash([ROOT / "golden" / name for name in _MODEL])
-
-
-def _stored(path: Path, count: int) -> tuple[Fraction, ...] | None:
-    try:
-        texts = json.loads(path.read_text(encoding="utf-8"))
-        distances = tuple(Fraction(text) for text in texts)
-    except FileNotFoundError:
-        return None
-    # Damaged: solve again.
-    except (OSError, ValueError, TypeError, ZeroDivisionError):
-        return None
-    return distances if len(distances) == count else None
 
 
 def _solve(chunk: tuple[Triangles, Triangles]) -> list[Fraction]:

@@ -4,7 +4,7 @@ Each workload has parts that share a working volume: the pairs of a scene, for w
 grid. No triangle is degenerate, since most packages demand that; `make stress` has those.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,15 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.bench.error.truth import Triangles, exact_triangle
-from triaxis.golden.bulk import bulk_facts
+from triaxis.bench.stress.constructions import contacts
 from triaxis.golden.exact import triangle_rank
 from triaxis.host.broadphase import candidates
 from triaxis.host.quantise import Grid, Steps, box_of, finest_resolution, grid_around, quantise
 from triaxis.host.scenes import Scene, machine_scenes, scenes
 from triaxis.host.stl import Facets
-from triaxis.verif.core.stimulus.contact import Contact, placed
+from triaxis.verif.core.stimulus.contact import Contact
 from triaxis.verif.core.stimulus.near_miss import edge_edge, edge_edge_level, face_vertex, face_vertex_level
-from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
+from triaxis.verif.core.stimulus.stimulus import divided
 
 Rng = np.random.Generator
 Reals = npt.NDArray[np.float64]
@@ -159,64 +159,51 @@ def _random(rng: Rng, count: int) -> _Pairs:
     return triangles[:, 0], triangles[:, 1]
 
 
-def _close(scene: Scene) -> npt.NDArray[np.int64]:
-    """Return the facets (K, 2) whose boxes come close, about."""
-    grid = part_grid(scene.a, scene.b, _SEARCH_BITS)
-    a, b = quantise(scene.a, grid, scene.name), quantise(scene.b, grid, scene.name)
-    found = [np.empty((0, 2), np.int64), *(np.stack(block, 1) for block in candidates(a, b, _SEARCH_REACH))]
-    return np.concatenate(found)
-
-
-def _moved_by(scene: Scene, move: Reals) -> Scene:
-    a, b = (scene.a + move).astype(np.float32), scene.b.astype(np.float32)
-    return Scene(scene.name, a, b, scene.near)
-
-
-def _poses(rng: Rng, scene: Scene) -> Iterator[Scene]:
-    """Yield the scene as it stands, then with the first solid moved a little, again and again."""
-    yield _moved_by(scene, np.zeros(3))
-    reach = _MOVES * float(np.ptp(np.concatenate([scene.a, scene.b]).reshape(-1, 3), 0).max())
-    while True:
-        yield _moved_by(scene, rng.uniform(-reach, reach, 3))
-
-
 def _in_poses(rng: Rng, scene: Scene, count: int) -> _Pairs:
-    """Return facet pairs of a few poses: half of those of a pose close, the others any."""
+    """Return facet pairs of a few poses: half of those of a pose close, the others any.
+
+    The scene as it stands comes first, then with the first solid moved a little, again and again.
+    """
+    reach = _MOVES * float(np.ptp(np.concatenate([scene.a, scene.b]).reshape(-1, 3), 0).max())
+    move, b = np.zeros(3), scene.b.astype(np.float32)
     pairs_a, pairs_b = np.empty((2, 0, 3, 3), np.float32)
-    for pose in _poses(rng, scene):
-        close = rng.permutation(_close(pose))[: count // 4]
-        any_pair = np.stack([rng.integers(0, len(x), len(close) + 1) for x in (pose.a, pose.b)], 1)
+    while len(pairs_a) < count:
+        if len(pairs_a):
+            move = rng.uniform(-reach, reach, 3)
+        a = (scene.a + move).astype(np.float32)
+        close = rng.permutation(_close(scene.name, a, b))[: count // 4]
+        any_pair = np.stack([rng.integers(0, len(x), len(close) + 1) for x in (a, b)], 1)
         chosen = np.concatenate([close, any_pair])
-        pairs_a = np.concatenate([pairs_a, pose.a[chosen[:, 0]]])
-        pairs_b = np.concatenate([pairs_b, pose.b[chosen[:, 1]]])
-        if len(pairs_a) >= count:
-            break
+        pairs_a = np.concatenate([pairs_a, a[chosen[:, 0]]])
+        pairs_b = np.concatenate([pairs_b, b[chosen[:, 1]]])
     order = rng.permutation(len(pairs_a))
     return pairs_a[order], pairs_b[order]
 
 
-@dataclass(frozen=True)
-class _Touching:
-    """Triangles A and B (N, 3, 3) that touch, but for rounding, and unit vectors (N, 3) from A to B there."""
-
-    a: Reals
-    b: Reals
-    away: Reals
-
-    def first(self, count: int) -> "_Touching":
-        return _Touching(self.a[:count], self.b[:count], self.away[:count])
+def _close(name: str, a: Triangles, b: Triangles) -> npt.NDArray[np.int64]:
+    """Return the facets (K, 2) whose boxes come close, about."""
+    grid = part_grid(a, b, _SEARCH_BITS)
+    near = candidates(quantise(a, grid, name), quantise(b, grid, name), _SEARCH_REACH)
+    return np.concatenate([np.empty((0, 2), np.int64), *(np.stack(block, 1) for block in near)])
 
 
 def _in_contact(rng: Rng, scene: Scene, count: int) -> _Pairs:
     """Return facet pairs, about ``count``: the second is moved until it touches the first, or all but."""
     half = -(-count // 2)
     # Of pairs of edges, half and more do not fit.
-    made = [
+    touching = [
         _vertex_on_face(rng, *_drawn(rng, scene, half)),
-        _edge_on_edge(rng, *_drawn(rng, scene, 4 * half)).first(half),
+        _edge_on_edge(rng, *_drawn(rng, scene, 4 * half)),
     ]
-    moved = np.concatenate([t.b + _gaps(rng, len(t.b)) * t.away[:, None] for t in made])
-    return np.concatenate([t.a for t in made]).astype(np.float32), moved.astype(np.float32)
+    pairs_a, pairs_b = np.empty((2, 0, 3, 3))
+    for a, b, here, there, normal in touching:
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        kept = np.flatnonzero(length[:, 0] > 0)[:half]
+        # They touch, but for rounding; then a gap along the way from A to B.
+        touched = b[kept] + (there - here)[kept, None]
+        gaps = _gaps(rng, len(kept)) * (normal[kept] / length[kept])[:, None]
+        pairs_a, pairs_b = np.concatenate([pairs_a, a[kept]]), np.concatenate([pairs_b, touched + gaps])
+    return pairs_a.astype(np.float32), pairs_b.astype(np.float32)
 
 
 def _drawn(rng: Rng, scene: Scene, count: int) -> tuple[Reals, Reals]:
@@ -235,33 +222,26 @@ def _gaps(rng: Rng, count: int) -> Reals:
     return size * rng.choice([-1.0, 0.0, 1.0], (count, 1, 1))
 
 
-def _vertex_on_face(rng: Rng, a: Reals, b: Reals) -> _Touching:
-    """Return B moved so that its vertex outermost towards A's face, on either side of that, lies in the face.
-
-    All of B may come to lie in A's plane.
+def _vertex_on_face(rng: Rng, a: Reals, b: Reals) -> tuple[Reals, ...]:
+    """Return A and B, B's vertex outermost towards A's face, on either side of that, a place in the face
+    where it is to come, and the way from A to B there. All of B may come to lie in A's plane.
     """
     normal = rng.choice([-1.0, 1.0], (len(a), 1)) * np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
     outermost = np.einsum("nvk,nk->nv", b, normal).argmin(1)
     place = np.einsum("nv,nvk->nk", rng.dirichlet((1, 1, 1), len(a)), a)
-    return _moved(a, b, b[np.arange(len(a)), outermost], place, normal)
+    return a, b, b[np.arange(len(a)), outermost], place, normal
 
 
-def _edge_on_edge(rng: Rng, a: Reals, b: Reals) -> _Touching:
-    """Return B moved so that its first edge crosses A's, their third vertices on opposite sides."""
+def _edge_on_edge(rng: Rng, a: Reals, b: Reals) -> tuple[Reals, ...]:
+    """Return A and B, a place on B's first edge, one on A's where it is to come, and the way from A to B
+    there: of those whose third vertices are on opposite sides then.
+    """
     normal = np.cross(a[:, 1] - a[:, 0], b[:, 1] - b[:, 0])
     third_a, third_b = (np.einsum("nk,nk->n", t[:, 2] - t[:, 0], normal) for t in (a, b))
     share = rng.uniform(0.05, 0.95, (2, len(a), 1))
     on_a, on_b = (t[:, 0] + s * (t[:, 1] - t[:, 0]) for t, s in zip((a, b), share, strict=True))
     fits = third_a * third_b < 0
-    normal = normal * np.sign(third_b)[:, None]
-    return _moved(*(x[fits] for x in (a, b, on_b, on_a, normal)))
-
-
-def _moved(a: Reals, b: Reals, here: Reals, there: Reals, normal: Reals) -> _Touching:
-    """Return B moved from ``here`` to ``there`` (N, 3); where A has a normal (N, 3)."""
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    kept = length[:, 0] > 0
-    return _Touching(a[kept], (b + (there - here)[:, None])[kept], normal[kept] / length[kept])
+    return tuple(x[fits] for x in (a, b, on_b, on_a, normal * np.sign(third_b)[:, None]))
 
 
 def _lattice(rng: Rng, count: int) -> list[Part]:
@@ -275,12 +255,6 @@ def _lattice(rng: Rng, count: int) -> list[Part]:
     shares = divided(count, [share for _, _, share in kinds])
     parts: list[Part] = []
     for (source, make, _), share in zip(kinds, shares, strict=True):
-
-        def draw(n: int, make: Callable[[Rng, int, int], Contact] = make) -> Stimulus:
-            made = placed(rng, make(rng, n, LATTICE_BITS), LATTICE_BITS, 0)
-            facts = bulk_facts(made.pairs, 0)
-            return made[(facts.rank_a == 2) & (facts.rank_b == 2)]
-
-        pairs = collected(share, draw).pairs * _LATTICE_STEP
+        pairs = contacts(make, rng, share, LATTICE_BITS).pairs * _LATTICE_STEP
         parts.append(Part(source, pairs[:, 0].astype(np.float32), pairs[:, 1].astype(np.float32)))
     return parts

@@ -73,16 +73,16 @@ using Aabb = Tree<fcl::AABB<double>, fcl::detail::MeshCollisionTraversalNode<fcl
 // Kinds of volumes: 0 OBB, 1 OBBRSS, 2 AABB.
 extern "C" {
 
-void *triaxis_fcl_load(int kind, const double *vertices, int64_t count) {
+void *triaxis_load(int kind, const double *vertices, int64_t count) {
   return kind == 0 ? Obb::load(vertices, count)
                    : kind == 1 ? ObbRss::load(vertices, count) : Aabb::load(vertices, count);
 }
 
-void triaxis_fcl_free(int kind, void *model) {
+void triaxis_free(int kind, void *model) {
   kind == 0 ? Obb::release(model) : kind == 1 ? ObbRss::release(model) : Aabb::release(model);
 }
 
-int64_t triaxis_fcl_collide(int kind, void *a, void *b, int32_t *pairs, int64_t room, int64_t *tests) {
+int64_t triaxis_ask(int kind, void *a, void *b, int32_t *pairs, int64_t room, int64_t *tests) {
   auto *counted = reinterpret_cast<Tests *>(tests);
   return kind == 0   ? Obb::collide(a, b, pairs, room, counted)
          : kind == 1 ? ObbRss::collide(a, b, pairs, room, counted)

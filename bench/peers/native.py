@@ -8,30 +8,22 @@ How often they compare volumes and triangles no Python package of FCL tells.
 import ctypes
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.bench.harness import FOLDER
-from triaxis.bench.peers.peer import (
-    Ask,
-    Counted,
-    Integers,
-    MeshPeer,
-    PeerAbsentError,
-    Question,
-    Reals,
-    Singles,
-    TrianglePeer,
-)
+from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question, Reals
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
 
 _FLAGS = ("-O3", "-DNDEBUG", "-fPIC", "-shared", "-w")
+# Behind what pkg-config says, which is older.
 _STANDARD = "-std=c++17"
 # Its interval arithmetic rests on the rounding mode.
 _CGAL_FLAGS = ("-march=native", "-frounding-math")
@@ -42,7 +34,7 @@ _VOLUMES = ("OBB", "OBBRSS", "AABB")
 _POINTER, _LONG, _KIND = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int
 
 
-def _compiled(package: str, version: str, flags: Sequence[str], libraries: Sequence[str]) -> ctypes.CDLL:
+def _compiled(package: str, version: str, flags: Sequence[str], libraries: Sequence[str]) -> Any:
     """Return the loop of a package, built where needed; raise PeerAbsentError where that fails."""
     name = package.lower()
     source, file = Path(__file__).with_name(f"{name}.cpp"), f"{name}.so"
@@ -54,19 +46,32 @@ def _compiled(package: str, version: str, flags: Sequence[str], libraries: Seque
         run_tool(command, partial_, f"{package}'s loop")
 
     try:
-        return ctypes.CDLL(str(built(FOLDER / "native" / f"{name}-{key[:12]}", make) / file))
+        library = ctypes.CDLL(str(built(FOLDER / "native" / f"{name}-{key[:12]}", make) / file))
     except (InputError, OSError) as error:
         raise PeerAbsentError(f"{package}'s headers: found, but {error}") from error
+    library.triaxis_load.restype, library.triaxis_load.argtypes = _POINTER, [_KIND, _POINTER, _LONG]
+    library.triaxis_free.restype, library.triaxis_free.argtypes = None, [_KIND, _POINTER]
+    library.triaxis_ask.restype = _LONG
+    library.triaxis_ask.argtypes = [_KIND, _POINTER, _POINTER, _POINTER, _LONG, _POINTER]
+    return library
 
 
-class _Held:
-    """An object of a package's, freed with this."""
+class _Loaded:
+    """Two sets of triangles, (N, 3, 3) and (M, 3, 3), as a library holds them: freed with this."""
 
-    def __init__(self, address: int, free: Callable[[int], object]) -> None:
-        self.address, self._free = address, free
+    def __init__(self, library: Any, kind: int, a: Reals, b: Reals) -> None:
+        self._library, self._kind = library, kind
+        made = [np.ascontiguousarray(triangles, np.float64) for triangles in (a, b)]
+        self._held = [library.triaxis_load(kind, each.ctypes.data, len(each)) for each in made]
 
     def __del__(self) -> None:
-        self._free(self.address)
+        for address in self._held:
+            self._library.triaxis_free(self._kind, address)
+
+    def ask(self, answer: npt.NDArray[np.int32], tests: npt.NDArray[np.int64] | None = None) -> int:
+        """Fill ``answer`` as far as it goes; return how many answers there are."""
+        counted = None if tests is None else tests.ctypes.data
+        return self._library.triaxis_ask(self._kind, *self._held, answer.ctypes.data, len(answer), counted)
 
 
 @cache
@@ -78,35 +83,25 @@ def _cgal() -> Any:
     if probe.returncode:
         raise PeerAbsentError(f"CGAL's headers: not found: {_INSTALL_CGAL}")
     library = _compiled("CGAL", probe.stdout, _CGAL_FLAGS, ("-lgmp", "-lmpfr"))
-    library.triaxis_cgal_version.restype = _LONG
-    library.triaxis_cgal_load.restype = _POINTER
-    library.triaxis_cgal_load.argtypes = [_POINTER, _LONG]
-    library.triaxis_cgal_free.restype = library.triaxis_cgal_run.restype = None
-    library.triaxis_cgal_free.argtypes = [_POINTER]
-    library.triaxis_cgal_run.argtypes = [_POINTER, _POINTER, _POINTER]
+    library.triaxis_version.restype = _LONG
     return library
 
 
 def _cgal_version() -> str:
     # A dot, two digits each for major, minor and patch, and four more: 1050511000 is 5.5.1.
-    digits = f"{_cgal().triaxis_cgal_version():d}"
+    digits = f"{_cgal().triaxis_version():d}"
     return f"{int(digits[1:3])}.{int(digits[3:5])}.{int(digits[5:6])}"
 
 
-def _cgal_pairs(a: Singles, b: Singles) -> Ask:
-    library = _cgal()
-    held: list[_Held] = []
-    for triangles in (a, b):
-        floats = np.ascontiguousarray(triangles, np.float32)
-        address = library.triaxis_cgal_load(floats.ctypes.data, len(floats))
-        held.append(_Held(address, library.triaxis_cgal_free))
+def _cgal_pairs(a: Reals, b: Reals) -> Question:
+    loaded = _Loaded(_cgal(), 0, a, b)
 
-    def ask() -> Any:
-        intersect = np.empty(len(a), np.uint8)
-        library.triaxis_cgal_run(held[0].address, held[1].address, intersect.ctypes.data)
+    def ask() -> npt.NDArray[np.bool_]:
+        intersect = np.empty(len(a), np.int32)
+        loaded.ask(intersect)
         return intersect.astype(np.bool_)
 
-    return ask
+    return Question(ask)
 
 
 def _fcl_asked(*options: str) -> str:
@@ -125,14 +120,7 @@ def _fcl() -> Any:
     # Not for this processor: FCL is compiled for all, and its types are aligned by what they are compiled
     # for.
     flags, libraries = _fcl_asked("--cflags").split(), _fcl_asked("--libs").split()
-    library = _compiled("FCL", _fcl_asked("--modversion"), flags, libraries)
-    library.triaxis_fcl_load.restype = _POINTER
-    library.triaxis_fcl_load.argtypes = [_KIND, _POINTER, _LONG]
-    library.triaxis_fcl_free.restype = None
-    library.triaxis_fcl_free.argtypes = [_KIND, _POINTER]
-    library.triaxis_fcl_collide.restype = _LONG
-    library.triaxis_fcl_collide.argtypes = [_KIND, _POINTER, _POINTER, _POINTER, _LONG, _POINTER]
-    return library
+    return _compiled("FCL", _fcl_asked("--modversion"), flags, libraries)
 
 
 def _fcl_version() -> str:
@@ -142,39 +130,33 @@ def _fcl_version() -> str:
 
 def _fcl_meshes(kind: int, a: Reals, b: Reals) -> Question:
     """Return FCL's collision of two trees of bounding volumes of a kind, without contact points."""
-    library = _fcl()
-    trees: list[_Held] = []
-    for facets in (a, b):
-        vertices = np.ascontiguousarray(facets)
-        address = library.triaxis_fcl_load(kind, vertices.ctypes.data, len(vertices))
-        trees.append(_Held(address, partial(library.triaxis_fcl_free, kind)))
-    collide = partial(library.triaxis_fcl_collide, kind)
+    trees = _Loaded(_fcl(), kind, a, b)
     # As many as there were the last time: FCL's own list is the result, the copy is for us.
     room = 1 << 10
 
-    def ask() -> Integers:
+    def ask() -> npt.NDArray[np.int64]:
         nonlocal room
         pairs = np.empty((room, 2), np.int32)
-        found = collide(trees[0].address, trees[1].address, pairs.ctypes.data, room, None)
+        found = trees.ask(pairs)
         if found > room:
             room = found
             return ask()
         return pairs[:found].astype(np.int64)
 
-    def count() -> Counted:
+    def count() -> tuple[int, int]:
         tests = np.zeros(2, np.int64)
-        collide(trees[0].address, trees[1].address, None, 0, tests.ctypes.data)
-        return Counted(int(tests[0]), int(tests[1]))
+        trees.ask(np.empty((0, 2), np.int32), tests)
+        return int(tests[0]), int(tests[1])
 
     return Question(ask, count)
 
 
-CGAL = TrianglePeer(
+CGAL = Peer(
     "CGAL, C++", "libcgal-dev", "CGAL::do_intersect(Triangle_3, Triangle_3)",
     _cgal_version, _cgal_pairs, batched=True,
 )  # fmt: skip
 FCL_TREES = tuple(
-    MeshPeer(
+    Peer(
         f"FCL {volume}", "libfcl-dev", f"fcl::detail::collide(BVHModel<{volume}>)",
         _fcl_version, partial(_fcl_meshes, kind),
     )

@@ -8,17 +8,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-Singles = npt.NDArray[np.float32]
 Reals = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
-
-# Asks about all pairs once more, and returns the verdicts (N,), true: they collide.
-Ask = Callable[[], npt.NDArray[np.bool_]]
 
 _INSTALL = "`make peers` installs it"
 
@@ -28,60 +23,35 @@ class PeerAbsentError(Exception):
 
 
 @dataclass(frozen=True)
+class Question:
+    """What a package has made of its triangles: ready to be asked, again and again.
+
+    ``ask`` returns, of pairs of triangles, which collide (N,); of two meshes, pairs of facets (K, 2) in any
+    order, also more than once. ``count`` asks once more, and returns how often the package compared two
+    bounding volumes, and two triangles; None where it does not tell.
+    """
+
+    ask: Callable[[], npt.NDArray[Any]]
+    count: Callable[[], tuple[int | None, int | None]] = lambda: (None, None)
+
+
+@dataclass(frozen=True)
 class Peer:
     """A package's test of collisions.
 
     ``name`` for tables; ``distribution``: what it installs from; ``call``: the function that is timed.
-    ``version`` returns the version; it raises PeerAbsentError where there is none.
+    ``version`` returns the version; it raises PeerAbsentError where there is none. ``load`` makes the
+    package's own objects of triangles (N, 3, 3) and (M, 3, 3), which is timed apart: of pairs, or of meshes.
+    ``batched``: one call takes all pairs; otherwise each pair is a call, whose overhead has to be known.
+    ``boxes_only``: it finds pairs whose boxes overlap, and leaves the triangles to others.
     """
 
     name: str
     distribution: str
     call: str
     version: Callable[[], str]
-
-
-@dataclass(frozen=True)
-class TrianglePeer(Peer):
-    """A package's test of two triangles.
-
-    ``load`` makes the package's own objects of the pairs, (N, 3, 3) twice, which is not its kernel's time.
-    ``batched``: one call takes all pairs; otherwise each pair is a call, whose overhead has to be known.
-    """
-
-    load: Callable[[Singles, Singles], Ask]
-    batched: bool = False
-
-
-@dataclass(frozen=True)
-class Counted:
-    """How often a package compared two bounding volumes, and two triangles; None where it does not tell."""
-
-    volumes: int | None = None
-    triangles: int | None = None
-
-
-@dataclass(frozen=True)
-class Question:
-    """Two meshes as the package holds them: ready to be asked.
-
-    ``ask`` returns facet pairs (K, 2), (number in A, in B), in any order, also more than once. ``count`` asks
-    once more and counts.
-    """
-
-    ask: Callable[[], Integers]
-    count: Callable[[], Counted] = Counted
-
-
-@dataclass(frozen=True)
-class MeshPeer(Peer):
-    """A package's search for colliding facets.
-
-    ``load`` builds its trees over facets (N, 3, 3) and (M, 3, 3): timed as building. ``boxes_only``: it finds
-    pairs whose boxes overlap, and leaves the triangles to others.
-    """
-
     load: Callable[[Reals, Reals], Question]
+    batched: bool = False
     boxes_only: bool = False
 
 
@@ -96,24 +66,20 @@ class Presence:
     why_absent: str | None = None
 
 
-AnyPeer = TypeVar("AnyPeer", bound=Peer)
-
-
-def presence(peer: Peer) -> Presence:
-    """Return whether a package can be asked."""
-    try:
-        return Presence(peer.name, peer.distribution, peer.call, peer.version())
-    except PeerAbsentError as error:
-        return Presence(peer.name, peer.distribution, peer.call, None, str(error))
-
-
-def present(peers: Sequence[AnyPeer]) -> tuple[list[tuple[AnyPeer, str]], list[Presence]]:
+def present(peers: Sequence[Peer]) -> tuple[list[tuple[Peer, str]], list[Presence]]:
     """Return the packages that are there with their versions, and what is to be said of each of all."""
-    found = [presence(peer) for peer in peers]
-    there = [
-        (peer, each.version) for peer, each in zip(peers, found, strict=True) if each.version is not None
-    ]
-    return there, found
+    there: list[tuple[Peer, str]] = []
+    told: list[Presence] = []
+    for peer in peers:
+        about = (peer.name, peer.distribution, peer.call)
+        try:
+            found = peer.version()
+        except PeerAbsentError as error:
+            told.append(Presence(*about, None, str(error)))
+        else:
+            there.append((peer, found))
+            told.append(Presence(*about, found))
+    return there, told
 
 
 def imported(module: str) -> Any:

@@ -5,18 +5,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from triaxis.bench.peers.peer import (
-    Ask,
-    Integers,
-    MeshPeer,
-    Question,
-    Reals,
-    Singles,
-    TrianglePeer,
-    imported,
-    installed_version,
-)
+from triaxis.bench.peers.peer import Peer, Question, Reals, imported, installed_version
 
 _VTK = "vtkmodules.vtkCommonDataModel"
 _PREDICATES = "igl.predicates"
@@ -24,32 +15,26 @@ _PREDICATES = "igl.predicates"
 _ALL_CONTACTS = 1 << 31
 
 
-def doubles(triangles: Singles) -> Reals:
-    """Return triangles as the float64 that most packages take: the same numbers."""
-    return np.ascontiguousarray(triangles, np.float64)
-
-
-def one_by_one(call: Callable[..., Any], arguments: list[tuple[Any, ...]]) -> Ask:
+def one_by_one(call: Callable[..., Any], arguments: list[tuple[Any, ...]]) -> Question:
     """Return what calls a function on each pair's arguments; anything that is true is a collision."""
-    return lambda: np.array([call(*pair) for pair in arguments], dtype=object).astype(np.bool_)
+    return Question(lambda: np.array([call(*pair) for pair in arguments], dtype=object).astype(np.bool_))
 
 
-def _each(make: Callable[[Reals], Any], a: Singles, b: Singles) -> list[tuple[Any, Any]]:
+def _each(make: Callable[[Reals], Any], a: Reals, b: Reals) -> list[tuple[Any, Any]]:
     """Return the objects that a package makes of each triangle, pair by pair."""
-    return [(make(x), make(y)) for x, y in zip(doubles(a), doubles(b), strict=True)]
+    return [(make(x), make(y)) for x, y in zip(a, b, strict=True)]
 
 
-def _vertices(a: Singles, b: Singles) -> Reals:
-    """Return all six vertices of each pair: (N, 6, 3)."""
-    return np.concatenate([doubles(a), doubles(b)], 1)
-
-
-def _numbered(facets: Reals) -> tuple[Reals, Integers]:
+def _numbered(facets: Reals) -> tuple[Reals, npt.NDArray[np.int64]]:
     """Return the vertices (3 N, 3) of facets (N, 3, 3), and the numbers of those of each: (N, 3)."""
     return facets.reshape(-1, 3), np.arange(3 * len(facets)).reshape(-1, 3)
 
 
-def _cgal(a: Singles, b: Singles) -> Ask:
+def _pairs(found: list[tuple[int, int]]) -> npt.NDArray[np.int64]:
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
+def _cgal(a: Reals, b: Reals) -> Question:
     kernel = imported("CGAL.CGAL_Kernel")
 
     def triangle(vertices: Reals) -> object:
@@ -58,20 +43,20 @@ def _cgal(a: Singles, b: Singles) -> Ask:
     return one_by_one(kernel.do_intersect, _each(triangle, a, b))
 
 
-def _libigl(a: Singles, b: Singles) -> Ask:
+def _libigl(a: Reals, b: Reals) -> Question:
     test = imported("igl").tri_tri_overlap_test_3d
-    return one_by_one(test, [tuple(pair) for pair in _vertices(a, b)[:, :, None]])
+    return one_by_one(test, [tuple(pair) for pair in np.concatenate([a, b], 1)[:, :, None]])
 
 
-def _libigl_predicates(a: Singles, b: Singles) -> Ask:
+def _libigl_predicates(a: Reals, b: Reals) -> Question:
     intersect = imported(_PREDICATES).triangle_triangle_intersect
-    pairs: list[tuple[Any, ...]] = [tuple(pair) for pair in _vertices(a, b)]
+    pairs: list[tuple[Any, ...]] = [tuple(pair) for pair in np.concatenate([a, b], 1)]
     return one_by_one(lambda *vertices: intersect(*vertices)[0], pairs)
 
 
-def _vtk(a: Singles, b: Singles) -> Ask:
+def _vtk(a: Reals, b: Reals) -> Question:
     test = imported(_VTK).vtkTriangle.TrianglesIntersect
-    return one_by_one(test, [tuple(map(tuple, pair)) for pair in _vertices(a, b).tolist()])
+    return one_by_one(test, [tuple(map(tuple, pair)) for pair in np.concatenate([a, b], 1).tolist()])
 
 
 def _fcl_model(facets: Reals) -> Any:
@@ -84,7 +69,7 @@ def _fcl_model(facets: Reals) -> Any:
     return fcl.CollisionObject(bvh)
 
 
-def _python_fcl(a: Singles, b: Singles) -> Ask:
+def _python_fcl(a: Reals, b: Reals) -> Question:
     fcl = imported("fcl")
     request = fcl.CollisionRequest()
     pairs = _each(lambda triangle: _fcl_model(triangle[None]), a, b)
@@ -96,16 +81,15 @@ def _python_fcl_meshes(a: Reals, b: Reals) -> Question:
     fcl = imported("fcl")
     first, second = _fcl_model(a), _fcl_model(b)
 
-    def ask() -> Integers:
+    def ask() -> npt.NDArray[np.int64]:
         request, result = fcl.CollisionRequest(num_max_contacts=_ALL_CONTACTS), fcl.CollisionResult()
         fcl.collide(first, second, request, result)
-        pairs = [(contact.b1, contact.b2) for contact in result.contacts]
-        return np.array(pairs, np.int64).reshape(-1, 2)
+        return _pairs([(contact.b1, contact.b2) for contact in result.contacts])
 
     return Question(ask)
 
 
-def _coal(a: Singles, b: Singles) -> Ask:
+def _coal(a: Reals, b: Reals) -> Question:
     """Coal, formerly hpp-fcl: its triangle shape, which its GJK decides within a tolerance.
 
     Asked by the function object that it makes for a pair of shapes.
@@ -124,7 +108,7 @@ def _coal(a: Singles, b: Singles) -> Ask:
     return one_by_one(collide, [(coal.ComputeCollision(*pair),) for pair in shapes])
 
 
-def _open3d(a: Singles, b: Singles) -> Ask:
+def _open3d(a: Reals, b: Reals) -> Question:
     """Meshes of one triangle each, which it compares after their boxes."""
     open3d = imported("open3d")
     vector, mesh = open3d.utility.Vector3dVector, open3d.geometry.TriangleMesh
@@ -139,7 +123,7 @@ def _trimesh_manager(name: str, facets: Reals) -> Any:
     return made
 
 
-def _trimesh(a: Singles, b: Singles) -> Ask:
+def _trimesh(a: Reals, b: Reals) -> Question:
     ask = imported("trimesh.collision").CollisionManager.in_collision_other
     return one_by_one(ask, _each(lambda triangle: _trimesh_manager("", triangle[None]), a, b))
 
@@ -147,10 +131,9 @@ def _trimesh(a: Singles, b: Singles) -> Ask:
 def _trimesh_meshes(a: Reals, b: Reals) -> Question:
     first, second = _trimesh_manager("a", a), _trimesh_manager("b", b)
 
-    def ask() -> Integers:
+    def ask() -> npt.NDArray[np.int64]:
         _, contacts = first.in_collision_other(second, return_data=True)
-        pairs = [(contact.index("a"), contact.index("b")) for contact in contacts]
-        return np.array(pairs, np.int64).reshape(-1, 2)
+        return _pairs([(contact.index("a"), contact.index("b")) for contact in contacts])
 
     return Question(ask)
 
@@ -160,7 +143,7 @@ def _rtree_boxes(a: Reals, b: Reals) -> Question:
     tree = imported("trimesh.triangles").bounds_tree(b)
     low, high = np.ascontiguousarray(a.min(1)), np.ascontiguousarray(a.max(1))
 
-    def ask() -> Integers:
+    def ask() -> npt.NDArray[np.int64]:
         found, counts = tree.intersection_v(low, high)
         return np.stack([np.repeat(np.arange(len(a)), counts.astype(np.int64)), found], 1)
 
@@ -175,24 +158,24 @@ def _of(distribution: str, *modules: str) -> Callable[[], str]:
 _FCL, _TRIMESH = _of("python-fcl", "fcl"), _of("trimesh", "fcl", "trimesh.collision")
 
 TRIANGLE_WHEELS = (
-    TrianglePeer("CGAL, wheel", "cgal", "CGAL_Kernel.do_intersect(Triangle_3, Triangle_3)",
+    Peer("CGAL, wheel", "cgal", "CGAL_Kernel.do_intersect(Triangle_3, Triangle_3)",
                  _of("cgal", "CGAL.CGAL_Kernel"), _cgal),
-    TrianglePeer("libigl", "libigl", "igl.tri_tri_overlap_test_3d", _of("libigl", "igl"), _libigl),
-    TrianglePeer("libigl, predicates", "libigl", "igl.predicates.triangle_triangle_intersect",
+    Peer("libigl", "libigl", "igl.tri_tri_overlap_test_3d", _of("libigl", "igl"), _libigl),
+    Peer("libigl, predicates", "libigl", "igl.predicates.triangle_triangle_intersect",
                  _of("libigl", _PREDICATES), _libigl_predicates),
-    TrianglePeer("VTK", "vtk", "vtkTriangle.TrianglesIntersect", _of("vtk", _VTK), _vtk),
-    TrianglePeer("python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)", _FCL, _python_fcl),
-    TrianglePeer("coal", "coal", "coal.ComputeCollision(TriangleP, TriangleP)(..)",
+    Peer("VTK", "vtk", "vtkTriangle.TrianglesIntersect", _of("vtk", _VTK), _vtk),
+    Peer("python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)", _FCL, _python_fcl),
+    Peer("coal", "coal", "coal.ComputeCollision(TriangleP, TriangleP)(..)",
                  _of("coal", "coal"), _coal),
-    TrianglePeer("Open3D", "open3d", "TriangleMesh.is_intersecting", _of("open3d", "open3d"), _open3d),
-    TrianglePeer("trimesh", "trimesh", "CollisionManager.in_collision_other", _TRIMESH, _trimesh),
+    Peer("Open3D", "open3d", "TriangleMesh.is_intersecting", _of("open3d", "open3d"), _open3d),
+    Peer("trimesh", "trimesh", "CollisionManager.in_collision_other", _TRIMESH, _trimesh),
 )  # fmt: skip
 
 MESH_WHEELS = (
-    MeshPeer("FCL OBBRSS, python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)",
+    Peer("FCL OBBRSS, python-fcl", "python-fcl", "fcl.collide(BVHModel, BVHModel)",
              _FCL, _python_fcl_meshes),
-    MeshPeer("trimesh CollisionManager", "trimesh", "CollisionManager.in_collision_other(return_data=True)",
+    Peer("trimesh CollisionManager", "trimesh", "CollisionManager.in_collision_other(return_data=True)",
              _TRIMESH, _trimesh_meshes),
-    MeshPeer("trimesh triangles_tree (rtree)", "rtree", "Trimesh.triangles_tree.intersection_v",
+    Peer("trimesh triangles_tree (rtree)", "rtree", "Trimesh.triangles_tree.intersection_v",
              _of("rtree", "trimesh.triangles"), _rtree_boxes, boxes_only=True),
 )  # fmt: skip

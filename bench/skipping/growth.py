@@ -6,9 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from triaxis.bench.harness import Progress, clocked
-from triaxis.bench.peers.peer import MeshPeer
-from triaxis.bench.skipping.scenes import SURFACES, Surfaces
-from triaxis.bench.skipping.software import Meeting, PeerRun, all_pairs, ask_peer, behind_boxes, contradiction
+from triaxis.bench.peers.peer import Peer
+from triaxis.bench.skipping.scenes import Surfaces
+from triaxis.bench.skipping.software import (
+    Meeting,
+    PeerRun,
+    all_pairs,
+    ask_peer,
+    behind_boxes,
+    contradictions,
+)
 from triaxis.host.broadphase import Work, candidates
 from triaxis.host.engines import Integers
 from triaxis.host.scene import in_order
@@ -55,10 +62,14 @@ class Growth:
         return exponent([(point.facets, point.boxes_compared) for point in self.points])
 
     @property
+    def large(self) -> list[GrowthPoint]:
+        """Return the meshes whose times are worth a judgement."""
+        return [point for point in self.points if point.facets >= _SECONDS_FROM]
+
+    @property
     def seconds_exponent(self) -> float:
         """Return that of the time of the broad phase, for larger meshes where there are such."""
-        large = [point for point in self.points if point.facets >= _SECONDS_FROM]
-        chosen = large if len(large) > 1 else self.points
+        chosen = self.large if len(self.large) > 1 else self.points
         return exponent([(point.facets, point.seconds_broad_phase) for point in chosen])
 
     @property
@@ -70,12 +81,11 @@ class Growth:
             where = f"{name}, {point.facets} facets"
             if point.same_as_all_pairs is False:
                 found.append(f"{where}: not the near pairs of all pairs")
-            found += [contradiction(where, run) for run in point.packages if run.contradicts]
-        if len(self.points) > 1:
-            if self.compared_exponent > MOST_COMPARED:
-                found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
-            if self.seconds_exponent > MOST_SECONDS:
-                found.append(f"{name}: seconds grow like N^{self.seconds_exponent:.2f}")
+            found += contradictions(where, point.packages)
+        if len(self.points) > 1 and self.compared_exponent > MOST_COMPARED:
+            found.append(f"{name}: comparisons grow like N^{self.compared_exponent:.2f}")
+        if len(self.large) > 1 and self.seconds_exponent > MOST_SECONDS:
+            found.append(f"{name}: seconds grow like N^{self.seconds_exponent:.2f}")
         return found
 
 
@@ -85,20 +95,10 @@ def exponent(points: Sequence[tuple[float, float]]) -> float:
     return float(np.polyfit(size, cost, 1)[0])
 
 
-def growths(
-    seed: int, peers: Sequence[MeshPeer], progress: Progress, sizes: Sequence[int] = SIZES
-) -> list[Growth]:
-    """Measure all surfaces at all sizes; ``progress`` is told of each."""
-    return [_growth(surfaces, seed, peers, progress, sizes) for surfaces in SURFACES]
-
-
-def _growth(
-    surfaces: Surfaces,
-    seed: int,
-    peers: Sequence[MeshPeer],
-    progress: Progress,
-    sizes: Sequence[int],
+def growth_of(
+    surfaces: Surfaces, seed: int, peers: Sequence[Peer], progress: Progress, sizes: Sequence[int] = SIZES
 ) -> Growth:
+    """Measure surfaces at all sizes; ``progress`` is told of each."""
     points: list[GrowthPoint] = []
     asked = list(peers)
     for size in sizes:
@@ -111,7 +111,7 @@ def _growth(
     return Growth(surfaces, tuple(points))
 
 
-def _point(a: Integers, b: Integers, peers: Sequence[MeshPeer]) -> GrowthPoint:
+def _point(a: Integers, b: Integers, peers: Sequence[Peer]) -> GrowthPoint:
     def boxes_alone() -> tuple[Work, int]:
         work = Work()
         return work, sum(len(i) for i, _ in candidates(a, b, 0, work))

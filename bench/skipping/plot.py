@@ -2,17 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from triaxis.bench.mesh_cycles import CLOCK_MHZ
 from triaxis.bench.skipping.growth import Growth
-from triaxis.bench.skipping.run import RESULT, SceneRow, SkippingResult
+from triaxis.bench.skipping.run import SceneRow, SkippingResult
 from triaxis.bench.skipping.stages import Stages
 from triaxis.host import figures as look
-from triaxis.host.figures import GREY, LARGE, NORMAL, SMALL, write_figures
+from triaxis.host.figures import GREY, LARGE, NORMAL, SMALL
 
 _INCHES, _DPI = (17.0, 13.0), 110
 # Where a count of nothing stands on a logarithmic axis.
@@ -57,11 +56,6 @@ _PACKAGES = {
 }
 
 
-def draw(result: SkippingResult) -> list[Path]:
-    """Write the picture, as PNG and as SVG, each whole or not at all; return the files."""
-    return write_figures(figure_of(result), RESULT)
-
-
 def figure_of(result: SkippingResult) -> Figure:
     """Return the picture of a result."""
     with look.chart(_INCHES, _DPI) as figure:
@@ -100,10 +94,10 @@ def _rows(axes: Axes, rows: Sequence[SceneRow], named: bool) -> None:
 
 def _draw_stages(axes: Axes, rows: Sequence[SceneRow]) -> None:
     for drawn, left in _LEFT:
-        _scatter(axes, [max(left(row.at[-1].pairs_by_stage), _NOTHING) for row in rows], drawn)
-    _scatter(axes, [row.at[-1].hardware.cycles for row in rows], _CYCLES)
+        _scatter(axes, [max(left(row.own.pairs_by_stage), _NOTHING) for row in rows], drawn)
+    _scatter(axes, [row.own.hardware.cycles for row in rows], _CYCLES)
     for place, row in enumerate(rows):
-        at = row.at[-1].hardware
+        at = row.own.hardware
         axes.plot(
             [at.cycles, at.cycles_without_skipping],
             [place, place],
@@ -127,12 +121,12 @@ def _draw_stages(axes: Axes, rows: Sequence[SceneRow]) -> None:
 
 def _draw_times(axes: Axes, result: SkippingResult) -> None:
     rows = result.scenes
-    _scatter(axes, [row.at[0].software.seconds_all_pairs for row in rows], _ALL)
+    _scatter(axes, [row.plain.software.seconds_all_pairs for row in rows], _ALL)
     for name, drawn in _PACKAGES.items():
         places = [(place, run) for place, row in enumerate(rows) for run in row.peers if run.name == name]
         if places:
             _scatter(axes, [run.seconds for _, run in places], drawn, [place for place, _ in places])
-    _scatter(axes, [row.at[0].software.seconds_behind_boxes for row in rows], _OURS)
+    _scatter(axes, [row.plain.software.seconds_behind_boxes for row in rows], _OURS)
     _rows(axes, rows, named=False)
     axes.set_xlabel("seconds of processor time, building of trees included", fontsize=NORMAL)
     absent = [package.name for package in result.packages if package.version is None]

@@ -32,11 +32,6 @@ class SkippingScene:
     real: bool = False
 
     @property
-    def facets(self) -> tuple[int, int]:
-        """Return how many facets the first and the second solids have, each meeting counted."""
-        return sum(len(a) for a, _ in self.meetings), sum(len(b) for _, b in self.meetings)
-
-    @property
     def pairs(self) -> int:
         """Return how many facet pairs there are."""
         return sum(len(a) * len(b) for a, b in self.meetings)

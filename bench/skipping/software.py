@@ -11,7 +11,7 @@ from operator import add
 import numpy as np
 
 from triaxis.bench.harness import clocked
-from triaxis.bench.peers.peer import MeshPeer
+from triaxis.bench.peers.peer import Peer
 from triaxis.bench.skipping.stages import Summed
 from triaxis.golden.bulk import bulk_facts
 from triaxis.host.broadphase import Work, candidates
@@ -114,40 +114,35 @@ class PeerRun(Summed):
     extra: int
 
     @property
-    def contradicts(self) -> bool:
-        """Return whether it compared boxes, which doubles do exactly here, and found others than we do."""
-        return self.finds == BOXES and self.missed + self.extra > 0
-
-    @property
     def seconds(self) -> float:
         """Return the time of all of it."""
         return self.build_seconds + self.ask_seconds
 
 
-def contradiction(where: str, run: PeerRun) -> str:
-    """Return a line about boxes that a package finds otherwise."""
-    return (
+def contradictions(where: str, runs: Iterable[PeerRun]) -> list[str]:
+    """Return a line for each that compared boxes, which doubles do exactly here, and found others than we."""
+    return [
         f"{where}: {run.name} misses {run.missed} pairs of boxes that we find, and finds {run.extra} others"
-    )
+        for run in runs
+        if run.finds == BOXES and run.missed + run.extra > 0
+    ]
 
 
-def ask_peer(peer: MeshPeer, meetings: Sequence[Meeting]) -> PeerRun:
+def ask_peer(peer: Peer, meetings: Sequence[Meeting]) -> PeerRun:
     """Ask a package about all meetings, one after the other."""
     return reduce(add, (_ask(peer, meeting) for meeting in meetings))
 
 
-def _ask(peer: MeshPeer, meeting: Meeting) -> PeerRun:
+def _ask(peer: Peer, meeting: Meeting) -> PeerRun:
     reals = meeting.a.astype(np.float64), meeting.b.astype(np.float64)
     question, build_seconds = clocked(lambda: peer.load(*reals))
     pairs, ask_seconds = clocked(question.ask)
     found, exact = _numbers(pairs, meeting), _numbers(_exact(peer, meeting), meeting)
-    counted = question.count()
     return PeerRun(
         peer.name,
         build_seconds,
         ask_seconds,
-        counted.volumes,
-        counted.triangles,
+        *question.count(),
         BOXES if peer.boxes_only else FACETS,
         len(found),
         len(np.setdiff1d(exact, found, assume_unique=True)),
@@ -155,7 +150,7 @@ def _ask(peer: MeshPeer, meeting: Meeting) -> PeerRun:
     )
 
 
-def _exact(peer: MeshPeer, meeting: Meeting) -> Integers:
+def _exact(peer: Peer, meeting: Meeting) -> Integers:
     if not peer.boxes_only:
         return meeting.near
     blocks = [np.stack(block, 1) for block in candidates(meeting.a, meeting.b, 0)]

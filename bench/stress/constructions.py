@@ -80,16 +80,21 @@ def _full_size(construction: Construction, rng: Rng, count: int, width: int) -> 
     return contact[largest_extents(contact.pairs.reshape(-1, 6, 3)) > largest_span(width) // 4]
 
 
-def _of_all(constructions: list[tuple[Construction, int]], rng: Rng, count: int, width: int) -> Ints:
-    """Return contacts of all constructions by their shares, in any order, orientation and place."""
+def contacts(construction: Construction, rng: Rng, count: int, width: int) -> Stimulus:
+    """Return contacts of proper triangles, in any orientation and place."""
 
-    def make(construction: Construction, asked: int) -> Stimulus:
+    def make(asked: int) -> Stimulus:
         made = placed(rng, construction(rng, asked, width), width, 0)
         facts = bulk_facts(made.pairs, 0)
         return made[(facts.rank_a == 2) & (facts.rank_b == 2)]
 
+    return collected(count, make)
+
+
+def _of_all(constructions: list[tuple[Construction, int]], rng: Rng, count: int, width: int) -> Ints:
+    """Return contacts of all constructions by their shares."""
     counts = divided(count, [share for _, share in constructions])
-    parts = [collected(n, partial(make, made)) for (made, _), n in zip(constructions, counts, strict=True)]
+    parts = [contacts(made, rng, n, width) for (made, _), n in zip(constructions, counts, strict=True)]
     return joined(parts).pairs.astype(np.int64)
 
 
@@ -111,6 +116,11 @@ def contacts_at(rng: Rng, count: int, width: int, gap: float) -> Ints:
     if gap == 0:
         return _of_all(_TOUCHING, rng, count, width)
     return _of_all([(partial(_faces_at, gap), 1), (partial(_edges_at, gap), 1)], rng, count, width)
+
+
+def gaps(rng: Rng, count: int, gap: float) -> Ints:
+    """Return pairs that miss or pass each other by ``gap`` times a quarter of the range."""
+    return contacts_at(rng, count, WIDTH, gap * 2.0 ** (WIDTH - 2))
 
 
 def near_misses(rng: Rng, count: int, width: int) -> Ints:
@@ -160,20 +170,16 @@ _SMALL = 5
 _DRAWN = 6
 
 
-def _of_ranks(rng: Rng, count: int, rank_a: int, rank_b: int) -> Ints:
+def _of_ranks(rng: Rng, count: int, *ranks: int) -> Ints:
     """Return pairs of these ranks whose vertices meet or nearly meet, in half of the pairs."""
-    size = np.full(count, _SMALL)
-    a = of_rank(rng, np.full(count, rank_a), _legs(rank_a, size))
-    b = of_rank(rng, np.full(count, rank_b), _legs(rank_b, size))
+    # Segments are made of twelfths of their size.
+    sizes = (12 if rank == 1 else _SMALL for rank in ranks)
+    drawn = zip(ranks, sizes, strict=True)
+    a, b = (of_rank(rng, np.full(count, rank), np.full(count, size)) for rank, size in drawn)
     rows, vertex = np.arange(count), up_to(rng, 2, (2, count))
     meet = a[rows, vertex[0]] - b[rows, vertex[1]]
     b += np.where(chance(rng, count, 2)[:, None], meet, around(rng, 1, (count, 3)))[:, None]
     return np.stack([a, b], 1)
-
-
-def _legs(rank: int, size: Ints) -> Ints:
-    """Return the size to ask for: segments are made of twelfths of theirs."""
-    return 12 * np.ones_like(size) if rank == 1 else size
 
 
 def degenerate(rng: Rng, count: int, rank_a: int, rank_b: int) -> Ints:

@@ -10,7 +10,7 @@ Exact are the verdicts of the bulk checker on 32 bits, of which the judge sees a
 beyond.
 """
 
-from abc import ABC, abstractmethod
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,7 +19,6 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.harness import Progress
 from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors, total
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.judge import judge
@@ -42,61 +41,34 @@ from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, all_orders
 JUDGED_ONE_IN = 100
 
 
-class ExactPairs(ABC):
-    """Pairs (N, 2, 3, 3) whose exact Chebyshev distances can be compared with whole limits."""
+class ExactPairs:
+    """Pairs (N, 2, 3, 3) whose exact Chebyshev distances can be compared with whole limits.
 
-    # Pairs judged by the linear program, and how many answers on them it contradicts.
-    judged: int = 0
-    contradicted: int = 0
+    ``bulk``: pairs of 32 bits, which are left to the bulk checker; a sample, or else every pair, is judged by
+    the linear program, with a certificate that is checked. ``judged``: how many are; ``contradicted``: how
+    many of the bulk checker's answers on them it contradicts.
+    """
 
-    @abstractmethod
+    def __init__(self, pairs: Ints, bulk: bool) -> None:
+        """Judge the sample, or all pairs."""
+        self._pairs = pairs.astype(np.int32) if bulk else None
+        self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN if bulk else 1)
+        self._distances = [judge(a, b, 0).distance for a, b in chosen_rows(pairs, self._sample).tolist()]
+        self.judged, self.contradicted = len(self._distances), 0
+
     def within(self, limit: int) -> Mask:
         """Return which pairs are at most ``limit`` units from each other: (N,)."""
-
-    def reach(self, chosen: Mask, most: int) -> int | None:
-        """Return the least whole limit, up to ``most``, that all chosen pairs are within; None if none is."""
-        if not (self.within(most) | ~chosen).all():
-            return None
-        low, high = -1, most
-        while high - low > 1:
-            middle = (low + high) // 2
-            if (self.within(middle) | ~chosen).all():
-                high = middle
-            else:
-                low = middle
-        return high
-
-
-class BulkPairs(ExactPairs):
-    """Pairs of 32 bits."""
-
-    def __init__(self, pairs: Ints) -> None:
-        """Take pairs of 32 bits; a sample of what `within` says is judged by the linear program."""
-        self._pairs = pairs.astype(np.int32)
-        self._sample = np.arange(0, len(pairs), JUDGED_ONE_IN)
-        judgements = [judge(a, b, 0) for a, b in chosen_rows(pairs, self._sample).tolist()]
-        self._distances = [judgement.distance for judgement in judgements]
-        self.judged = len(judgements)
-
-    def within(self, limit: int) -> Mask:
-        """Return which pairs are within the limit; count in ``contradicted`` where the judge disagrees."""
-        near = bulk_facts(self._pairs, limit).near
         judged = np.array([distance <= limit for distance in self._distances], np.bool_)
+        if self._pairs is None:
+            return judged
+        near = bulk_facts(self._pairs, limit).near
         self.contradicted += int((near[self._sample] != judged).sum())
         return near
 
-
-class JudgedPairs(ExactPairs):
-    """Pairs of any size: each is judged, with a certificate that is checked."""
-
-    def __init__(self, pairs: Ints) -> None:
-        """Judge all pairs."""
-        self._distances: list[Fraction] = [judge(a, b, 0).distance for a, b in pairs.tolist()]
-        self.judged = len(pairs)
-
-    def within(self, limit: int) -> Mask:
-        """Return which pairs are within the limit."""
-        return np.array([distance <= limit for distance in self._distances], np.bool_)
+    def reach(self, chosen: Mask, most: int) -> int | None:
+        """Return the least whole limit, up to ``most``, that all chosen pairs are within; None if none is."""
+        found = bisect_left(range(most + 1), True, key=lambda limit: (self.within(limit) | ~chosen).all())
+        return found if found <= most else None
 
 
 # Widths of the simulated cores; a setting's own resolution is the first that holds its pairs as they are.
@@ -111,20 +83,14 @@ Core = Callable[[int, Pairs32, int], Mask]
 
 
 @cache
-def _engine(width: int) -> RtlEngine:
+def core_engine(width: int) -> RtlEngine:
+    """Return the Verilated core of a width, built where needed."""
     return RtlEngine(configuration_for(width, 1))
-
-
-def build_cores(progress: Progress) -> None:
-    """Build all cores where needed; ``progress`` is told of each."""
-    for width in WIDTHS:
-        _engine(width)
-        progress(1)
 
 
 def rtl_core(width: int, pairs: Pairs32, margin: int) -> Mask:
     """Return what the Verilated core of that width says."""
-    words, _ = _engine(width).words(pairs, np.full(len(pairs), margin, np.uint32))
+    words, _ = core_engine(width).words(pairs, np.full(len(pairs), margin, np.uint32))
     return (words & NEAR) != 0
 
 
@@ -206,15 +172,12 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
         errors(at_zero, bulk_facts(rounded, 0).near),
         errors(at_margin, bulk_facts(rounded, wanted).near),
     ]
-    exact: ExactPairs
-    if width is None:
-        exact = JudgedPairs(pairs)
-        near = exact.within(0)
-    else:
-        whole = _on(grid_around([box_of(facets)], Fraction(1), width), facets)
-        exact = BulkPairs(whole.astype(np.int64))
-        near = exact.within(0)
-        own.append(errors(_asked(core, width, whole, 0), near))
+    # Where a core holds the pairs as they are, so does the bulk checker, about an offset of their own.
+    whole = pairs if width is None else _on(grid_around([box_of(facets)], Fraction(1), width), facets)
+    exact = ExactPairs(whole.astype(np.int64), bulk=width is not None)
+    near = exact.within(0)
+    if width is not None:
+        own.append(errors(_asked(core, width, whole.astype(np.int32), 0), near))
     resolution = int(grid.resolution)
     limit = (margin_for(CLEARANCE, grid) + 1) * resolution
     in_band = exact.within(limit) & ~near

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,7 +14,7 @@ from triaxis.bench.stress.measuring import ROUNDING_WIDTH, SettingResult
 from triaxis.bench.stress.orders import METHODS, OrderErrors
 from triaxis.bench.stress.run import FamilyResult, StressResult
 from triaxis.host import figures as look
-from triaxis.host.figures import LARGE, NORMAL, SMALL, write_figures
+from triaxis.host.figures import LARGE, NORMAL, SMALL
 
 _COLOURS = {"SAT": look.BLUE, "Moller": look.ORANGE, "Guigue-Devillers": look.PURPLE}
 _MARKERS = {"SAT": "o", "Moller": "^", "Guigue-Devillers": "s"}
@@ -38,10 +37,6 @@ class Curve:
     hollow: bool = False
     filled: bool = False
     counted: Callable[[StressResult], str] | None = None
-
-    def shares(self, result: FamilyResult) -> list[float]:
-        """Return its share at each setting, in percent."""
-        return [100 * self.share(measured) for measured in result.measured]
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,7 @@ def _missed(measured: SettingResult) -> float:
 
 
 def _all_missed(result: StressResult) -> str:
-    return f"{result.no_miss.misses} of {result.no_miss.answers:,}"
+    return f"{result.whole.no_miss.misses} of {result.whole.no_miss.answers:,}"
 
 
 ERRORS = Picture(
@@ -83,7 +78,7 @@ ERRORS = Picture(
         *_of_methods(lambda errors: errors.rate),
         Curve(
             "core, as simulated", lambda m: m.core.rate, look.GREEN, width=4.5,
-            counted=lambda result: f"{result.core.wrong} of {result.core.answers:,} wrong",
+            counted=lambda result: f"{result.whole.core.wrong} of {result.whole.core.answers:,} wrong",
         ),
         Curve(
             f"no-miss mode at {ROUNDING_WIDTH} bits, missed", _missed, look.BLACK, ":", width=1.8,
@@ -100,7 +95,7 @@ ORDERS = Picture(
         *_of_methods(lambda errors: errors.changing_rate),
         Curve(
             "core, as simulated", lambda m: m.core.changing_rate, look.GREEN, width=4.5,
-            counted=lambda result: f"{result.core.changing_pairs} of {result.core.pairs:,}",
+            counted=lambda result: f"{result.whole.core.changing_pairs} of {result.whole.core.pairs:,}",
         ),
     ),
 )  # fmt: skip
@@ -119,7 +114,7 @@ QUANTISATION = Picture(
         Curve(
             "no-miss mode, false alarms", lambda m: m.no_miss.false_alarms / m.no_miss.answers, look.BLUE,
             marker="o",
-            counted=lambda r: f"{r.no_miss.false_alarms:,}, {r.beyond_band:,} beyond the band",
+            counted=lambda r: f"{r.whole.no_miss.false_alarms:,}, {r.whole.beyond_band:,} beyond the band",
         ),
         Curve("no-miss mode, missed collisions", _missed, look.GREEN, width=4.5, counted=_all_missed),
         Curve(
@@ -144,53 +139,41 @@ _TICKS = (0, 0.1, 1, 10, 100)
 _LABELS = 12
 
 
-def draw(result: StressResult, folder: Path) -> list[Path]:
-    """Draw all pictures into ``folder``, as PNG and as SVG, each whole or not at all; return the files."""
-    return [
-        path
-        for picture in PICTURES
-        for path in write_figures(_figure(picture, result), folder / picture.name)
-    ]
-
-
-def _figure(picture: Picture, result: StressResult) -> Figure:
+def figure_of(picture: Picture, result: StressResult) -> Figure:
+    """Return one of `PICTURES` of a result."""
     with look.chart(_INCHES, _DPI) as figure:
-        _fill(figure, picture, result)
+        figure.text(0.02, 0.955, picture.title, fontsize=LARGE + 3, weight="bold")
+        figure.text(0.02, 0.925, picture.about, fontsize=NORMAL + 1)
+        panels = figure.subplots(
+            _ROWS, _COLUMNS, gridspec_kw={"hspace": 0.58, "wspace": 0.2, "left": 0.05, "right": 0.985,
+                                          "bottom": 0.105, "top": 0.825},
+        ).reshape(-1)  # fmt: skip
+        for number, (axes, family) in enumerate(zip(panels, result.families, strict=False)):
+            _draw_family(axes, picture, family)
+            if number % _COLUMNS == 0:
+                axes.set_ylabel(picture.axis, fontsize=NORMAL)
+        legend = panels[-1]
+        legend.axis("off")
+        legend.legend(
+            handles=[_handle(curve, result) for curve in picture.curves],
+            loc="upper left", bbox_to_anchor=(-0.06, 1.12), fontsize=NORMAL + 0.5, frameon=False,
+            handlelength=3.2, labelspacing=0.75,
+        )  # fmt: skip
+        legend.text(
+            -0.03, -0.3,
+            f"{result.pairs:,} pairs at each setting, in 72 orders each; seed {result.seed}.\n"
+            f"Below {_LINEAR} % the scale is linear, down to 0.\n"
+            "float32 holds 24-bit coordinates exactly,\n53-bit ones rounded.",
+            fontsize=SMALL, transform=legend.transAxes,
+        )  # fmt: skip
     return figure
-
-
-def _fill(figure: Figure, picture: Picture, result: StressResult) -> None:
-    figure.text(0.02, 0.955, picture.title, fontsize=LARGE + 3, weight="bold")
-    figure.text(0.02, 0.925, picture.about, fontsize=NORMAL + 1)
-    panels = figure.subplots(
-        _ROWS, _COLUMNS, gridspec_kw={"hspace": 0.58, "wspace": 0.2, "left": 0.05, "right": 0.985,
-                                      "bottom": 0.105, "top": 0.825},
-    ).reshape(-1)  # fmt: skip
-    for number, (axes, family) in enumerate(zip(panels, result.families, strict=False)):
-        _draw_family(axes, picture, family)
-        if number % _COLUMNS == 0:
-            axes.set_ylabel(picture.axis, fontsize=NORMAL)
-    legend = panels[-1]
-    legend.axis("off")
-    legend.legend(
-        handles=[_handle(curve, result) for curve in picture.curves],
-        loc="upper left", bbox_to_anchor=(-0.06, 1.12), fontsize=NORMAL + 0.5, frameon=False,
-        handlelength=3.2, labelspacing=0.75,
-    )  # fmt: skip
-    legend.text(
-        -0.03, -0.3,
-        f"{result.pairs:,} pairs at each setting, in 72 orders each; seed {result.seed}.\n"
-        f"Below {_LINEAR} % the scale is linear, down to 0.\n"
-        "float32 holds 24-bit coordinates exactly,\n53-bit ones rounded.",
-        fontsize=SMALL, transform=legend.transAxes,
-    )  # fmt: skip
 
 
 def _draw_family(axes: Axes, picture: Picture, result: FamilyResult) -> None:
     settings = result.family.settings
     places = list(range(len(settings)))
     for curve in picture.curves:
-        shares = curve.shares(result)
+        shares = [100 * curve.share(measured) for measured in result.measured]
         if curve.filled:
             axes.fill_between(places, shares, color=curve.colour, alpha=0.35, linewidth=0)
             continue

@@ -1,17 +1,21 @@
-"""What all benchmarks are run with: the timer, steps that survive an interruption, other packages."""
+"""What all benchmarks are run with: the timer, steps that survive an interruption, peers, reports."""
 
+import json
 import time
 
 import numpy as np
 import pytest
 
-from triaxis.bench.harness import StoredSteps, best_times, clocked
+from triaxis.bench import harness
+from triaxis.bench.harness import Findings, StoredSteps, best_times, clocked, report
 from triaxis.bench.mesh_cycles import CONFIGURATION
 from triaxis.bench.peers import MESH_PEERS, TRIANGLE_PEERS
-from triaxis.bench.peers.peer import PeerAbsentError, imported, installed_version, presence, present
+from triaxis.bench.peers.peer import PeerAbsentError, imported, installed_version, present
 from triaxis.bench.skipping.scenes import SURFACES
 from triaxis.bench.skipping.software import Meeting, ask_peer
 from triaxis.bench.skipping.stages import stage_answer
+from triaxis.bench.speed import MEASUREMENTS, findings
+from triaxis.host.cli import DONE, NO
 
 
 def test_times_are_those_of_the_processor():
@@ -20,38 +24,54 @@ def test_times_are_those_of_the_processor():
         while time.process_time() < end:
             pass
 
-    working, waiting = best_times([busy, lambda: time.sleep(0.02)], 2)
-    assert working >= 0.01 > 0.005 > waiting
+    working, waiting = best_times([busy, lambda: time.sleep(0.002)], 2)
+    assert working >= 0.01 > 0.001 > waiting
     result, seconds = clocked(lambda: (busy(), "made")[1])
     assert result == "made" and seconds >= 0.01
 
 
 def test_an_interrupted_measurement_goes_on(tmp_path):
-    made, told = [], []
+    made = []
 
-    def step(name, fails=False):
-        def make():
-            if fails:
-                raise KeyboardInterrupt
-            made.append(name)
-            return {"value": name}
+    def steps(key="key"):
+        return StoredSteps(tmp_path / "steps", key, lambda _: None)
 
-        return make
+    def step(name):
+        made.append(name)
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        return {"value": name}
 
-    first = StoredSteps(tmp_path / "steps", "key", told.append)
-    assert first.once("a", step("a")) == {"value": "a"}
+    first = steps()
+    assert first.once("a", lambda: step("a")) == {"value": "a"}
     with pytest.raises(KeyboardInterrupt):
-        first.once("b", step("b", fails=True))
-    second = StoredSteps(tmp_path / "steps", "key", told.append)
-    assert second.once("a", step("a")) == {"value": "a"} and second.taken_up == 1
-    assert second.once("b", step("b")) == {"value": "b"}
+        first.once("b", lambda: step("b"))
+    second = steps()
+    assert second.once("a", lambda: step("a")) == {"value": "a"} and second.taken_up == 1
+    second.once("b", lambda: step("b"))
     # Of another state of things, or damaged: made again.
-    StoredSteps(tmp_path / "steps", "other key", told.append).once("a", step("a"))
+    steps("other").once("a", lambda: step("a"))
     (tmp_path / "steps" / "b.json").write_text("{")
-    StoredSteps(tmp_path / "steps", "key", told.append).once("b", step("b"))
-    assert made == ["a", "b", "a", "b"] and sum(told) == 5
+    steps().once("b", lambda: step("b"))
+    assert made == ["a", "b", "b", "a", "b"]
     second.finish()
     assert not (tmp_path / "steps").exists()
+
+
+@pytest.mark.parametrize(("problems", "status"), [([], DONE), (["it is wrong"], NO)])
+def test_a_report_is_shown_and_written(tmp_path, capsys, problems, status):
+    found = Findings("triaxis bench x", "a summary", problems, {"more": 1}, [], notes=["a note"])
+    assert report(tmp_path / "x.json", lambda: found) == status
+    shown, content = capsys.readouterr().out, json.loads((tmp_path / "x.json").read_text())
+    assert content["passed"] is not bool(problems) and content["problems"] == problems
+    assert (content["summary"], content["more"]) == ("a summary", 1) and content["rtl_hash"]
+    assert "a note" in shown and ("PROBLEM it is wrong" in shown) is bool(problems)
+
+
+def test_rates_of_the_simulations_are_no_verdict():
+    told = findings(dict.fromkeys(MEASUREMENTS, 1000.0))
+    assert told.content["ratios"]["burst_checked / pin"] == 1 < told.content["bounds"]["burst_checked / pin"]
+    assert told.content["burst_soak"] == 1000 and told.problems == []
 
 
 def test_absent_packages_say_so(monkeypatch):
@@ -71,25 +91,27 @@ def test_absent_packages_say_so(monkeypatch):
     assert "open3d: installed, but does not start: libGL.so.1" in (reasons["Open3D"] or "")
 
 
+def ready(peer):
+    _, (told,) = present([peer])
+    if told.version is None:
+        pytest.skip(f"{peer.name}: {told.why_absent}")
+
+
 @pytest.mark.parametrize("peer", TRIANGLE_PEERS, ids=lambda peer: peer.name)
 def test_packages_tell_far_from_piercing(peer):
-    found = presence(peer)
-    if found.version is None:
-        pytest.skip(f"{peer.name}: {found.why_absent}")
-    a = np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0]]] * 2, np.float32)
-    b = np.array([[[1, 1, -1], [1, 1, 1], [2, 1, 1]], [[9, 9, 9], [9, 9, 8], [9, 8, 8]]], np.float32)
-    assert peer.load(a, b)().tolist() == [True, False]
+    ready(peer)
+    a = np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0]]] * 2, float)
+    b = np.array([[[1, 1, -1], [1, 1, 1], [2, 1, 1]], [[9, 9, 9], [9, 9, 8], [9, 8, 8]]], float)
+    assert peer.load(a, b).ask().tolist() == [True, False]
 
 
 @pytest.mark.parametrize("peer", MESH_PEERS, ids=lambda peer: peer.name)
-def test_packages_find_the_facets_that_we_find(peer, rng):
+def test_packages_find_the_facets_that_we_find(peer, rng, monkeypatch):
     """On integers, in general position."""
-    found = presence(peer)
-    if found.version is None:
-        pytest.skip(f"{peer.name}: {found.why_absent}")
+    ready(peer)
+    monkeypatch.setattr(harness, "_ALONE_ROUNDS", 1)
     a, b = SURFACES[0].make(400, rng)
     near = stage_answer(a, b, 0, CONFIGURATION).near
-    assert len(near) > 100
     answer = ask_peer(peer, [Meeting(a, b, near)])
-    assert (answer.missed, answer.extra) == (0, 0)
+    assert len(near) > 100 and (answer.missed, answer.extra) == (0, 0)
     assert answer.found == len(near) or peer.boxes_only

@@ -1,6 +1,5 @@
 import json
 import shutil
-from pathlib import Path
 
 import pytest
 
@@ -39,46 +38,26 @@ MAPPING = (
 )
 
 
-@pytest.fixture(scope="module")
-def counts() -> DspCounts:
-    return DspCounts(DUT)
-
-
-@pytest.mark.parametrize(("parameters", "blocks"), SYNTHESISED.items())
-def test_the_core_takes_what_the_synthesiser_takes(
-    counts: DspCounts, parameters: tuple[int, int, int], blocks: int
-):
-    width, margin_bits, edge_box = parameters
-    assert counts.core(width, margin_bits, bool(edge_box)).dsps == blocks
-
-
-def test_what_the_algorithm_multiplies(counts: DspCounts):
+def test_builds_take_what_the_synthesiser_takes():
+    counts = DspCounts(DUT)
+    assert {build: counts.core(*build[:2], bool(build[2])).dsps for build in SYNTHESISED} == SYNTHESISED
     assert counts.core(16, 0, edge_box=False) == DspCount(54, 84, 84)
     assert counts.core(16, 0) == DspCount(90, 120, 120)
     assert counts.core(16, 16) == DspCount(90 + 29, 160, 160)
-
-
-def test_the_board_adds_one_block_to_its_core(counts: DspCounts):
     assert counts.board(24, 1, 4096, 8, 1).dsps == 211 == counts.core(24, 1).dsps + 1
     assert counts.board(16, 16, 4096, 8, 8).dsps == 161
-
-
-@pytest.mark.parametrize(
-    ("rule", "value", "build"), [("_UNUSED", 0, (26, 4, 1)), ("_LEAST_OPERAND", 1, (24, 1, 1))]
-)
-def test_a_wrong_rule_is_noticed(
-    monkeypatch: pytest.MonkeyPatch, rule: str, value: int, build: tuple[int, int, int]
-):
-    monkeypatch.setattr(dsp_count, rule, value)
-    assert DspCounts(DUT).core(*build[:2]).dsps != SYNTHESISED[build]
-
-
-def test_parameters_out_of_range_are_named(counts: DspCounts):
     with pytest.raises(InputError, match=r"W = 16, M = 17.*does not elaborate"):
         counts.core(16, 17)
 
 
-def test_counts_are_kept_for_these_sources_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_wrong_rule_is_noticed(monkeypatch):
+    for rule, value, build in (("_UNUSED", 0, (26, 4, 1)), ("_LEAST_OPERAND", 1, (24, 1, 1))):
+        with monkeypatch.context() as patch:
+            patch.setattr(dsp_count, rule, value)
+            assert DspCounts(DUT).core(*build[:2]).dsps != SYNTHESISED[build]
+
+
+def test_counts_are_kept_for_these_sources_only(tmp_path, monkeypatch):
     kept = tmp_path / "counts.json"
     first = DspCounts(DUT, kept).core(8, 0)
     monkeypatch.setattr(dsp_count, "count_dsps", lambda *_: pytest.fail("counted again"))
@@ -91,7 +70,7 @@ def test_counts_are_kept_for_these_sources_only(tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.synthesiser
-def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path: Path):
+def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path):
     shapes = {
         f"t_{components}_{width}_{bits}": {
             "M": bits,
@@ -113,13 +92,9 @@ def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path: Path):
     )
     last = tmp_path / f"{list(shapes)[-1]}.json"
     run_to_result([str(yosys()), "-p", script], last, tmp_path / "log", tmp_path)
-    counted = {
-        name: count_dsps(sources, DUT / "core", "triaxis_threshold", shape).dsps
-        for name, shape in shapes.items()
-    }
-    assert counted == {name: _blocks(tmp_path / f"{name}.json") for name in shapes}
-    assert min(counted.values()) == 0 < max(counted.values())
-
-
-def _blocks(statistics: Path) -> int:
-    return json.loads(statistics.read_text())["design"]["num_cells_by_type"].get("DSP48E1", 0)
+    counted = [
+        count_dsps(sources, DUT / "core", "triaxis_threshold", shape).dsps for shape in shapes.values()
+    ]
+    statistics = [json.loads((tmp_path / f"{name}.json").read_text()) for name in shapes]
+    assert counted == [each["design"]["num_cells_by_type"].get("DSP48E1", 0) for each in statistics]
+    assert min(counted) == 0 < max(counted)

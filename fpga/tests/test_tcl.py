@@ -1,5 +1,6 @@
 """The build script, really run by Tcl with the commands of Vivado recorded: order, options, refusals."""
 
+import contextlib
 import re
 import subprocess
 import time
@@ -26,15 +27,8 @@ pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get i
 from triaxis.fpga.tests.vivado_stand_in import Behaviour, Recorder, calls, make_vivado
 
 REPORTS = (
-    "timing",
-    "utilisation",
-    "utilisation_hierarchy",
-    "power",
-    "drc",
-    "methodology",
-    "route_status",
-    "io",
-)
+    "timing", "utilisation", "utilisation_hierarchy", "power", "drc", "methodology", "route_status", "io",
+)  # fmt: skip
 
 
 def build(tmp_path, behaviour=None, activity=False, progress=None):
@@ -57,20 +51,15 @@ def call_of(tmp_path, name):
 def test_a_build_that_is_in_time(tmp_path):
     steps = []
     result = build(tmp_path, progress=steps.append)
-    assert result.bitstream == tmp_path / "out" / f"{TOP}.bit"
-    assert result.bitstream.read_bytes() == b"bits"
-    assert result.figures["wns_ns"] == 0.25
-    assert result.figures["whs_ns"] == 0.05
-    assert result.figures["dsps"] == 2
+    assert result.bitstream == tmp_path / "out" / f"{TOP}.bit" and result.bitstream.read_bytes() == b"bits"
+    figures = {name: result.figures[name] for name in ("wns_ns", "whs_ns", "dsps")}
+    assert figures == {"wns_ns": 0.25, "whs_ns": 0.05, "dsps": 2}
     assert len(steps) == len(STAGES)
     assert all((tmp_path / "out" / f"{name}.rpt").exists() for name in REPORTS)
-    flow = [name for name in commands(tmp_path) if name.endswith("_design") and not name.startswith("get")]
+    asked = commands(tmp_path)
+    flow = [name for name in asked if name.endswith("_design") and not name.startswith("get")]
     assert flow == ["synth_design", "opt_design", "place_design", "phys_opt_design", "route_design"]
-    assert commands(tmp_path)[-1] == "write_bitstream"
-
-
-def test_synthesis_is_given_the_parameters_the_part_and_the_constraints(tmp_path):
-    build(tmp_path)
+    assert asked[-1] == "write_bitstream" and "read_saif" not in asked
     synthesis = call_of(tmp_path, "synth_design")
     given = {value for option, value in pairwise(synthesis) if option == "-generic"}
     assert given == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
@@ -80,9 +69,7 @@ def test_synthesis_is_given_the_parameters_the_part_and_the_constraints(tmp_path
     assert call_of(tmp_path, "read_verilog")[1:] == ["-sv", str(tmp_path / "a.sv")]
 
 
-def test_simulated_activity_is_read_before_the_power_report_where_there_is_any(tmp_path):
-    build(tmp_path)
-    assert "read_saif" not in commands(tmp_path)
+def test_simulated_activity_is_read_before_the_power_report(tmp_path):
     build(tmp_path, activity=True)
     asked = commands(tmp_path)
     assert asked.index("read_saif") < asked.index("report_power")
@@ -122,13 +109,10 @@ def test_no_bitstream_after_a_critical_warning(tmp_path, command):
     assert ("place_design" in commands(tmp_path)) == (command == "place_design")
 
 
-@pytest.mark.parametrize("command", ["synth_design", "route_design", "report_drc", "write_bitstream"])
-def test_a_failure_of_the_tool_is_its_first_error(tmp_path, command):
-    with pytest.raises(InputError, match=rf"vivado: ERROR: \[Synth 8-439\] {command}: .*vivado.log"):
-        build(tmp_path, Behaviour(failing=command))
-
-
-def test_a_tool_that_ends_well_without_a_bitstream_is_an_error(tmp_path):
+def test_a_failure_of_the_tool_is_its_first_error(tmp_path):
+    for command in ("synth_design", "report_drc", "write_bitstream"):
+        with pytest.raises(InputError, match=rf"vivado: ERROR: \[Synth 8-439\] {command}: .*vivado.log"):
+            build(tmp_path, Behaviour(failing=command))
     with pytest.raises(InputError, match="no bitstream, exit status 0"):
         build(tmp_path, Behaviour(writes_bitstream=False))
 
@@ -143,19 +127,13 @@ def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         run_vivado(slow, Inputs((), ()), tmp_path / "out", interrupt)
-    child = Path(f"/proc/{int(started.read_text())}")
+    status = Path(f"/proc/{int(started.read_text())}/stat")
     end = time.monotonic() + 600
-    while time.monotonic() < end and not _ended(child):
-        time.sleep(0.05)
-    assert _ended(child)
-
-
-def _ended(process: Path) -> bool:
-    """Return whether a process is gone, or dead and not yet collected."""
-    try:
-        return (process / "stat").read_text().split()[2] == "Z"
-    except OSError:
-        return True
+    # Gone, or dead and not yet collected.
+    with contextlib.suppress(OSError):
+        while status.read_text().split()[2] != "Z":
+            assert time.monotonic() < end
+            time.sleep(0.05)
 
 
 def test_paths_may_hold_what_tcl_would_read_otherwise(tmp_path):
@@ -166,39 +144,32 @@ def test_paths_may_hold_what_tcl_would_read_otherwise(tmp_path):
     assert Recorder().split(source) == (str(folder / "a.sv"),)
 
 
-def by_itself(tmp_path, behaviour, options):
-    """Run the script with an options file, or with none; return what Vivado answered."""
-    vivado, file = make_vivado(tmp_path, behaviour), tmp_path / "options.txt"
-    command = [str(vivado), "-source", str(BUILD_SCRIPT), "-tclargs"]
-    if options is not None:
-        file.write_text("".join(f"{name}={value}\n" for name, value in options.items()))
-        command.append(str(file))
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 @pytest.mark.parametrize(
-    ("options", "says"),
+    ("options", "status", "says"),
     [
-        (None, "usage: -tclargs FILE"),
-        ({}, "part is missing"),
-        ({"part": "x"}, "top is missing"),
-        ({"part": "x", "speed": "fast"}, "speed=fast: no such option"),
+        (None, 1, "ERROR: usage: -tclargs FILE"),
+        ({"part": "x"}, 1, "ERROR: .*top is missing"),
+        ({"part": "x", "speed": "fast"}, 1, "ERROR: .*speed=fast: no such option"),
+        ({"part": PART, "top": TOP, "source": "a.sv", "xdc": "a.xdc"}, 3, "triaxis: refused: timing"),
     ],
 )
-def test_wrong_options_fail(tmp_path, options, says):
-    answer = by_itself(tmp_path, Behaviour(), options)
-    assert answer.returncode == 1
-    assert re.search(f"ERROR: .*{says}", answer.stdout)
-
-
-def test_by_itself_it_removes_an_older_bitstream(tmp_path):
-    old = tmp_path / f"{TOP}.bit"
+def test_by_itself_the_script_checks_its_options_and_removes_an_older_bitstream(
+    tmp_path, options, status, says
+):
+    vivado, file, old = (
+        make_vivado(tmp_path, Behaviour(setup=-1)),
+        tmp_path / "options.txt",
+        tmp_path / f"{TOP}.bit",
+    )
+    command = [str(vivado), "-source", str(BUILD_SCRIPT), "-tclargs"]
+    if options is not None:
+        options = {**options, "out": tmp_path}
+        file.write_text("".join(f"{name}={value}\n" for name, value in options.items()))
+        command.append(str(file))
     old.write_bytes(b"older")
-    options = {"part": PART, "top": TOP, "source": "a.sv", "xdc": "a.xdc", "out": tmp_path}
-    answer = by_itself(tmp_path, Behaviour(setup=-1), options)
-    assert answer.returncode == 3
-    assert "triaxis: refused: timing" in answer.stdout
-    assert not old.exists()
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert answer.returncode == status and re.search(says, answer.stdout)
+    assert old.exists() is (status == 1)
 
 
 def test_scripts_are_plain_ascii_and_name_every_stage():

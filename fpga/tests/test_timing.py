@@ -9,13 +9,10 @@ from triaxis.fpga.ecp5_timing import (
     Absorbed,
     absorb_registers,
     read_timing,
-    register_name,
     route,
     write_timing,
 )
 from triaxis.golden.errors import InputError
-
-# --- Registers of multiplier blocks -------------------------------------------------------------------
 
 
 def _register(d, q, clock=2, **changes):
@@ -62,34 +59,24 @@ def test_registers_move_into_the_block():
     assert block["parameters"]["REG_INPUTA_CLK"] == block["parameters"]["REG_OUTPUT_CLK"] == "CLK0"
 
 
-def test_a_register_that_others_need_stays():
-    module = _module(other=_register(11, 30), more=_register(30, 20))
-    assert absorb_registers(module).before == 1
-    assert set(module["cells"]) == {"mul", "a0", "other", "more"}
-
-
 @pytest.mark.parametrize(
-    "register",
+    ("replaced", "moved", "stays"),
     [
-        _register(10, 11, CEMUX="CE", pins={"CE": [40]}),
-        _register(10, 11, pins={"LSR": [41]}),
-        _register(10, 11, CLKMUX="INV"),
-        _register(10, 11, clock=3),
+        # Others need the register, or the product as it is.
+        ({"other": _register(11, 30), "more": _register(30, 20)}, (1, 1), "a0"),
+        ({"other": _register(16, 20)}, (1, 0), "p0"),
+        # An enable, a reset, another edge, another clock.
+        ({"a0": _register(10, 11, CEMUX="CE", pins={"CE": [40]})}, (0, 1), "a0"),
+        ({"a0": _register(10, 11, pins={"LSR": [41]})}, (0, 1), "a0"),
+        ({"a0": _register(10, 11, CLKMUX="INV")}, (0, 1), "a0"),
+        ({"a0": _register(10, 11, clock=3)}, (0, 1), "a0"),
     ],
 )
-def test_registers_with_an_enable_a_reset_or_another_clock_do_not_move(register):
-    module = _module(a0=register)
-    assert absorb_registers(module).before == 0
-    assert module["cells"]["mul"]["connections"]["A0"] == [11]
-
-
-def test_a_product_that_others_take_unregistered_keeps_its_register():
-    module = _module(other=_register(16, 20))
-    assert absorb_registers(module).behind == 0
-    assert "p0" in module["cells"]
-
-
-# --- The report ---------------------------------------------------------------------------------------
+def test_registers_that_must_stay(replaced, moved, stays):
+    module = _module(**replaced)
+    absorbed = absorb_registers(module)
+    assert (absorbed.before, absorbed.behind) == moved
+    assert stays in module["cells"]
 
 
 def _step(kind, cell, ns, net=""):
@@ -130,32 +117,16 @@ def test_the_critical_path_is_told_by_registers(tmp_path):
     assert sum(hop.logic_ns + hop.routing_ns for hop in path.hops) == pytest.approx(4.75)
 
 
-def test_cells_are_named_after_the_nets_of_registers():
-    assert register_name("u_a.u_b.sum_q_TRELLIS_FF_Q_DI_CCU2C_S1_4") == "u_a.u_b.sum_q"
-    assert register_name("g[0].f_q_MULT18X18D_B4") == "g[0].f_q"
-    assert register_name("memory") == "memory"
-
-
-def test_less_than_the_target_is_missed(tmp_path):
-    assert not read_timing(_report(tmp_path, TARGET_MHZ - 0.01)).reached
-
-
 def test_timing_file(tmp_path):
     path = tmp_path / "fpga" / "timing.json"
-    write_timing(path, read_timing(_report(tmp_path, 90.0)), Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
+    missed = read_timing(_report(tmp_path, TARGET_MHZ - 0.01))
+    write_timing(path, missed, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
     content = json.loads(path.read_text())
-    assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (90.0, False, "u_b.y_q")
-
-
-@pytest.mark.parametrize("text", ["", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'])
-def test_what_is_no_report_is_an_error(tmp_path, text):
-    report = tmp_path / "report.json"
-    report.write_text(text)
-    with pytest.raises(InputError, match="no timing report"):
-        read_timing(report)
-
-
-# --- The flow, with stand-ins for the tools -----------------------------------------------------------
+    assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (99.99, False, "u_b.y_q")
+    for text in ("", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'):
+        path.write_text(text)
+        with pytest.raises(InputError, match="no timing report"):
+            read_timing(path)
 
 
 def _stand_in(tmp_path, monkeypatch, name, script):
@@ -175,37 +146,32 @@ assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
 """
 
 
-def test_the_flow_hands_on_what_each_tool_leaves(tmp_path, monkeypatch):
-    _stand_in(tmp_path, monkeypatch, "yosys", _SYNTHESISE)
-    _stand_in(tmp_path, monkeypatch, "nextpnr", _ROUTE)
-    done = []
-    routed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
-    assert routed.report.read_text() == "{}"
-    assert routed.absorbed == Absorbed(0, 0, 0)
-    assert len(done) == len(ecp5_timing.STAGES)
-
-
 @pytest.mark.parametrize(
     ("yosys", "nextpnr", "message"),
     [
+        (_SYNTHESISE, _ROUTE, None),
         ("", _ROUTE, "yosys: no result, exit status 0"),
         ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
         (_SYNTHESISE.replace(TOP, "other"), _ROUTE, f"no netlist of {TOP}"),
         (_SYNTHESISE, "print('ERROR: unroutable'); sys.exit(1)", "nextpnr: ERROR: unroutable"),
         (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
+        (_SYNTHESISE, None, "make fpga-timing"),
     ],
 )
-def test_a_tool_that_fails_is_one_clear_error(tmp_path, monkeypatch, yosys, nextpnr, message):
+def test_the_flow_hands_on_what_each_tool_leaves_or_fails(tmp_path, monkeypatch, yosys, nextpnr, message):
     _stand_in(tmp_path, monkeypatch, "yosys", yosys)
-    _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
+    if nextpnr is None:
+        monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    else:
+        _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
     # What an earlier run left must not be taken for an answer.
     (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "report.json").write_text("{}")
-    with pytest.raises(InputError, match=message):
-        route([tmp_path / "a.sv"], {}, tmp_path / "out", lambda _: None)
-
-
-def test_a_missing_tool_is_one_clear_error(tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
-    with pytest.raises(InputError, match="make fpga-timing"):
-        route([tmp_path / "a.sv"], {}, tmp_path, lambda _: None)
+    (tmp_path / "out" / "report.json").write_text("older")
+    done = []
+    if message is None:
+        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
+        assert report.read_text() == "{}" and absorbed == Absorbed(0, 0, 0)
+        assert len(done) == len(ecp5_timing.STAGES)
+    else:
+        with pytest.raises(InputError, match=message):
+            route([tmp_path / "a.sv"], {}, tmp_path / "out", done.append)

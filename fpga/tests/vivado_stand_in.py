@@ -25,14 +25,6 @@ VIVADO_COMMANDS = (
 Answers = dict[str, Callable[[tuple[str, ...]], str]]
 
 
-class ExitedError(Exception):
-    """The script called exit."""
-
-    def __init__(self, status: int) -> None:
-        super().__init__(f"exit {status}")
-        self.status = status
-
-
 class Recorder:
     """Runs Tcl; ``calls`` are the Vivado commands that it gave, in order, with their arguments.
 
@@ -47,7 +39,7 @@ class Recorder:
         self._status: int | None = None
         for command in VIVADO_COMMANDS:
             self.tcl.createcommand(command, lambda *a, command=command: self._record(command, *a))
-        # The real one would end this process.
+        # The real one would end this process; an error ends the script.
         self.tcl.createcommand("exit", self._exit)
         # Anything else unknown is an error, and not looked for on PATH.
         self.tcl.eval('proc unknown {args} {error "invalid command name [lindex $args 0]"}')
@@ -78,7 +70,7 @@ class Recorder:
 
     def _exit(self, status: str = "0") -> None:
         self._status = int(status)
-        raise ExitedError(self._status)
+        raise RuntimeError(status)
 
 
 _MET = "All user specified timing constraints are met."
@@ -137,12 +129,14 @@ def stand_in(behaviour: Behaviour, folder: Path, arguments: list[str]) -> int:
     os._exit(status)
 
 
-def _answers(behaviour: Behaviour, calls: list[tuple[str, ...]]):
+def _answers(behaviour: Behaviour, calls: list[tuple[str, ...]]) -> Answers:
     def fails(_: tuple[str, ...]) -> str:
         print(f"ERROR: [Synth 8-439] {behaviour.failing}: module 'x' not found", flush=True)
         raise RuntimeError(behaviour.failing)
 
     def writes(call: tuple[str, ...]) -> str:
+        if "-return_string" in call:
+            return _MET if behaviour.met else "Timing constraints are not met."
         if "-file" in call:
             Path(call[call.index("-file") + 1]).write_text("report\n")
         return ""
@@ -151,32 +145,19 @@ def _answers(behaviour: Behaviour, calls: list[tuple[str, ...]]):
         kind = _SLACKS[call[call.index("-delay_type") + 1]]
         return "" if getattr(behaviour, kind) is None else f"path_{kind}"
 
-    def summary(call: tuple[str, ...]) -> str:
-        return (
-            (_MET if behaviour.met else "Timing constraints are not met.")
-            if "-return_string" in call
-            else writes(call)
-        )
-
     def bitstream(call: tuple[str, ...]) -> str:
         if behaviour.writes_bitstream:
             Path(call[-1]).write_bytes(b"bits")
         return ""
 
-    def messages(call: tuple[str, ...]) -> str:
-        assert call == ("-count", "-severity", "CRITICAL WARNING")
-        return str(sum(name == behaviour.critical for name, *_ in calls))
-
-    answers = {
+    answers: Answers = {
         "get_timing_paths": slack,
         "get_property": lambda call: str(getattr(behaviour, call[-1].removeprefix("path_"), "")),
         "get_nets": lambda _: " ".join(f"net{i}" for i in range(behaviour.unrouted)),
         "get_cells": lambda _: "cell_a cell_b",
-        "get_msg_config": messages,
-        "report_timing_summary": summary,
+        "get_msg_config": lambda _: str(sum(name == behaviour.critical for name, *_ in calls)),
         "write_bitstream": bitstream,
         "write_checkpoint": lambda call: str(Path(call[-1]).write_text("checkpoint\n") and ""),
     }
-    reports = ("utilization", "clock_utilization", "io", "drc", "methodology", "route_status", "power")
-    answers |= {f"report_{name}": writes for name in reports}
+    answers |= {name: writes for name in VIVADO_COMMANDS if name.startswith("report_")}
     return answers | ({behaviour.failing: fails} if behaviour.failing else {})

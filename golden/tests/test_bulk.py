@@ -1,3 +1,5 @@
+"""The bulk checker: facts by their definitions, verdicts by the linear program."""
+
 from dataclasses import fields
 
 import numpy as np
@@ -5,11 +7,13 @@ import pytest
 
 from triaxis.golden import bulk
 from triaxis.golden.axes import separating
-from triaxis.golden.bulk import bulk_facts, bulk_verdicts
+from triaxis.golden.bulk import bulk_claims, bulk_facts, bulk_verdicts
+from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
-from triaxis.golden.pairs import VERDICT, coordinate_range
-from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs
+from triaxis.golden.judge import judge, judge_pairs
+from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
+from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs, hard_pairs
 from triaxis.golden.tests.bulk_reference import slow_facts
 
 WIDTHS = (8, 16, 24, 32)
@@ -50,18 +54,57 @@ def test_facts_are_what_they_are_defined_to_be(rng, width):
 def test_separating_axes_agree_with_their_definition(rng, width, count):
     pairs = awkward_pairs(rng, count, width)
     margins = awkward_margins(rng, pairs, width)
-    expected = packed(separating(pairs, margins))
-    assert (bulk_facts(pairs, margins).separating == expected).all()
-
-
-@pytest.mark.parametrize("width", [16, 17, 32])
-def test_all_coordinates_at_the_limits(rng, width):
+    assert (bulk_facts(pairs, margins).separating == packed(separating(pairs, margins))).all()
+    # All coordinates at the limits.
     low, high = coordinate_range(width)
-    pairs = rng.choice(np.array([low, high]), (1000, 2, 3, 3))
+    pairs = rng.choice(np.array([low, high]), (500, 2, 3, 3))
     for margin in (0, 1, high - low - 1, high - low):
-        margins = np.full(len(pairs), margin)
-        expected = packed(separating(pairs, margins))
-        assert (bulk_facts(pairs, margins).separating == expected).all()
+        expected = packed(separating(pairs, np.full(len(pairs), margin)))
+        assert (bulk_facts(pairs, margin).separating == expected).all()
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_linear_program_agrees_which_knows_nothing_of_axes(rng, width):
+    pairs = awkward_pairs(rng, 300, width)
+    margins = awkward_margins(rng, pairs, width)
+    verdicts, facts = bulk_verdicts(pairs, margins), bulk_facts(pairs, margins)
+    assert (verdicts == judge_pairs(pairs, margins)).all()
+    assert 0.1 < verdicts["near"].mean() < 0.9
+    level = facts.near & (facts.level != 0)
+    assert level.any()
+    for (a, b), margin in zip(pairs[level].tolist(), margins[level].tolist(), strict=True):
+        assert judge(a, b, 0).distance == margin
+
+
+def test_touching_points_lie_on_the_supports(rng):
+    pairs = awkward_pairs(rng, 1500, 16)
+    facts = bulk_facts(pairs, 0)
+    chosen = np.flatnonzero(facts.near & (facts.level != 0))
+    assert len(chosen) > 100
+    for index in chosen:
+        a, b = pairs[index].tolist()
+        witness = judge(a, b, 0).witness
+        assert witness is not None
+        for weights, support in (
+            (witness.weights_a, facts.support_a[index]),
+            (witness.weights_b, facts.support_b[index]),
+        ):
+            assert sum(weight for v, weight in enumerate(weights) if support >> v & 1) == 1
+    supports = zip(facts.support_a.tolist(), facts.support_b.tolist(), strict=True)
+    sizes = {(a.bit_count(), b.bit_count()) for a, b in supports}
+    assert {(1, 1), (1, 2), (1, 3), (2, 2), (2, 1), (3, 1)} <= sizes
+
+
+def test_claims_are_those_of_the_facts(rng):
+    pairs, margins = hard_pairs(rng, 8000)
+    claims = bulk_claims(pairs, margins)
+    assert np.array_equal(claims, bulk_facts(pairs, margins).claim) and len(set(claims)) > 25
+    clear = claims != NO_AXIS
+    assert claims_prove_clear(pairs[clear], margins[clear], claims[clear]).all()
+    collision = bulk_claims(pairs, 0)
+    assert np.array_equal(collision, bulk_facts(pairs, 0).claim) and len(set(collision)) > 25
+    for count in (0, 1, 7, 8, 9):
+        assert np.array_equal(bulk_claims(pairs[:count], margins[:count]), claims[:count])
 
 
 def test_a_margin_that_reaches_everything():
@@ -80,22 +123,21 @@ def test_a_margin_that_reaches_everything():
 
 
 def test_bad_input_is_refused():
-    pairs = np.zeros((3, 2, 3, 3), np.int64)
-    pairs[2, 1, 0, 2] = 1 << 31
-    with pytest.raises(InputError, match="pair 2, triangle B, vertex 0, coordinate z: 2147483648 is outside"):
-        bulk_facts(pairs, 0)
-    with pytest.raises(InputError, match=r"shape \(2, 3, 3\)"):
-        bulk_facts(pairs[0].astype(np.int32), 0)
-    with pytest.raises(InputError, match="type float64"):
-        bulk_facts(pairs * 0.5, 0)
-    good = pairs[:2]
-    for margins in (np.array([0, -1]), np.array([0, 1 << 32])):
-        with pytest.raises(InputError, match=r"margins: number 1: .*: must be 0\.\.4294967295"):
-            bulk_facts(good, margins)
-    with pytest.raises(InputError, match=r"must be integers of shape \(2,\)"):
-        bulk_facts(good, np.zeros(3, np.int64))
-    with pytest.raises(InputError, match="margins: float64"):
-        bulk_facts(good, np.zeros(2))
+    good = np.zeros((3, 2, 3, 3), np.int64)
+    outside = good.copy()
+    outside[2, 1, 0, 2] = 1 << 31
+    for pairs, margins, says in (
+        (outside, 0, "pair 2, triangle B, vertex 0, coordinate z: 2147483648 is outside"),
+        (good[0].astype(np.int32), 0, r"shape \(2, 3, 3\)"),
+        (good * 0.5, 0, "type float64"),
+        (good[:2], np.array([0, -1]), r"margins: number 1: .*: must be 0\.\.4294967295"),
+        (good[:2], np.array([0, 1 << 32]), r"margins: number 1: .*: must be 0\.\.4294967295"),
+        (good[:2], np.zeros(3, np.int64), r"must be integers of shape \(2,\)"),
+        (good[:2], np.zeros(2), "margins: float64"),
+    ):
+        for asked in (bulk_facts, bulk_claims):
+            with pytest.raises(InputError, match=says):
+                asked(pairs, margins)
 
 
 def test_verdicts_and_progress(rng, monkeypatch):
@@ -104,8 +146,6 @@ def test_verdicts_and_progress(rng, monkeypatch):
     margins = awkward_margins(rng, pairs, 16)
     done = []
     verdicts = bulk_verdicts(pairs, margins, done.append)
-    assert verdicts.dtype == VERDICT
-    assert (verdicts == bulk_facts(pairs, margins).verdicts).all()
-    assert sum(done) == len(pairs)
-    assert len(done) == -(-len(pairs) // 64)
+    assert verdicts.dtype == VERDICT and (verdicts == bulk_facts(pairs, margins).verdicts).all()
+    assert (len(done), sum(done)) == (-(-len(pairs) // 64), len(pairs))
     assert len(bulk_verdicts(pairs[:0], 0)) == 0

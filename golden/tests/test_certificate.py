@@ -32,7 +32,7 @@ def test_axis():
     assert not axis_proves_clear(A, B, 0, [0, 0, 0])
 
 
-@pytest.mark.parametrize("width", [8, 16, 20, 24, 32])
+@pytest.mark.parametrize("width", [8, 20, 32])
 def test_a_claim_is_proven_exactly_where_its_axis_separates(rng, width):
     pairs = awkward_pairs(rng, 300, width)
     margins = awkward_margins(rng, pairs, width)

@@ -40,23 +40,19 @@ def test_compiles_once_and_again_after_a_change(build, sources):
     assert len(list(build.iterdir())) == 2
 
 
-def test_an_error_is_one_line_and_leaves_no_library(build, sources):
+def test_errors_are_one_line_and_leave_no_library(build, sources, monkeypatch):
     sources[0].write_text("int f() { return undeclared; }\n")
-    with pytest.raises(InputError, match=r"answer: .* fails: .*undeclared.* \(log: ") as raised:
+    with pytest.raises(InputError, match=r"^answer: [^\n]* fails: [^\n]*undeclared[^\n]* \(log: [^\n]*$"):
         answer_of(sources)
-    assert "\n" not in str(raised.value)
     (log,) = build.iterdir()
-    assert str(log) in str(raised.value)
     assert "undeclared" in log.read_text()
-
-
-def test_no_compiler_is_an_error(sources, monkeypatch):
-    monkeypatch.setenv("CXX", "no-such-compiler")
-    with pytest.raises(InputError, match="no-such-compiler: not found: install it"):
-        answer_of(sources)
-    monkeypatch.setenv("CXX", "false")
-    with pytest.raises(InputError, match=r"a compiler for C\+\+20 is needed"):
-        answer_of(sources)
+    for compiler, says in (
+        ("no-such-compiler", "no-such-compiler: not found: install it"),
+        ("false", r"a compiler for C\+\+20 is needed"),
+    ):
+        monkeypatch.setenv("CXX", compiler)
+        with pytest.raises(InputError, match=says):
+            answer_of(sources)
 
 
 def test_processes_at_the_same_time(build, sources):

@@ -16,7 +16,7 @@ def meshes(rng, count_a, count_b, reach=40, size=12):
     return mesh(count_a), mesh(count_b)
 
 
-@pytest.mark.parametrize(("count_a", "count_b", "group"), [(1, 1, 4), (5, 9, 4), (11, 8, 4), (6, 7, 1)])
+@pytest.mark.parametrize(("count_a", "count_b", "group"), [(1, 1, 4), (5, 9, 4), (6, 7, 1)])
 def test_every_pair_is_judged_as_by_itself(seed, count_a, count_b, group):
     a, b = meshes(np.random.default_rng([seed, count_a]), count_a, count_b)
     for margin in (0, 7):

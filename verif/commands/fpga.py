@@ -138,11 +138,11 @@ def _timing(options: argparse.Namespace) -> int:
     parameters = {"W": _WIDTH, "M": 0}
     sources = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
     with progress_bar("timing", len(ecp5_timing.STAGES)) as progress:
-        routed = route(sources, parameters, _TIMING, progress, seed=options.seed)
-    timing = read_timing(routed.report)
+        report, absorbed = route(sources, parameters, _TIMING, progress, seed=options.seed)
+    timing = read_timing(report)
     path = BUILD / "fpga" / "timing.json"
-    write_timing(path, timing, routed.absorbed, parameters, rtl_hash(), tool)
-    _print_path(timing, routed.absorbed)
+    write_timing(path, timing, absorbed, parameters, rtl_hash(), tool)
+    _print_path(timing, absorbed)
     print(f"written to {path}")
     return DONE if timing.reached else NO
 

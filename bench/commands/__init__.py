@@ -1,1 +1,0 @@
-"""Commands of the benchmarks: nothing of them imports these."""

@@ -1,0 +1,36 @@
+"""``triaxis fpga report``: every build is made of its own sources; one beyond its limit is an exit code."""
+
+import json
+
+import pytest
+
+from triaxis.fpga.board_build import TOP, Resources
+from triaxis.fpga.logic_depth import LogicDepth, LogicPath
+from triaxis.fpga.resources import BUILDS, Synthesis
+from triaxis.host.cli import main
+from triaxis.verif.commands import fpga
+
+MEMORIES = {f"{TOP}.u_mesh.u_store_a.u_{name}.memory_q": "block" for name in ("triangles", "boxes")}
+
+
+@pytest.mark.parametrize(("dsps", "status"), [(84, 0), (241, 1)])
+def test_command(tmp_path, monkeypatch, capsys, dsps, status):
+    made = []
+
+    def synthesise_nothing(sources, _include, top, parameters, _folder):
+        made.append((top, len(sources)))
+        return Synthesis(Resources(dsps, 10, 20, 30), MEMORIES, tmp_path / "netlist.json")
+
+    path = LogicPath("from_q", "to_q", ("LUT6", "CARRY4"), 2)
+    monkeypatch.setattr(fpga, "synthesise", synthesise_nothing)
+    monkeypatch.setattr(fpga, "logic_depth", lambda netlist: LogicDepth(path, path))
+    monkeypatch.setattr(fpga, "yosys_version", lambda: "Yosys 0")
+    monkeypatch.setattr(fpga, "bitstream_sources", lambda _: [])
+    monkeypatch.setattr(fpga, "BUILD", tmp_path)
+    assert main(["fpga", "report"]) == status
+    assert len(made) == len(BUILDS) and all((count == 0) == (top == TOP) for top, count in made)
+    said = capsys.readouterr().out
+    assert ("board_fine: EXCEEDED: dsps" in said) is bool(status) and "operand gating: " in said
+    builds = json.loads((tmp_path / "fpga" / "report.json").read_text())["builds"]
+    assert len(builds) == len(BUILDS) and builds["board_fine"]["dsps"] == dsps
+    assert builds["board_fine"]["within_limit"] is not bool(status)
