@@ -5,7 +5,6 @@ from pathlib import Path
 import cocotb
 import numpy as np
 
-from triaxis.host.scenes import mesh_pairs
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.failing_pairs import read_failing_pairs
@@ -24,7 +23,6 @@ from triaxis.verif.core.stimulus.families import (
     mixed,
     mixture,
 )
-from triaxis.verif.core.stimulus.margins import at_any_margin
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.core.stimulus.symmetry import all_orders
@@ -42,7 +40,7 @@ BUILDS = (
     "w24_m24",
     "w32_m32",
 )
-_USUAL = ("w16_m0", "w16_m16", "w24_m24", "w32_m32")
+USUAL = ("w16_m0", "w16_m16", "w24_m24", "w32_m32")
 # The protocol again, pin by pin, independent of the bus-functional model; everything judged.
 _ON_PINS = ("w16_m0", "w13_m4_t1")
 # Each family by itself, so that a failure says what it is about; volume sends them all to every build.
@@ -220,7 +218,7 @@ class VolumeTest(CoreTest):
 @listed(
     "V1",
     # In the builds that users start with.
-    Runs(_USUAL, 15, smoke=("w16_m0",)),
+    Runs(USUAL, 15, smoke=("w16_m0",)),
     why_seeds="One: nothing in them is random.",
 )
 class SeedVectorsTest(CoreTest):
@@ -288,22 +286,6 @@ class MetamorphicTest(CoreTest):
                 self.check.expect(group, bases)
                 await self.send(ArraySequence(self.settings, pairs, np.repeat(base.margins, group.size)))
                 left -= bases
-
-
-@listed(
-    "V2",
-    Runs(_USUAL, 20_000, 1000, seeds=2, smoke=("w16_m0",)),
-    why_seeds="Two: the second hits one more bin, the third none.",
-)
-class MeshTest(CoreTest):
-    """Facet pairs of real solids that come close: tool holder and end mill, vise and workpiece."""
-
-    async def stimulus(self) -> None:
-        """Send facet pairs, the near ones first, at margins of every kind."""
-        configuration = self.settings.configuration
-        pairs = mesh_pairs(self.rng, self.settings.pairs, configuration.width)
-        margins = at_any_margin(self.rng, pairs, configuration.max_margin)
-        await self.send(ArraySequence(self.settings, pairs, margins))
 
 
 @listed("V1", *_PROTOCOL, why_seeds=_PROTOCOL_SEEDS)

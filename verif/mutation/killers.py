@@ -5,16 +5,17 @@ from pathlib import Path
 from triaxis.sim.build import content_hash
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
-from triaxis.verif.testbench.settings import TEST_MODULES
+from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS
 
-# What generates, plays, judges and excuses mutants; most of its modules are named by none of the others.
+# What generates, plays, judges and excuses mutants; most of its modules are named by none of the others. Tests
+# of real solids, which would bring the host software in, try none.
 KILLERS = Sources(
     tuple(
         f"triaxis.verif.mutation.{path.stem}"
         for path in sorted(Path(__file__).parent.glob("*.py"))
         if path.stem != "__init__"
     )
-    + TEST_MODULES,
+    + (ENTRY, CORE_TESTS[0], MESH_TESTS[0]),
     (
         "verif/mutation/*.toml",
         "verif/core/sva/*",

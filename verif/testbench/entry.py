@@ -11,8 +11,8 @@ from triaxis.verif.testbench.trials import judged, next_test
 _SETTINGS = from_environment()
 # By name: the tests' modules import this package, which must not import them. And only those that are needed:
 # each import takes time.
-_OF_MESH_ENGINE = (MESH_TESTS, "triaxis.verif.mesh.sabotage_tests")
-_OF_CORE = (CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests")
+_OF_MESH_ENGINE = (*MESH_TESTS, "triaxis.verif.mesh.sabotage_tests")
+_OF_CORE = (*CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests")
 _NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE
 _MODULES = [import_module(name) for name in _NAMES]
 _NAME = next_test(_SETTINGS).test

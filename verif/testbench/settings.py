@@ -17,8 +17,10 @@ _VARIABLE = "TRIAXIS_RUN"
 _LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
 PIN, BURST = "pin", "burst"
 # Where the tests stand; the simulator's process loads them by name, which no import shows.
-CORE_TESTS, MESH_TESTS = "triaxis.verif.core.uvm_tests", "triaxis.verif.mesh.uvm_tests"
-TEST_MODULES = ("triaxis.verif.testbench.entry", CORE_TESTS, MESH_TESTS)
+CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
+MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
+ENTRY = "triaxis.verif.testbench.entry"
+TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS)
 
 
 def width_of(config: str) -> int:

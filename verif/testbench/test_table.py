@@ -94,7 +94,7 @@ def listed(
 @cache
 def table() -> Mapping[str, Entry]:
     """Return all tests by name, as they stand: those of the core, then those of the mesh engine."""
-    classes = [one for module in (CORE_TESTS, MESH_TESTS) for one in vars(import_module(module)).values()]
+    classes = [one for module in (*CORE_TESTS, *MESH_TESTS) for one in vars(import_module(module)).values()]
     entries = [vars(one)["entry"] for one in classes if isinstance(one, type) and "entry" in vars(one)]
     return {entry.name: entry for entry in entries}
 
