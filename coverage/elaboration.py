@@ -38,7 +38,7 @@ class Signal:
     bits: range
 
 
-@dataclass(frozen=True)
+@dataclass
 class Instance:
     """One instance of a module: its path, the numbers among its parameters, its signals.
 
@@ -48,10 +48,10 @@ class Instance:
 
     path: str
     module: str
-    parameters: dict[str, int]
-    signals: tuple[Signal, ...]
-    blocks: frozenset[str]
-    conditions: frozenset[int]
+    parameters: dict[str, int] = field(default_factory=dict)
+    signals: list[Signal] = field(default_factory=list)
+    blocks: set[str] = field(default_factory=set)
+    conditions: set[int] = field(default_factory=set)
 
 
 def _range(text: str) -> range:
@@ -70,16 +70,6 @@ def _constant(node: _Node) -> int | None:
     """Return the value of a constant such as ``32'sh1f``, None for text and the like."""
     match = re.fullmatch(r"(?:\d+)?'s?h([0-9a-f]+)", node.get("name", ""))
     return int(match[1], 16) if match else None
-
-
-@dataclass
-class _Contents:
-    """What a module holds."""
-
-    signals: list[Signal] = field(default_factory=list)
-    parameters: dict[str, int] = field(default_factory=dict)
-    cells: list[tuple[str, str]] = field(default_factory=list)
-    blocks: set[str] = field(default_factory=set)
 
 
 class _Reader:
@@ -123,17 +113,11 @@ class _Reader:
 
     def instances(self, path: str, module: _Node) -> Iterator[Instance]:
         """Yield the instance and those inside it."""
-        contents = _Contents()
-        self._collect(module["stmtsp"], "", path, contents)
-        yield Instance(
-            path,
-            module["origName"],
-            contents.parameters,
-            tuple(contents.signals),
-            frozenset(contents.blocks),
-            frozenset(self._lines(module["stmtsp"])),
-        )
-        for name, address in contents.cells:
+        found = Instance(path, module["origName"], conditions=set(self._lines(module["stmtsp"])))
+        cells: list[tuple[str, str]] = []
+        self._collect(module["stmtsp"], "", found, cells)
+        yield found
+        for name, address in cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
 
     def _lines(self, node: Any) -> Iterator[int]:
@@ -155,22 +139,25 @@ class _Reader:
             return self._is_vector(_referred(node))
         return node.get("type") == "BASICDTYPE" and "range" in node and len(_range(node["range"])) > 1
 
-    def _collect(self, nodes: list[_Node], prefix: str, path: str, contents: _Contents) -> None:
+    def _collect(
+        self, nodes: list[_Node], prefix: str, found: Instance, cells: list[tuple[str, str]]
+    ) -> None:
+        """Add what nodes hold to an instance, and the instances inside it to ``cells``: name, module."""
         for node in nodes:
             match node["type"]:
                 case "GENBLOCK":
                     if not node.get("implied"):
-                        contents.blocks.add(node["name"].partition("[")[0])
-                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", path, contents)
+                        found.blocks.add(node["name"].partition("[")[0])
+                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", found, cells)
                 case "CELL":
-                    contents.cells.append((prefix + node["name"], node["modp"]))
+                    cells.append((prefix + node["name"], node["modp"]))
                 case "VAR" if node["varType"] in _SIGNAL_KINDS:
-                    for name, bits in self.elements(prefix + node["name"], node["dtypep"]):
-                        contents.signals.append(Signal(path, name, bits))
+                    vectors = self.elements(prefix + node["name"], node["dtypep"])
+                    found.signals += [Signal(found.path, name, bits) for name, bits in vectors]
                 case "VAR" if node["varType"] in _PARAMETER_KINDS and not prefix:
                     value = _constant(node["valuep"][0]) if node.get("valuep") else None
                     if value is not None:
-                        contents.parameters[node["name"]] = value
+                        found.parameters[node["name"]] = value
                 case _:
                     pass
 

@@ -8,7 +8,6 @@ from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Hits
 from triaxis.coverage.html import rendered
 from triaxis.coverage.report import percent, report
-from triaxis.coverage.terminal import summary_line
 from triaxis.golden.outputs import write_whole
 
 
@@ -24,7 +23,9 @@ class _Bin:
 def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:
     """Write the page, whole or not at all; raise InputError where that cannot be done."""
     models = [_model(model, counts) for model, counts in database]
-    summary = summary_line(model["found"] for model in models)
+    found = [model["found"] for model in models]
+    hit, total = sum(one.hit for one in found), sum(one.total for one in found)
+    summary = f"{hit} of {total} bins in {len(found)} models, {percent(found):.2f} %"
     template = Path(__file__).with_name("page.html")
     write_whole(path, rendered(template, title=title, summary=summary, models=models))
 
