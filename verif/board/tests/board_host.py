@@ -170,19 +170,17 @@ class BoardHost:
 
     def load(self, mesh: int, triangles: np.ndarray) -> None:
         """Replace a mesh by triangles (N, 3, 3)."""
-        step = min(12, 239 // len(packed(triangles[:1], self.top.parameters.width)))
+        width = self.top.parameters.width
+        step = min(12, 235 // (9 * ((width + 7) // 8)))
         for first in range(0, len(triangles), step):
-            count = self.good(Command.LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
+            payload = load_payload(mesh, first, triangles[first : first + step], width)
+            count = self.good(Command.LOAD, payload)
             assert count == struct.pack("<H", min(first + step, len(triangles)))
 
     def load_both(self, triangles: np.ndarray) -> None:
         """Replace both meshes by the same triangles."""
         self.load(0, triangles)
         self.load(1, triangles)
-
-    def load_payload(self, mesh: int, first: int, triangles: np.ndarray) -> bytes:
-        head = struct.pack("<BHB", mesh, first, len(triangles))
-        return head + packed(triangles, self.top.parameters.width)
 
     def move(self, x: int, y: int, z: int) -> None:
         assert self.good(Command.MOVE, struct.pack("<3i", x, y, z)) == struct.pack("<3i", x, y, z)
@@ -236,10 +234,11 @@ def read_results(payload: bytes, start: int) -> tuple[StatusBlock, np.ndarray]:
     return status_of(payload), near.astype(np.int64)
 
 
-def packed(triangles: np.ndarray, width: int) -> bytes:
-    """Return triangles (N, 3, 3) in coordinates of whole bytes."""
+def load_payload(mesh: int, first: int, triangles: np.ndarray, width: int = PARAMETERS.width) -> bytes:
+    """Return the payload of a LOAD of triangles (N, 3, 3), in coordinates of whole bytes."""
     size = (width + 7) // 8
-    return b"".join(int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+    values = (int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+    return struct.pack("<BHB", mesh, first, len(triangles)) + b"".join(values)
 
 
 def run_asked(mode: int, margin: int, count_a: int, count_b: int) -> bytes:
