@@ -143,33 +143,16 @@ def axis_points(build: Build) -> AxisPoints:
     )
 
 
-@dataclass(frozen=True)
-class MarginClass:
-    """A bin of margins: name, and the smallest."""
-
-    name: str
-    start: int
-
-
-def margin_classes(build: Build) -> tuple[MarginClass, ...]:
-    """Return the bins of margins that a build has: from 0 to a quarter of the range and more."""
+def margin_point(build: Build) -> Point:
+    """Return the point of margins, from 0 to a quarter of the range and more, as far as a build has them."""
     # From a quarter on every axis can still be the one that separates, whatever W and M.
     large = 1 << max(build.margin_bits - 2, 0)
-    classes = [MarginClass("m = 0", 0), MarginClass("m = 1", 1)]
-    if build.margin_bits > 1:
-        classes.append(MarginClass("m from 2", 2))
-    if build.margin_bits > 3:
-        classes.append(MarginClass("m from 8", 8))
-    if large > 8:
-        classes.append(MarginClass(f"m from {large}", large))
-    return tuple(classes)
-
-
-def margin_point(build: Build) -> Point:
-    """Return the point of margins."""
-    bins = margin_classes(build)
-    starts = [c.start for c in bins[1:]]
-    return Point("margin", tuple(c.name for c in bins), lambda v: classes(v.sample.margins, *starts))
+    starts = [1]
+    starts += [2] if build.margin_bits > 1 else []
+    starts += [8] if build.margin_bits > 3 else []
+    starts += [large] if large > 8 else []
+    bins = ("m = 0", "m = 1", *(f"m from {start}" for start in starts[1:]))
+    return Point("margin", bins, lambda v: classes(v.sample.margins, *starts))
 
 
 def margin_end(build: Build) -> Point:

@@ -1,23 +1,13 @@
 """Coverage as one HTML page that needs nothing else: every bin with its count, goal and exclusion."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from triaxis.coverage.counts import Counts, CoverageDatabase
-from triaxis.coverage.cover_model import CoverItem, CoverModel, Exclusion, Hits
+from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.html import rendered
 from triaxis.coverage.report import percent, report
 from triaxis.golden.outputs import write_whole
-
-
-@dataclass(frozen=True)
-class _Bin:
-    name: str
-    hits: int
-    goal: int
-    illegal: bool
-    exclusion: Exclusion | None
 
 
 def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:
@@ -39,10 +29,8 @@ def _model(model: CoverModel[Any], counts: Counts) -> dict[str, Any]:
         "found": found,
         "percent": percent([found]),
         "illegal": sum(len(item.illegal_hits) for item in found.items),
-        "tables": [{"found": one, "bins": _bins(item, counts.hits[item.name])} for item, one in tables],
+        "tables": [
+            {"found": one, "bins": list(zip(item.bins, counts.hits[item.name].tolist(), strict=True))}
+            for item, one in tables
+        ],
     }
-
-
-def _bins(item: CoverItem[Any], hits: Hits) -> list[_Bin]:
-    columns = zip(item.bins, hits.tolist(), item.goals.tolist(), item.illegal.tolist(), strict=True)
-    return [_Bin(one.name, count, goal, illegal, one.exclusion) for one, count, goal, illegal in columns]

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 from math import comb
 
 import numpy as np
@@ -22,7 +23,7 @@ from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.symmetry import COORDINATES, REFLECTED
 from triaxis.verif.exhaustive import run
-from triaxis.verif.exhaustive.check import CONFIGURATION, ClassChecker
+from triaxis.verif.exhaustive.check import CONFIGURATION, check_class
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import load, other_states, save, state_file
 
@@ -110,7 +111,7 @@ def test_grid_2_counts_what_brute_force_counts(tmp_path):
 
 def test_grid_2_counts_what_the_linear_program_counts():
     grid = Grid(2)
-    result = run._sum([ClassChecker(grid, Answers(), bulk_facts, 1).check(i) for i in range(7)])
+    result = run._sum([check_class(grid, Answers(), bulk_facts, 1, i) for i in range(7)])
     total = 0
     for representative, count in grid.classes:
         a = grid.points[grid.triangles[representative]]
@@ -169,8 +170,8 @@ def set_a_reserved_bit(pairs, margins, words):
     ],
 )
 def test_a_wrong_core_is_caught(spoil, said):
-    checker = ClassChecker(Grid(2), Answers(spoil), bulk_facts, 1)
-    result = run._sum([checker.check(number) for number in range(7)])
+    checker = partial(check_class, Grid(2), Answers(spoil), bulk_facts, 1)
+    result = run._sum([checker(number) for number in range(7)])
     assert result.counts.mismatches > 0
     assert any(said in mismatch.message for mismatch in result.mismatches)
 
@@ -188,8 +189,8 @@ def test_near_at_one_margin_and_not_beyond_is_caught_without_an_oracle():
         def words(self, pairs, margins):
             return expected_words(oracle(pairs, margins), CONFIGURATION), len(pairs)
 
-    checker = ClassChecker(Grid(2), Accomplice(), oracle, 1)
-    messages = {m.message for n in range(7) for m in checker.check(n).mismatches}
+    checker = partial(check_class, Grid(2), Accomplice(), oracle, 1)
+    messages = {m.message for n in range(7) for m in checker(n).mismatches}
     assert "near at margin 0 and not beyond" in messages
 
 
@@ -199,17 +200,17 @@ def test_an_oracle_that_the_linear_program_contradicts_is_an_error():
 
     with pytest.raises(CertificateError, match="linear program"):
         for number in range(7):
-            ClassChecker(Grid(2), Answers(), oracle, 1).check(number)
+            check_class(Grid(2), Answers(), oracle, 1, number)
 
 
 def test_a_class_left_out_is_a_problem():
     grid, identity = Grid(2), run.identity_of(2, 1)
-    checker = ClassChecker(grid, Answers(), bulk_facts, 1)
-    progress = run.Progress(run._sum([checker.check(number) for number in range(6)]))
+    checker = partial(check_class, grid, Answers(), bulk_facts, 1)
+    progress = run.Progress(run._sum([checker(number) for number in range(6)]))
     problems = run.Outcome(identity, grid, progress, 6).problems
     assert len(problems) == 2
     assert "262144" in problems[0]
-    everything = run.Progress(run._sum([progress.result, checker.check(6)]))
+    everything = run.Progress(run._sum([progress.result, checker(6)]))
     assert run.Outcome(identity, grid, everything, 7).problems == []
 
 
@@ -252,7 +253,7 @@ def test_states_of_other_runs_are_not_continued(tmp_path):
         replace(identity, rtl_hash="another"),
         replace(identity, environment_hash=""),
     ]
-    progress = run.Progress(run._sum([ClassChecker(Grid(2), Answers(), bulk_facts, 1).check(0)]))
+    progress = run.Progress(run._sum([check_class(Grid(2), Answers(), bulk_facts, 1, 0)]))
     for other in others:
         save(tmp_path, other, progress)
     assert load(tmp_path, identity).done == 0
