@@ -72,24 +72,26 @@ def _constant(node: _Node) -> int | None:
     return int(match[1], 16) if match else None
 
 
+def _nodes(tree: Any) -> Iterator[_Node]:
+    """Yield all nodes of a tree, in any order."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, list):
+            stack += node
+        elif isinstance(node, dict):
+            yield node
+            stack += [value for key, value in node.items() if key not in _ADDED]
+
+
 class _Reader:
     def __init__(self, tree: _Node) -> None:
         self._modules = {module["addr"]: module for module in tree["modulesp"]}
         tables = (node for node in tree["miscsp"] if node["type"] == "TYPETABLE")
         self._types: dict[str, _Node] = {node["addr"]: node for table in tables for node in table["typesp"]}
-        self._add_types(tree["modulesp"])
-
-    def _add_types(self, node: Any) -> None:
-        """Types are also declared inside modules."""
-        if isinstance(node, list):
-            for element in node:
-                self._add_types(element)
-        elif isinstance(node, dict):
-            if str(node.get("type", "")).endswith("DTYPE"):
-                self._types[node["addr"]] = node
-            for value in node.values():
-                if isinstance(value, (list, dict)):
-                    self._add_types(value)
+        # Types are also declared inside modules.
+        declared = (node for node in _nodes(tree["modulesp"]) if str(node.get("type", "")).endswith("DTYPE"))
+        self._types |= {node["addr"]: node for node in declared}
 
     def elements(self, name: str, address: str) -> Iterator[tuple[str, range]]:
         """Yield the vectors that a variable of that type consists of, and their bits."""
@@ -120,18 +122,12 @@ class _Reader:
         for name, address in cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
 
-    def _lines(self, node: Any) -> Iterator[int]:
+    def _lines(self, nodes: list[_Node]) -> Iterator[int]:
         """Yield the lines with logical operators on single bits: of vectors, each bit's toggles tell."""
-        if isinstance(node, list):
-            for element in node:
-                yield from self._lines(element)
-        elif isinstance(node, dict):
+        for node in _nodes(nodes):
             if node.get("type") in _LOGICAL and not self._is_vector(node.get("dtypep")):
                 # A place reads file, first line:column, last line:column.
                 yield int(node["loc"].split(",")[1].partition(":")[0])
-            for key, value in node.items():
-                if isinstance(value, (list, dict)) and key not in _ADDED:
-                    yield from self._lines(value)
 
     def _is_vector(self, address: str | None) -> bool:
         node = self._types.get(address or "", {})

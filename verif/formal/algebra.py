@@ -197,9 +197,7 @@ class DataPath:
 
     def latency(self, name: str, *arguments: int) -> int:
         """Return a documented latency; 0 without registers."""
-        if not self._registered:
-            return 0
-        return self._package.call(name, *arguments) if arguments else self._package.constant(name)
+        return self._package.call(name, *arguments) if self._registered else 0
 
     # --- Conditions -----------------------------------------------------------------------------------
 

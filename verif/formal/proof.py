@@ -126,6 +126,7 @@ class SbyProof(Proof):
     has otherwise, (old, new) by file name.
     """
 
+    parameters: Mapping[str, int]
     top: str
     dut_files: tuple[str, ...]
     formal_files: tuple[str, ...]
