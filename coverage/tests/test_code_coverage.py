@@ -180,15 +180,6 @@ def test_a_waiver_of_other_rtl_or_of_an_unknown_parameter_fails(tmp_path: Path) 
         assessed(tmp_path, GOOD, [waiver(bits=(), values=("0", "Width"))])
 
 
-def test_runs_of_one_model_are_merged(tmp_path: Path) -> None:
-    first = read_counters(file(tmp_path, never("sum[0]"), "first.dat"))
-    first.add(read_counters(file(tmp_path, never("sum[1]"), "second.dat")))
-    toggle = first.toggles[TOP, "sum[0]"]
-    assert (toggle.rises, toggle.falls) == (1, 2)
-    assert sorted(first.points.values()) == [2, 4, 8, 10]
-    assert assess_model(ModelCoverage("model", first, {TOP: DESIGN}), []).uncovered == []
-
-
 @pytest.mark.parametrize(
     "damage",
     [
