@@ -79,13 +79,6 @@ def test_runs_and_successions(view):
     assert view.previous.tolist() == [3, *view.decision[:-1].tolist()]
 
 
-def test_answers_are_read_from_the_word(view):
-    for i, _, separating in each(view):
-        assert view.answered_near[i] == (not separating)
-        assert view.claim[i] == (1 + min(separating) if separating else 0)
-        assert view.answer[i] == (2 if separating else 3)
-
-
 def test_builds_that_cannot_be_are_refused():
     for wrong in ((7, 0, True, True), (33, 0, True, True), (8, 9, True, True), (8, 1, False, True)):
         with pytest.raises(InputError):
