@@ -104,12 +104,12 @@ def _sizes(build: MeshBuild) -> list[Item]:
     none = _none("the build has no such size of its own", lambda a, b: a in absent or b in absent)
     items = [Item("mesh_sizes", "size of A x B", (points.size(build, "a"), points.size(build, "b")), (none,))]
     if build.group > 1:
-        items += [
-            Item(f"mesh_last_group_{m}", f"the last group of {m.upper()}", (points.last_group(build, m),))
-            for m in "ab"
-        ]
+        for m in "ab":
+            last = points.last("group", m, build.group)
+            items.append(Item(f"mesh_last_group_{m}", f"the last group of {m.upper()}", (last,)))
     if build.lanes > 1:
-        items.append(Item("mesh_last_word", "the last word of lanes of B", (points.last_word(build),)))
+        last = points.last("word", "b", build.lanes)
+        items.append(Item("mesh_last_word", "the last word of lanes of B", (last,)))
     return items
 
 
