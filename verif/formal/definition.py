@@ -127,7 +127,6 @@ def at_corners(polynomials: Sequence[Polynomial], variables: Sequence[int]) -> n
     return values
 
 
-AXES = 32
 FIRST_PLANE_AXIS = 14
 
 Vector = tuple[Polynomial, Polynomial, Polynomial]
