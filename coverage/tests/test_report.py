@@ -5,7 +5,7 @@ import numpy as np
 
 from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import CoverItem, CoverModel, Coverpoint, Exclusion, Kind
-from triaxis.coverage.page import write_page
+from triaxis.coverage.html import write_page
 from triaxis.coverage.report import percent, report
 
 SIZES = Coverpoint[Any]("size", ("<small>", "medium", "large", "huge", "vast"), lambda s: s.astype(np.uint8))
