@@ -36,7 +36,8 @@ module triaxis_stream_fifo_formal #(
   triaxis_stream_rules #(
       .Depth(Depth),
       .Latency(1),
-      .ResultWidth(Width)
+      .ResultWidth(Width),
+      .QuietInReset(1'b0)
   ) u_rules (
       .clk_i,
       .rst_ni,

@@ -10,6 +10,8 @@ module triaxis_stream_rules #(
     parameter int unsigned Depth = 32,
     parameter int unsigned Latency = 22,
     parameter int unsigned ResultWidth = 32,
+    // Whether in reset nothing may seem to move either.
+    parameter bit QuietInReset = 1'b1,
     localparam int unsigned CountWidth = $clog2(Depth) + 1,
     localparam int unsigned AgeWidth = $clog2(Latency + 2)
 ) (
@@ -83,7 +85,7 @@ module triaxis_stream_rules #(
 
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
-      NothingInReset : assert (!s_ready_i && !m_valid_i);
+      NothingInReset : assert (!QuietInReset || (!s_ready_i && !m_valid_i));
     end else begin
       ReadyAfterReset : assert (!awake_q || count_q == count_t'(Depth) || s_ready_i);
       Occupancy : assert (count_q <= count_t'(Depth) && !(s_ready_i && count_q == count_t'(Depth)));
