@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -102,7 +101,7 @@ class Replaying(Exchange):
     """Answers with recorded replies, the last to a command again and again; one of them is altered."""
 
     def __init__(self, replies, number=None):
-        self.silence: Any = Silence()
+        self.silence = Silence()
         super().__init__(self.silence)
         self.replies, self.number = replies, number
         self.altered = b""
