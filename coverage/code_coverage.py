@@ -199,12 +199,12 @@ class _ModelAssessor:
         self._left = dict(model.counters.toggles)
 
     def run(self) -> Assessment:
-        points: dict[str, list[Point]] = {}
-        for point in self._model.counters.points.values():
-            points.setdefault(point.instance, []).append(point)
+        points: dict[str, dict[Point, int]] = {}
+        for point, count in self._model.counters.points.items():
+            points.setdefault(point.instance, {})[point] = count
         for instance in self._model.instances.values():
             self._toggles(instance)
-            self._points(instance, points.pop(instance.path, []))
+            self._points(instance, points.pop(instance.path, {}))
             self.assessment.elaborated |= {(instance.module, label) for label in instance.blocks}
         unknown = [f"{path}: {bit}" for path, bit in self._left] + list(points)
         self._problems(f"{what} is counted but not in the design" for what in unknown)
@@ -247,18 +247,18 @@ class _ModelAssessor:
                 place = Bin(self._model.name, "toggle", toggle.file, toggle.line, name + edge, path)
                 self.assessment.count(place, count > 0, waiver)
 
-    def _points(self, instance: Instance, points: list[Point]) -> None:
+    def _points(self, instance: Instance, points: dict[Point, int]) -> None:
         counted = {point.line for point in points if point.kind == "expression"}
         file = f"{instance.module}.sv"
         for line in sorted(instance.conditions - counted):
-            points.append(Point("expression", file, line, instance.path, _NOT_COUNTED, 0))
+            points[Point("expression", file, line, 0, _NOT_COUNTED, instance.path)] = 0
         waivers = {kind: self._applying(kind, instance) for kind in {point.kind for point in points}}
-        for p in points:
+        for p, count in points.items():
             waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known)), None)
             if waiver is not None:
                 self.assessment.cover(waiver, self._place(instance, p.what))
             place = Bin(self._model.name, p.kind, p.file, p.line, p.what, instance.path)
-            self.assessment.count(place, p.count > 0, waiver)
+            self.assessment.count(place, count > 0, waiver)
 
 
 def _constant_bits(waivers: _Applying, signal: str, bits: range) -> dict[int, Waiver]:

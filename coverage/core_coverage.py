@@ -64,7 +64,12 @@ def _model(build: Build) -> CoverModel[CoreView]:
 
 def _answers(build: Build, axes: AxisPoints) -> list[Item]:
     items = [
-        Item("answer", "what the core answered, against the golden model", (points.ANSWER,), proofs.answer()),
+        Item(
+            "answer",
+            "what the core answered, against the golden model",
+            (points.ANSWER,),
+            proofs.ANSWER_PROOFS,
+        ),
         Item("claim", "the verdict, with the axis that the core claims", (axes.claim,), at_least=_CLAIMS),
         Item("flags", "who decided x flags answered", (points.DECISION, points.FLAGS), proofs.flags(build)),
     ]
@@ -74,7 +79,7 @@ def _answers(build: Build, axes: AxisPoints) -> list[Item]:
                 "blind",
                 "axes that the core lacks x coplanar",
                 (points.BLIND, points.COPLANAR),
-                proofs.blind(),
+                proofs.BLIND_PROOFS,
             )
         )
     return items
@@ -125,18 +130,18 @@ def _axes(build: Build, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Ite
 def _geometry(build: Build, margin: tuple[Point, ...]) -> list[Item]:
     ranks = (points.RANK_A, points.RANK_B, *margin)
     return [
-        Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), proofs.relation()),
+        Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), proofs.RELATION_PROOFS),
         Item(
             "contact",
             "vertices of A x of B that span what touches, of two triangles",
             (points.CONTACT_A, points.CONTACT_B, *margin),
-            proofs.contact(),
+            proofs.CONTACT_PROOFS,
         ),
         Item(
             "contact_features",
             "feature of A x of B that touches x coplanar, of two triangles",
             (points.FEATURE_A, points.FEATURE_B, points.COPLANAR, *margin),
-            proofs.contact_features(),
+            proofs.CONTACT_FEATURES_PROOFS,
         ),
         Item(
             "decision",

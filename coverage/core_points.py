@@ -22,28 +22,29 @@ _ORDERS = ("123", "132", "213", "231", "312", "321")
 _RANKS = ("point", "segment", "triangle")
 
 
-def _ranks(triangle: str) -> tuple[str, ...]:
-    return tuple(f"{triangle} {rank}" for rank in _RANKS)
+def _both(
+    name: str, bins: tuple[str, ...], codes: Callable[[CoreView, str], Codes], partial: bool = False
+) -> tuple[Point, Point]:
+    """Return a point of A and one of B; ``codes``: of a view, and of "a" or "b"."""
+
+    def of(triangle: str) -> Point:
+        named = tuple(f"{triangle} {one}" for one in bins)
+        return Point(f"{name} {triangle}", named, lambda v: codes(v, triangle.lower()), partial)
+
+    return of("A"), of("B")
 
 
-def _order(order: Codes, rank: Codes, wanted: int) -> Codes:
-    """Return the order where the rank is as wanted, 6 elsewhere."""
-    other = (rank != wanted).view(np.uint8) * np.uint8(6)
-    return np.maximum(order, other)
+def _orders(rank: int) -> tuple[Point, Point]:
+    """Return the points of the orders of vertices where the rank is as wanted."""
+
+    def codes(view: CoreView, triangle: str) -> Codes:
+        other = (getattr(view.facts, f"rank_{triangle}") != rank).view(np.uint8) * np.uint8(6)
+        return np.maximum(getattr(view.facts, f"order_{triangle}"), other)
+
+    return _both(f"{_RANKS[rank]} order", _ORDERS, codes, partial=True)
 
 
-def _order_point(triangle: str, rank: int) -> Point:
-    field_order, field_rank = f"order_{triangle.lower()}", f"rank_{triangle.lower()}"
-
-    def codes(view: CoreView) -> Codes:
-        return _order(getattr(view.facts, field_order), getattr(view.facts, field_rank), rank)
-
-    bins = tuple(f"{triangle} {order}" for order in _ORDERS)
-    return Coverpoint(f"{_RANKS[rank]} order {triangle}", bins, codes, partial=True)
-
-
-RANK_A = Point("rank A", _ranks("A"), lambda v: v.facts.rank_a)
-RANK_B = Point("rank B", _ranks("B"), lambda v: v.facts.rank_b)
+RANK_A, RANK_B = _both("rank", _RANKS, lambda v, t: getattr(v.facts, f"rank_{t}"))
 COPLANAR = Point("coplanar", ("not coplanar", "coplanar"), lambda v: v.facts.coplanar)
 VERDICT = Point("verdict", ("clear", "near"), lambda v: v.near)
 DECISION = Point("decision", ("clear by box", "clear by other axis", "near"), lambda v: v.decision)
@@ -59,20 +60,14 @@ RELATION = Point(
     ("clear", "touching", "A in B", "B in A", "identical", "coplanar overlap", "penetrating"),
     lambda v: v.relation,
 )
-CONTACT_A = Point(
-    "contact A", tuple(f"A {s}" for s in _VERTEX_SETS), lambda v: v.support(v.facts.support_a), partial=True
+CONTACT_A, CONTACT_B = _both(
+    "contact", _VERTEX_SETS, lambda v, t: v.support(getattr(v.facts, f"support_{t}")), partial=True
 )
-CONTACT_B = Point(
-    "contact B", tuple(f"B {s}" for s in _VERTEX_SETS), lambda v: v.support(v.facts.support_b), partial=True
+FEATURE_A, FEATURE_B = _both(
+    "feature", _FEATURES, lambda v, t: v.features(getattr(v.facts, f"support_{t}")), partial=True
 )
-FEATURE_A = Point(
-    "feature A", tuple(f"A {f}" for f in _FEATURES), lambda v: v.features(v.facts.support_a), partial=True
-)
-FEATURE_B = Point(
-    "feature B", tuple(f"B {f}" for f in _FEATURES), lambda v: v.features(v.facts.support_b), partial=True
-)
-TRIANGLE_ORDER_A, TRIANGLE_ORDER_B = _order_point("A", 2), _order_point("B", 2)
-SEGMENT_ORDER_A, SEGMENT_ORDER_B = _order_point("A", 1), _order_point("B", 1)
+TRIANGLE_ORDER_A, TRIANGLE_ORDER_B = _orders(2)
+SEGMENT_ORDER_A, SEGMENT_ORDER_B = _orders(1)
 ANSWER = Point(
     "answer",
     (
@@ -143,33 +138,16 @@ def axis_points(build: Build) -> AxisPoints:
     )
 
 
-@dataclass(frozen=True)
-class MarginClass:
-    """A bin of margins: name, and the smallest."""
-
-    name: str
-    start: int
-
-
-def margin_classes(build: Build) -> tuple[MarginClass, ...]:
-    """Return the bins of margins that a build has: from 0 to a quarter of the range and more."""
+def margin_point(build: Build) -> Point:
+    """Return the point of margins, from 0 to a quarter of the range and more, as far as a build has them."""
     # From a quarter on every axis can still be the one that separates, whatever W and M.
     large = 1 << max(build.margin_bits - 2, 0)
-    classes = [MarginClass("m = 0", 0), MarginClass("m = 1", 1)]
-    if build.margin_bits > 1:
-        classes.append(MarginClass("m from 2", 2))
-    if build.margin_bits > 3:
-        classes.append(MarginClass("m from 8", 8))
-    if large > 8:
-        classes.append(MarginClass(f"m from {large}", large))
-    return tuple(classes)
-
-
-def margin_point(build: Build) -> Point:
-    """Return the point of margins."""
-    bins = margin_classes(build)
-    starts = [c.start for c in bins[1:]]
-    return Point("margin", tuple(c.name for c in bins), lambda v: classes(v.sample.margins, *starts))
+    starts = [1]
+    starts += [2] if build.margin_bits > 1 else []
+    starts += [8] if build.margin_bits > 3 else []
+    starts += [large] if large > 8 else []
+    bins = ("m = 0", "m = 1", *(f"m from {start}" for start in starts[1:]))
+    return Point("margin", bins, lambda v: classes(v.sample.margins, *starts))
 
 
 def margin_end(build: Build) -> Point:

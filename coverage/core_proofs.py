@@ -78,34 +78,33 @@ def sole_axis(build: Build) -> tuple[Exclusion, ...]:
     return tuple(proofs)
 
 
-def relation() -> tuple[Exclusion, ...]:
-    """Return the proofs for relation x rank A x rank B (x margin sign)."""
-    return (
-        _never(
-            "a part has no higher rank than the whole, and a point in a point is identical with it",
-            lambda r, a, b, m=0: (
-                (r == Relation.A_IN_B and (a > b or a == b == POINT))
-                or (r == Relation.B_IN_A and (b > a or a == b == POINT))
-                or (r == Relation.IDENTICAL and a != b)
-            ),
+# Of relation x rank A x rank B (x margin sign).
+RELATION_PROOFS: tuple[Exclusion, ...] = (
+    _never(
+        "a part has no higher rank than the whole, and a point in a point is identical with it",
+        lambda r, a, b, m=0: (
+            (r == Relation.A_IN_B and (a > b or a == b == POINT))
+            or (r == Relation.B_IN_A and (b > a or a == b == POINT))
+            or (r == Relation.IDENTICAL and a != b)
         ),
-        _never(
-            "a point and a segment have three vertices at most that differ: always coplanar",
-            lambda r, a, b, m=0: r == Relation.PENETRATING and a + b <= SEGMENT,
-        ),
-        _never(
-            "with margin 0 two segments, or a point and a triangle, that meet lie in one plane",
-            lambda r, a, b, m=0: r == Relation.PENETRATING and m == 0 and a + b == 2,
-        ),
-        _never(
-            "with margin 0 a point that is near is a part of the other",
-            lambda r, a, b, m=0: r == Relation.COPLANAR and m == 0 and POINT in (a, b),
-        ),
-        _never(
-            "with margin 0 two points that are near are the same, so flat on every axis",
-            lambda r, a, b, m=0: r == Relation.TOUCHING and m == 0 and a == b == POINT,
-        ),
-    )
+    ),
+    _never(
+        "a point and a segment have three vertices at most that differ: always coplanar",
+        lambda r, a, b, m=0: r == Relation.PENETRATING and a + b <= SEGMENT,
+    ),
+    _never(
+        "with margin 0 two segments, or a point and a triangle, that meet lie in one plane",
+        lambda r, a, b, m=0: r == Relation.PENETRATING and m == 0 and a + b == 2,
+    ),
+    _never(
+        "with margin 0 a point that is near is a part of the other",
+        lambda r, a, b, m=0: r == Relation.COPLANAR and m == 0 and POINT in (a, b),
+    ),
+    _never(
+        "with margin 0 two points that are near are the same, so flat on every axis",
+        lambda r, a, b, m=0: r == Relation.TOUCHING and m == 0 and a == b == POINT,
+    ),
+)
 
 
 def _faces(margin: int, a: int, b: int, face: int) -> bool:
@@ -118,21 +117,18 @@ _TWO_FACES = (
 )
 
 
-def contact() -> tuple[Exclusion, ...]:
-    """Return the proofs for touching vertices of A x of B (x margin sign)."""
-    return (_never(_TWO_FACES, lambda a, b, m=0: _faces(m, a, b, ALL_VERTICES)),)
+# Of touching vertices of A x of B (x margin sign).
+CONTACT_PROOFS: tuple[Exclusion, ...] = (_never(_TWO_FACES, lambda a, b, m=0: _faces(m, a, b, ALL_VERTICES)),)
 
 
-def contact_features() -> tuple[Exclusion, ...]:
-    """Return the proofs for feature of A x feature of B x coplanar (x margin sign)."""
-    return (
-        _never(_TWO_FACES, lambda a, b, coplanar, m=0: _faces(m, a, b, FACE)),
-        _never(
-            "a face is outermost only along its normal, which is flat for a coplanar pair, and flat is "
-            "not level",
-            lambda a, b, coplanar, m=0: bool(coplanar) and FACE in (a, b),
-        ),
-    )
+# Of feature of A x feature of B x coplanar (x margin sign).
+CONTACT_FEATURES_PROOFS: tuple[Exclusion, ...] = (
+    _never(_TWO_FACES, lambda a, b, coplanar, m=0: _faces(m, a, b, FACE)),
+    _never(
+        "a face is outermost only along its normal, which is flat for a coplanar pair, and flat is not level",
+        lambda a, b, coplanar, m=0: bool(coplanar) and FACE in (a, b),
+    ),
+)
 
 
 _POINTS = "the edges and normals of two points are zero: only box axes separate them"
@@ -208,23 +204,21 @@ def largest_margin(build: Build) -> tuple[Exclusion, ...]:
     )
 
 
-def answer() -> tuple[Exclusion, ...]:
-    """Return what the core must not answer."""
-    return (
-        _never(
-            "the core must answer as the golden model does: verdict, lowest axis, spare bits 0",
-            lambda answer: answer not in (2, 3),
-            _ANSWERS,
-            CONTRACT,
-        ),
-    )
+# Of what the core must not answer.
+ANSWER_PROOFS: tuple[Exclusion, ...] = (
+    _never(
+        "the core must answer as the golden model does: verdict, lowest axis, spare bits 0",
+        lambda answer: answer not in (2, 3),
+        _ANSWERS,
+        CONTRACT,
+    ),
+)
 
 
-def blind() -> tuple[Exclusion, ...]:
-    """Return the proofs for axes that the core lacks x coplanar."""
-    return (
-        _never(
-            "with margin 0 a pair that is not coplanar and clear is separated by one of axes 0..13",
-            lambda blind, coplanar: bool(blind) and not coplanar,
-        ),
-    )
+# Of axes that the core lacks x coplanar.
+BLIND_PROOFS: tuple[Exclusion, ...] = (
+    _never(
+        "with margin 0 a pair that is not coplanar and clear is separated by one of axes 0..13",
+        lambda blind, coplanar: bool(blind) and not coplanar,
+    ),
+)

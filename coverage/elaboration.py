@@ -38,7 +38,7 @@ class Signal:
     bits: range
 
 
-@dataclass(frozen=True)
+@dataclass
 class Instance:
     """One instance of a module: its path, the numbers among its parameters, its signals.
 
@@ -48,10 +48,10 @@ class Instance:
 
     path: str
     module: str
-    parameters: dict[str, int]
-    signals: tuple[Signal, ...]
-    blocks: frozenset[str]
-    conditions: frozenset[int]
+    parameters: dict[str, int] = field(default_factory=dict)
+    signals: list[Signal] = field(default_factory=list)
+    blocks: set[str] = field(default_factory=set)
+    conditions: set[int] = field(default_factory=set)
 
 
 def _range(text: str) -> range:
@@ -72,14 +72,16 @@ def _constant(node: _Node) -> int | None:
     return int(match[1], 16) if match else None
 
 
-@dataclass
-class _Contents:
-    """What a module holds."""
-
-    signals: list[Signal] = field(default_factory=list)
-    parameters: dict[str, int] = field(default_factory=dict)
-    cells: list[tuple[str, str]] = field(default_factory=list)
-    blocks: set[str] = field(default_factory=set)
+def _nodes(tree: Any) -> Iterator[_Node]:
+    """Yield all nodes of a tree, in any order."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, list):
+            stack += node
+        elif isinstance(node, dict):
+            yield node
+            stack += [value for key, value in node.items() if key not in _ADDED]
 
 
 class _Reader:
@@ -87,19 +89,9 @@ class _Reader:
         self._modules = {module["addr"]: module for module in tree["modulesp"]}
         tables = (node for node in tree["miscsp"] if node["type"] == "TYPETABLE")
         self._types: dict[str, _Node] = {node["addr"]: node for table in tables for node in table["typesp"]}
-        self._add_types(tree["modulesp"])
-
-    def _add_types(self, node: Any) -> None:
-        """Types are also declared inside modules."""
-        if isinstance(node, list):
-            for element in node:
-                self._add_types(element)
-        elif isinstance(node, dict):
-            if str(node.get("type", "")).endswith("DTYPE"):
-                self._types[node["addr"]] = node
-            for value in node.values():
-                if isinstance(value, (list, dict)):
-                    self._add_types(value)
+        # Types are also declared inside modules.
+        declared = (node for node in _nodes(tree["modulesp"]) if str(node.get("type", "")).endswith("DTYPE"))
+        self._types |= {node["addr"]: node for node in declared}
 
     def elements(self, name: str, address: str) -> Iterator[tuple[str, range]]:
         """Yield the vectors that a variable of that type consists of, and their bits."""
@@ -123,31 +115,19 @@ class _Reader:
 
     def instances(self, path: str, module: _Node) -> Iterator[Instance]:
         """Yield the instance and those inside it."""
-        contents = _Contents()
-        self._collect(module["stmtsp"], "", path, contents)
-        yield Instance(
-            path,
-            module["origName"],
-            contents.parameters,
-            tuple(contents.signals),
-            frozenset(contents.blocks),
-            frozenset(self._lines(module["stmtsp"])),
-        )
-        for name, address in contents.cells:
+        found = Instance(path, module["origName"], conditions=set(self._lines(module["stmtsp"])))
+        cells: list[tuple[str, str]] = []
+        self._collect(module["stmtsp"], "", found, cells)
+        yield found
+        for name, address in cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
 
-    def _lines(self, node: Any) -> Iterator[int]:
+    def _lines(self, nodes: list[_Node]) -> Iterator[int]:
         """Yield the lines with logical operators on single bits: of vectors, each bit's toggles tell."""
-        if isinstance(node, list):
-            for element in node:
-                yield from self._lines(element)
-        elif isinstance(node, dict):
+        for node in _nodes(nodes):
             if node.get("type") in _LOGICAL and not self._is_vector(node.get("dtypep")):
                 # A place reads file, first line:column, last line:column.
                 yield int(node["loc"].split(",")[1].partition(":")[0])
-            for key, value in node.items():
-                if isinstance(value, (list, dict)) and key not in _ADDED:
-                    yield from self._lines(value)
 
     def _is_vector(self, address: str | None) -> bool:
         node = self._types.get(address or "", {})
@@ -155,22 +135,25 @@ class _Reader:
             return self._is_vector(_referred(node))
         return node.get("type") == "BASICDTYPE" and "range" in node and len(_range(node["range"])) > 1
 
-    def _collect(self, nodes: list[_Node], prefix: str, path: str, contents: _Contents) -> None:
+    def _collect(
+        self, nodes: list[_Node], prefix: str, found: Instance, cells: list[tuple[str, str]]
+    ) -> None:
+        """Add what nodes hold to an instance, and the instances inside it to ``cells``: name, module."""
         for node in nodes:
             match node["type"]:
                 case "GENBLOCK":
                     if not node.get("implied"):
-                        contents.blocks.add(node["name"].partition("[")[0])
-                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", path, contents)
+                        found.blocks.add(node["name"].partition("[")[0])
+                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", found, cells)
                 case "CELL":
-                    contents.cells.append((prefix + node["name"], node["modp"]))
+                    cells.append((prefix + node["name"], node["modp"]))
                 case "VAR" if node["varType"] in _SIGNAL_KINDS:
-                    for name, bits in self.elements(prefix + node["name"], node["dtypep"]):
-                        contents.signals.append(Signal(path, name, bits))
+                    vectors = self.elements(prefix + node["name"], node["dtypep"])
+                    found.signals += [Signal(found.path, name, bits) for name, bits in vectors]
                 case "VAR" if node["varType"] in _PARAMETER_KINDS and not prefix:
                     value = _constant(node["valuep"][0]) if node.get("valuep") else None
                     if value is not None:
-                        contents.parameters[node["name"]] = value
+                        found.parameters[node["name"]] = value
                 case _:
                     pass
 

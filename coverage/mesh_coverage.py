@@ -23,18 +23,13 @@ _SOURCES = tuple(
 _FIRST, _BAD = 0, 3
 
 
-def mesh_model(build: MeshBuild) -> CoverModel[MeshView]:
-    """Return the coverage model of a build."""
-    return _model(build)
-
-
 class MeshCoverage:
     """Collects the coverage of one build of the engine."""
 
     def __init__(self, build: MeshBuild) -> None:
         """Start with zero counts."""
         self._build = build
-        self.model = _model(build)
+        self.model = mesh_model(build)
         self.counts = Counts.empty(self.model)
 
     def sample(self, rows: Sequence[MeshRow]) -> None:
@@ -44,7 +39,8 @@ class MeshCoverage:
 
 
 @cache
-def _model(build: MeshBuild) -> CoverModel[MeshView]:
+def mesh_model(build: MeshBuild) -> CoverModel[MeshView]:
+    """Return the coverage model of a build."""
     items = [
         Item("mesh_outcome", "mode x status", (points.MODE, points.STATUS), _outcomes()),
         *_sizes(build),
@@ -74,16 +70,12 @@ def _model(build: MeshBuild) -> CoverModel[MeshView]:
     return CoverModel(build.name, tuple(items), _SOURCES)
 
 
-def _excluded(kind: Kind, reason: str, when: Callable[..., bool], test: str = "MeshRandomTest") -> Exclusion:
-    return Exclusion(kind, reason, test, when, "mesh engine", "mesh engine")
-
-
-def _illegal(reason: str, when: Callable[..., bool]) -> Exclusion:
-    return _excluded(Kind.ILLEGAL, reason, when)
+def _illegal(reason: str, when: Callable[..., bool], kind: Kind = Kind.ILLEGAL) -> Exclusion:
+    return Exclusion(kind, reason, "MeshRandomTest", when, "mesh engine", "mesh engine")
 
 
 def _none(reason: str, when: Callable[..., bool]) -> Exclusion:
-    return _excluded(Kind.IGNORE, reason, when)
+    return _illegal(reason, when, Kind.IGNORE)
 
 
 def _outcomes() -> tuple[Exclusion, ...]:
@@ -99,33 +91,25 @@ def _outcomes() -> tuple[Exclusion, ...]:
     )
 
 
-def _absent_sizes(build: MeshBuild) -> tuple[int, ...]:
-    """Return the classes of sizes that a build has not, or that another one takes."""
-    group, depth = build.group, build.depth
-    absent: list[int] = []
-    if group - 1 <= 1:
-        absent.append(2)
-    if group == 1 or group == depth:
-        absent.append(3)
-    if group + 1 >= depth:
-        absent.append(4)
-    taken = {0, 1, group - 1, group, group + 1}
-    if not set(range(depth)) - taken:
-        absent.append(5)
-    return tuple(absent)
-
-
 def _sizes(build: MeshBuild) -> list[Item]:
-    absent = _absent_sizes(build)
+    group, depth = build.group, build.depth
+    # Classes of sizes that the build has not, or that another one takes.
+    lacks = {
+        2: group <= 2,
+        3: group in (1, depth),
+        4: group + 1 >= depth,
+        5: not set(range(depth)) - {0, 1, group - 1, group, group + 1},
+    }
+    absent = {size for size, lacking in lacks.items() if lacking}
     none = _none("the build has no such size of its own", lambda a, b: a in absent or b in absent)
     items = [Item("mesh_sizes", "size of A x B", (points.size(build, "a"), points.size(build, "b")), (none,))]
     if build.group > 1:
-        items += [
-            Item(f"mesh_last_group_{m}", f"the last group of {m.upper()}", (points.last_group(build, m),))
-            for m in "ab"
-        ]
+        for m in "ab":
+            last = points.last("group", m, build.group)
+            items.append(Item(f"mesh_last_group_{m}", f"the last group of {m.upper()}", (last,)))
     if build.lanes > 1:
-        items.append(Item("mesh_last_word", "the last word of lanes of B", (points.last_word(build),)))
+        last = points.last("word", "b", build.lanes)
+        items.append(Item("mesh_last_word", "the last word of lanes of B", (last,)))
     return items
 
 
@@ -170,28 +154,25 @@ def _values(build: MeshBuild) -> list[Item]:
 def _gaps(build: MeshBuild) -> list[Item]:
     steps = ("the margin", "the margin + 1")
     bins = tuple(f"{points.AXES[n // 4]}, {points.SIDES[n // 2 % 2]}, {steps[n % 2]}" for n in range(12))
-    single = build.groups == 1
-    beyond_group = _none("a single group of B is the whole of B", lambda code: single and code % 2 == 1)
-    beyond_pair = _none(
-        "a group of one triangle has the box of the triangle",
-        lambda code: build.group == 1 and code % 2 == 1,
-    )
+
+    def beyond(reason: str, is_so: bool) -> tuple[Exclusion, ...]:
+        return (_none(reason, lambda code: is_so and code % 2 == 1),)
+
     return [
-        Item(
-            "mesh_row_gaps", "gap between a group of A and the whole of B", (points.mask("row_gaps", bins),)
-        ),
-        Item(
-            "mesh_group_gaps",
-            "gap between groups, of rows that are scanned",
-            (points.mask("group_gaps", bins),),
-            (beyond_group,),
-        ),
-        Item(
-            "mesh_pair_gaps",
-            "gap between triangles, of groups that are opened",
-            (points.mask("pair_gaps", bins),),
-            (beyond_pair,),
-        ),
+        Item(f"mesh_{name}", f"gap between {meaning}", (points.mask(name, bins),), excluded)
+        for name, meaning, excluded in (
+            ("row_gaps", "a group of A and the whole of B", ()),
+            (
+                "group_gaps",
+                "groups, of rows that are scanned",
+                beyond("a single group of B is the whole of B", build.groups == 1),
+            ),
+            (
+                "pair_gaps",
+                "triangles, of groups that are opened",
+                beyond("a group of one triangle has the box of the triangle", build.group == 1),
+            ),
+        )
     ]
 
 

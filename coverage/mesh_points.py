@@ -62,25 +62,15 @@ def size(build: MeshBuild, mesh: str) -> Point:
     return Point(f"size of {mesh.upper()}", SIZES, codes)
 
 
-def last_group(build: MeshBuild, mesh: str) -> Point:
-    """Return whether the last group of a mesh was full, of runs that scanned."""
+def last(name: str, mesh: str, size: int) -> Point:
+    """Return whether the last group or word, of ``size`` triangles, was full, of runs that scanned."""
 
     def codes(view: MeshView) -> Codes:
         count = getattr(view, f"count_{mesh}")
         ran = (view.status <= 2) & (count > 0)
-        return _choice(ran & (count % build.group == 0), ran & (count % build.group != 0))
+        return _choice(ran & (count % size == 0), ran)
 
-    return Point(f"last group of {mesh.upper()}", ("full", "partial"), codes, partial=True)
-
-
-def last_word(build: MeshBuild) -> Point:
-    """Return whether the last word of lanes of B was full, of runs that scanned."""
-
-    def codes(view: MeshView) -> Codes:
-        ran = (view.status <= 2) & (view.count_b > 0)
-        return _choice(ran & (view.count_b % build.lanes == 0), ran & (view.count_b % build.lanes != 0))
-
-    return Point("last word of B", ("full", "partial"), codes, partial=True)
+    return Point(f"last {name} of {mesh.upper()}", ("full", "partial"), codes, partial=True)
 
 
 def who_skips(view: MeshView) -> Codes:

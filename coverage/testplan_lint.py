@@ -8,16 +8,6 @@ from triaxis.coverage.stages import STAGES
 from triaxis.coverage.testplan import KINDS, NOT_SIMULATED, PARTS, RUNS, Testplan, Testpoint
 from triaxis.coverage.testplan_inventory import PATTERNS, Inventory, grouped
 
-_SINGULAR = {
-    "tests": "test",
-    "proofs": "proof",
-    "faults": "fault",
-    "checks": "check",
-    "bins": "bin",
-    "assertions": "assertion",
-    "mutants": "mutant",
-}
-
 
 def lint(plan: Testplan, inventory: Inventory) -> list[str]:
     """Return what is wrong with a testplan, a line each: where, what, and what to do; empty: nothing."""
@@ -54,7 +44,7 @@ def _unknown(testpoint: Testpoint, inventory: Inventory) -> Iterator[str]:
         yield from (f"{kind}: {entry} is named twice" for entry, n in Counter(entries).items() if n > 1)
         for entry in dict.fromkeys(entries):
             if not inventory.matching(kind, entry):
-                yield f"{_SINGULAR[kind]} {entry}: {_why(kind, entry, inventory)}"
+                yield f"{kind[:-1]} {entry}: {_why(kind, entry, inventory)}"
 
 
 def _why(kind: str, entry: str, inventory: Inventory) -> str:
@@ -66,14 +56,14 @@ def _why(kind: str, entry: str, inventory: Inventory) -> str:
     if end and head in known:
         return f"matches nothing in {head}; correct it, or drop it"
     close = get_close_matches(head, known, n=1)
-    return f"unknown; {f'perhaps {close[0]}' if close else f'there is no such {_SINGULAR[kind]}'}"
+    return f"unknown; {f'perhaps {close[0]}' if close else f'there is no such {kind[:-1]}'}"
 
 
 def _unowned(plan: Testplan, inventory: Inventory, kind: str) -> Iterator[str]:
     """Name what nobody owns, bins and mutants by cover item and module."""
     owned = frozenset().union(*(inventory.owned(testpoint, kind) for testpoint in plan.testpoints))
     left = sorted(inventory.names(kind) - owned)
-    singular, end = _SINGULAR[kind], PATTERNS.get(kind)
+    singular, end = kind[:-1], PATTERNS.get(kind)
     if end is None:
         yield from (
             f"{singular} {name}: no testpoint owns it; add it to the one that it verifies" for name in left

@@ -45,45 +45,36 @@ class Tally:
 
 @dataclass(frozen=True)
 class TestpointStatus:
-    """How far one testpoint is met. A tally is None where nothing of its kind was measured.
+    """How far one testpoint is met.
 
-    ``assertions`` are those that exist: one that fails ends its simulation, and so shows as a failed test.
-    ``failing``: the first of what failed, by name.
+    ``tallies``: by kind, None where nothing of it was measured; assertions are those that exist: one that
+    fails ends its simulation, and so shows as a failed test. ``failing``: the first of what failed, by name.
     """
 
     name: str
     stage: str
     goal: str
-    tests: Tally | None
-    proofs: Tally | None
-    faults: Tally | None
-    checks: Tally | None
-    bins: Tally | None
-    assertions: Tally | None
-    mutants: Tally | None
+    tallies: Mapping[str, Tally | None]
     passed: bool | None
     failing: tuple[str, ...]
-
-    def tally(self, kind: str) -> Tally | None:
-        """Return the tally of one of `KINDS`."""
-        return getattr(self, kind)
 
     def content(self) -> dict[str, Any]:
         """Return it for a file: for each kind how many passed, of how many; null: none, or not measured.
 
         ``others`` are proofs, faults and checks together.
         """
-        pairs = {kind: _pair([self.tally(kind)]) for kind in ("tests", "bins", "mutants", "assertions")}
-        others = _pair([self.proofs, self.faults, self.checks])
+        pairs = {kind: self._pair(kind) for kind in ("tests", "bins", "mutants", "assertions")}
+        others = self._pair("proofs", "faults", "checks")
         keys = {"name": self.name, "stage": self.stage, "goal": self.goal, "passed": self.passed}
         return {**keys, **pairs, "others": others, "failing": list(self.failing)}
 
-
-def _pair(every: Sequence[Tally | None]) -> list[int] | None:
-    measured = [tally for tally in every if tally is not None]
-    total = sum(tally.total for tally in measured)
-    # What was measured in part must not look whole.
-    return [sum(tally.passed for tally in measured), total] if total and len(measured) == len(every) else None
+    def _pair(self, *kinds: str) -> list[int] | None:
+        every = [self.tallies[kind] for kind in kinds]
+        measured = [tally for tally in every if tally is not None]
+        total = sum(tally.total for tally in measured)
+        # What was measured in part must not look whole.
+        whole = total and len(measured) == len(every)
+        return [sum(tally.passed for tally in measured), total] if whole else None
 
 
 @dataclass(frozen=True)
@@ -164,13 +155,9 @@ def _status(testpoint: Testpoint, inventory: Inventory, fates: Mapping[str, Fate
         owned = sorted(inventory.owned(testpoint, kind))
         failing += [name for name in owned if False in known.get(name, {}).values()]
     named = [tallies[kind] for kind in KINDS if testpoint.entries(kind)]
+    passed = _passed(named)
     return TestpointStatus(
-        testpoint.name,
-        testpoint.stage,
-        testpoint.goal,
-        **tallies,
-        passed=_passed(named),
-        failing=tuple(failing[:_SHOWN]),
+        testpoint.name, testpoint.stage, testpoint.goal, tallies, passed, tuple(failing[:_SHOWN])
     )
 
 

@@ -34,13 +34,13 @@ parentheses. Nothing else: no calls, no attributes, no real numbers.
 
 import ast
 import hashlib
-import operator
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 from triaxis.golden.errors import InputError
@@ -53,71 +53,38 @@ class BoundError(ValueError):
     """The text is no such expression, or has no value."""
 
 
-def _power(base: int, exponent: int) -> int:
-    if exponent < 0:
-        raise BoundError(f"{base} ** {exponent}: no whole number")
-    return base**exponent
-
-
-_BINARY: dict[type[ast.operator], Callable[[int, int], int]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: _power,
-    ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift,
-}
-_COMPARE: dict[type[ast.cmpop], Callable[[int, int], bool]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-}
+_ARITHMETIC = (
+    ast.Expression, ast.Constant, ast.Name, ast.Load, ast.UnaryOp, ast.USub, ast.Not,
+    ast.BoolOp, ast.And, ast.Or, ast.Compare, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE,
+    ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.FloorDiv, ast.Mod, ast.Pow, ast.LShift, ast.RShift,
+)  # fmt: skip
 
 
 @cache
-def _parsed(text: str) -> ast.expr:
+def _compiled(text: str) -> CodeType:
+    """Compile an expression that holds nothing but arithmetic; raise BoundError for any other."""
     try:
-        return ast.parse(text, mode="eval").body
+        tree = ast.parse(text, mode="eval")
     except SyntaxError as error:
         raise BoundError(f"{text}: not an expression") from error
-
-
-def _value(node: ast.expr, variables: Mapping[str, int]) -> int:
-    match node:
-        case ast.Constant(value=int(number)):
-            return int(number)
-        case ast.Name(id=name):
-            if name not in variables:
-                raise BoundError(f"{name}: no such parameter here")
-            return variables[name]
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -_value(operand, variables)
-        case ast.UnaryOp(op=ast.Not(), operand=operand):
-            return int(not _value(operand, variables))
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](_value(left, variables), _value(right, variables))
-        case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _COMPARE:
-            return int(_COMPARE[type(op)](_value(left, variables), _value(right, variables)))
-        case ast.BoolOp(op=ast.And(), values=values):
-            return int(all(_value(value, variables) for value in values))
-        case ast.BoolOp(op=ast.Or(), values=values):
-            return int(any(_value(value, variables) for value in values))
-    raise BoundError(f"{ast.unparse(node)}: not allowed in a bound")
+    for node in ast.walk(tree):
+        whole = not isinstance(node, ast.Constant) or type(node.value) is int
+        if not isinstance(node, _ARITHMETIC) or not whole:
+            raise BoundError(f"{text}: not allowed in a bound: {type(node).__name__}")
+    return compile(tree, text, "eval")
 
 
 def evaluate(text: str, variables: Mapping[str, int]) -> int:
     """Return the value of an expression; raise BoundError where it has none."""
     try:
-        return _value(_parsed(text), variables)
-    except (ZeroDivisionError, OverflowError, ValueError) as error:
-        if isinstance(error, BoundError):
-            raise
+        value = eval(_compiled(text), {"__builtins__": {}}, dict(variables))
+    except NameError as error:
+        raise BoundError(f"{error.name}: no such parameter here") from error
+    except (ArithmeticError, TypeError, ValueError) as error:
         raise BoundError(f"{text}: {error}") from error
+    if not isinstance(value, int):
+        raise BoundError(f"{text}: no whole number")
+    return int(value)
 
 
 WAIVERS = Path(__file__).with_name("waivers.toml")

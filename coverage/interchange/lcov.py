@@ -11,91 +11,40 @@ lines only.
 - Waivers change nothing: what no instance of any model hits shows as not hit, waived or not.
 - Expressions and toggles, and blocks that no model elaborates, are not in it.
 
-Files are named from the checkout on, so run genhtml there. Counters are read here with columns and the lines
-of a block, beside `triaxis.coverage.code_counters`, which is about what must be hit: it keeps no line ranges,
-and reads toggles too, which are nineteen in twenty of the bins.
+Files are named from the checkout on, so run genhtml there.
 """
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 
-from triaxis.coverage.code_counters import read_lines
+from triaxis.coverage.code_counters import Point, read_counters
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 
-_POINT = re.compile(
-    r"C '\x01f\x02(?P<file>[^\x01]+)\x01l\x02(?P<line>\d+)\x01n\x02(?P<column>\d+)"
-    r"\x01t\x02(?:line|branch)\x01page\x02v_\w+/(?P<module>[^\x01]+)\x01o\x02(?P<what>[^\x01]+)"
-    r"(?:\x01S\x02(?P<lines>\d+(?:-\d+)?(?:,\d+(?:-\d+)?)*))?"
-    r"\x01h\x02(?P<instance>[^\x01']+)' (?P<count>\d+)"
-)
-_OTHER_KINDS = ("\x01t\x02toggle\x01", "\x01t\x02expr\x01")
-_BLOCK = "block"
+_BRANCH = "branch"
 # The first way of a statement, by its second, which Verilator places one column further on.
 _FIRST_WAYS = {"else": "if", "cond_else": "cond_then"}
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where a bin stands in the source. ``lines`` run when it is hit: none where a way is empty."""
-
-    file: str
-    line: int
-    column: int
-    what: str
-    lines: tuple[int, ...]
-
-    @property
-    def is_branch(self) -> bool:
-        """Return whether it is one way of a branch, not a block."""
-        return self.what != _BLOCK
-
-
-@dataclass(frozen=True, slots=True)
-class CodePoint:
-    """One line or branch bin of one instance, and how often it was hit."""
-
-    place: Place
-    module: str
-    instance: str
-    count: int
-
-
-def read_code_points(path: Path, root: Path) -> list[CodePoint]:
-    """Read the line and branch bins that a run wrote, with files named from ``root`` on.
+def read_code(path: Path, root: Path) -> dict[Point, int]:
+    """Return the line and branch bins that a run counted, with files named from ``root`` on.
 
     Raise InputError where the file is damaged or cut short, or counts files outside of ``root``.
     """
-    found: list[CodePoint] = []
-    for number, text in enumerate(read_lines(path), 2):
-        if any(kind in text for kind in _OTHER_KINDS):
+    counts: dict[Point, int] = {}
+    for point, count in read_counters(path, toggles=False).points.items():
+        if point.kind not in ("line", _BRANCH):
             continue
-        match = _POINT.fullmatch(text)
-        if match is None:
-            raise InputError(f"{path}: line {number}: damaged, or written by another Verilator")
-        found.append(_point(match, path, root))
-    if not found:
+        if not Path(point.path).is_relative_to(root):
+            raise InputError(
+                f"{path}: counts {point.path}, which is not below {root}: run `triaxis coverage code` here"
+            )
+        counts[point._replace(path=Path(point.path).relative_to(root).as_posix())] = count
+    if not counts:
         raise InputError(f"{path}: no line or branch counters: run `triaxis coverage code`")
-    return found
-
-
-def _point(match: re.Match[str], path: Path, root: Path) -> CodePoint:
-    file = Path(match["file"])
-    if not file.is_relative_to(root):
-        raise InputError(
-            f"{path}: counts {file}, which is not below {root}: run `triaxis coverage code` here"
-        )
-    place = Place(
-        file.relative_to(root).as_posix(),
-        int(match["line"]),
-        int(match["column"]),
-        match["what"],
-        _numbers(match["lines"] or ""),
-    )
-    return CodePoint(place, match["module"], match["instance"], int(match["count"]))
+    return counts
 
 
 def _numbers(ranges: str) -> tuple[int, ...]:
@@ -107,16 +56,16 @@ def _numbers(ranges: str) -> tuple[int, ...]:
     return tuple(found)
 
 
-def branch_statements(places: Sequence[Place]) -> list[list[Place]]:
+def branch_statements(points: Iterable[Point]) -> list[list[Point]]:
     """Return the ways of each statement that branches, statements and ways in the order of the source.
 
     Verilator counts ``else if`` chains arm by arm: an arm that is followed by another ``if`` is a
     statement of one way, the last two arms are one of two. So is each arm of a case by itself.
     """
-    ways = sorted((p for p in places if p.is_branch), key=lambda p: (p.file, p.line, p.column))
-    statements: list[list[Place]] = []
-    for _, same_line in groupby(ways, key=lambda p: (p.file, p.line)):
-        open_ways: dict[tuple[int, str], list[Place]] = {}
+    ways = sorted((p for p in points if p.kind == _BRANCH), key=lambda p: (p.path, p.line, p.column))
+    statements: list[list[Point]] = []
+    for _, same_line in groupby(ways, key=lambda p: (p.path, p.line)):
+        open_ways: dict[tuple[int, str], list[Point]] = {}
         for way in same_line:
             first = open_ways.get((way.column - 1, _FIRST_WAYS.get(way.what, "")))
             if first is None:
@@ -139,36 +88,35 @@ def write_lcov(path: Path, counters: Iterable[Path], root: Path) -> Path:
     return write_whole(path, text)
 
 
-def _merged(counters: Iterable[Path], root: Path) -> dict[Place, int]:
+def _merged(counters: Iterable[Path], root: Path) -> Counter[Point]:
     """Return the counts of each bin, added over instances and models."""
-    counts: dict[Place, int] = {}
+    counts: Counter[Point] = Counter()
     for file in counters:
-        for point in read_code_points(file, root):
-            counts[point.place] = counts.get(point.place, 0) + point.count
+        for point, count in read_code(file, root).items():
+            counts[point._replace(instance="", module="")] += count
     return counts
 
 
-def _tracefile(counts: Mapping[Place, int]) -> Iterator[str]:
-    places = sorted(counts, key=lambda p: p.file)
-    for file, here in groupby(places, key=lambda p: p.file):
+def _tracefile(counts: Mapping[Point, int]) -> Iterator[str]:
+    for file, here in groupby(sorted(counts, key=lambda p: p.path), key=lambda p: p.path):
         yield f"TN:{_TEST}"
         yield f"SF:{file}"
         yield from _record(list(here), counts)
         yield "end_of_record"
 
 
-def _record(places: Sequence[Place], counts: Mapping[Place, int]) -> Iterator[str]:
+def _record(points: list[Point], counts: Mapping[Point, int]) -> Iterator[str]:
     """Give the branches and lines of one file, each with their totals."""
     lines: dict[int, int] = {}
-    for place in places:
-        for line in place.lines:
-            lines[line] = max(lines.get(line, 0), counts[place])
+    for point in points:
+        for line in _numbers(point.lines):
+            lines[line] = max(lines.get(line, 0), counts[point])
     taken: list[int] = []
     blocks: dict[int, int] = {}
-    for statement in branch_statements(places):
+    for statement in branch_statements(points):
         line = statement[0].line
         block = blocks[line] = blocks.get(line, -1) + 1
-        ways = [counts[place] for place in statement]
+        ways = [counts[way] for way in statement]
         yield from (f"BRDA:{line},{block},{way},{count}" for way, count in enumerate(ways))
         lines[line] = max(lines.get(line, 0), sum(ways))
         taken += ways

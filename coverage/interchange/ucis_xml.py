@@ -30,9 +30,10 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.coverage.code_counters import Point
 from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Hits, Kind
-from triaxis.coverage.interchange.lcov import CodePoint, branch_statements
+from triaxis.coverage.interchange.lcov import branch_statements
 from triaxis.coverage.report import report
 from triaxis.golden.outputs import write_whole
 
@@ -58,7 +59,7 @@ class TestRecord:
 def write_ucis(
     path: Path,
     database: CoverageDatabase,
-    code: Mapping[str, Sequence[CodePoint]] | None = None,
+    code: Mapping[str, Mapping[Point, int]] | None = None,
     tests: Sequence[TestRecord] = (),
     written: datetime | None = None,
 ) -> Path:
@@ -76,7 +77,7 @@ class _Document:
     def __init__(
         self,
         database: CoverageDatabase,
-        code: Mapping[str, Sequence[CodePoint]],
+        code: Mapping[str, Mapping[Point, int]],
         tests: Sequence[TestRecord],
         written: datetime,
     ) -> None:
@@ -84,7 +85,7 @@ class _Document:
         self.root = Element("UCIS", ucisVersion=_VERSION, writtenBy=_TOOL, writtenTime=when)
         self._instances = 0
         modelled = [_source(model) for model, _ in database]
-        counted = sorted({point.place.file for points in code.values() for point in points})
+        counted = sorted({point.path for points in code.values() for point in points})
         self._files = {name: number for number, name in enumerate(dict.fromkeys([*modelled, *counted]), 1)}
         for name, number in self._files.items():
             SubElement(self.root, "sourceFiles", fileName=name, id=str(number))
@@ -134,34 +135,32 @@ class _Document:
                 point.set("key", str(key))
                 group.append(point)
 
-    def _build(self, name: str, points: Sequence[CodePoint]) -> None:
-        by_instance = sorted(points, key=lambda p: p.instance)
+    def _build(self, name: str, counts: Mapping[Point, int]) -> None:
+        by_instance = sorted(counts, key=lambda p: p.instance)
         # Verilator names its own root, then the module that is built.
         top = by_instance[0].instance.split(".")[:2]
         outer = ".".join(top)
-        first = next((p.place.file for p in by_instance if p.instance == outer), by_instance[0].place.file)
+        first = next((p.path for p in by_instance if p.instance == outer), by_instance[0].path)
         parent = self._instance(name, top[-1], first)
         for path, group in groupby(by_instance, key=lambda p: p.instance):
-            here = list(group)
-            inner = path[len(outer) + 1 :]
-            place = self._instance(inner, here[0].module, here[0].place.file, parent) if inner else parent
+            here = {point: counts[point] for point in group}
+            one, inner = next(iter(here)), path[len(outer) + 1 :]
+            place = self._instance(inner, one.module, one.path, parent) if inner else parent
             self._blocks(place, here)
             self._branches(place, here)
 
-    def _blocks(self, instance: Element, points: Sequence[CodePoint]) -> None:
-        blocks = [point for point in points if not point.place.is_branch]
+    def _blocks(self, instance: Element, counts: Mapping[Point, int]) -> None:
+        blocks = [point for point in counts if point.kind == "line"]
         if not blocks:
             return
         coverage = SubElement(instance, "blockCoverage")
-        for point in sorted(blocks, key=lambda p: (p.place.line, p.place.column)):
-            place = point.place
-            statement = SubElement(coverage, "statement", alias=f"line {place.line}")
-            self._id(statement, "id", place.file, place.line, place.column)
-            _contents(SubElement(statement, "bin"), point.count)
+        for block in sorted(blocks, key=lambda p: (p.line, p.column)):
+            statement = SubElement(coverage, "statement", alias=f"line {block.line}")
+            self._id(statement, "id", block.path, block.line, block.column)
+            _contents(SubElement(statement, "bin"), counts[block])
 
-    def _branches(self, instance: Element, points: Sequence[CodePoint]) -> None:
-        counts = {point.place: point.count for point in points}
-        statements = branch_statements(list(counts))
+    def _branches(self, instance: Element, counts: Mapping[Point, int]) -> None:
+        statements = branch_statements(counts)
         if not statements:
             return
         coverage = SubElement(instance, "branchCoverage")
@@ -170,10 +169,10 @@ class _Document:
             statement = SubElement(
                 coverage, "statement", statementType="if", branchExpr=f"line {first.line}:{first.column}"
             )
-            self._id(statement, "id", first.file, first.line, first.column)
+            self._id(statement, "id", first.path, first.line, first.column)
             for way in ways:
                 branch = SubElement(statement, "branch")
-                self._id(branch, "id", way.file, way.line, way.column)
+                self._id(branch, "id", way.path, way.line, way.column)
                 _contents(SubElement(branch, "branchBin", alias=way.what), counts[way])
 
 

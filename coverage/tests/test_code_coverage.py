@@ -13,19 +13,16 @@ from triaxis.coverage.code_coverage import (
     generate_blocks,
 )
 from triaxis.coverage.elaboration import Instance, Signal
+from triaxis.coverage.tests.counter_files import counter_line
 from triaxis.coverage.waivers import Waiver, module_hash
 from triaxis.golden.errors import InputError
 
 TOP = "TOP.top"
 
 
-def line(kind: str, what: str, count: int, number: int = 7, column: int = 3, path: str = TOP) -> str:
-    page = f"v_{kind}/top"
-    fields = {"f": "/somewhere/top.sv", "l": number, "n": column, "t": kind, "page": page, "o": what}
-    if kind == "line":
-        fields["S"] = f"{number}-{number + 2}"
-    fields["h"] = path
-    return "C '" + "".join(f"\x01{name}\x02{value}" for name, value in fields.items()) + f"' {count}"
+def line(kind: str, what: str, count: int, path: str = TOP) -> str:
+    lines = "7-9" if kind == "line" else ""
+    return counter_line(Path("/somewhere/top.sv"), (7, 3, kind, what, lines), path, count)
 
 
 def toggles(name: str, rises: int, falls: int) -> list[str]:
@@ -49,12 +46,9 @@ def file(tmp_path: Path, lines: list[str], name: str = "coverage.dat") -> Path:
     return path
 
 
-def instance(*signals: tuple[str, int]) -> Instance:
-    found = tuple(Signal(TOP, name, range(bits)) for name, bits in signals)
-    return Instance(TOP, "top", {"W": 4}, found, frozenset({"g_block"}), frozenset({7}))
-
-
-DESIGN = instance(("clk_i", 0), ("sum", 2))
+SIGNALS = [Signal(TOP, "clk_i", range(0)), Signal(TOP, "sum", range(2))]
+DESIGN = Instance(TOP, "top", {"W": 4}, SIGNALS, {"g_block"}, {7})
+NO_BLOCK = replace(DESIGN, blocks=set())
 
 
 def assessed(
@@ -86,13 +80,8 @@ def test_everything_hit_passes(tmp_path: Path) -> None:
     found = assessed(tmp_path, GOOD)
     assert found.passed
     counts = {kind: (total.hit, total.total, total.percent) for kind, total in found.totals.items()}
-    assert counts == {
-        "line": (1, 1, 100.0),
-        "branch": (2, 2, 100.0),
-        "expression": (1, 1, 100.0),
-        "toggle": (6, 6, 100.0),
-        "generate": (1, 1, 100.0),
-    }
+    expected = {"line": 1, "branch": 2, "expression": 1, "toggle": 6, "generate": 1}
+    assert counts == {kind: (count, count, 100.0) for kind, count in expected.items()}
 
 
 @pytest.mark.parametrize(
@@ -109,12 +98,11 @@ def test_everything_hit_passes(tmp_path: Path) -> None:
 def test_a_bin_that_is_not_hit_fails(tmp_path: Path, what: str, kind: str) -> None:
     found = assessed(tmp_path, never(what))
     assert not found.passed and not found.problems
-    assert [(bin_.kind, bin_.file, bin_.line, bin_.instance) for bin_ in found.uncovered] == [
-        (kind, "top.sv", 7, TOP)
-    ]
+    [bin_] = found.uncovered
+    assert (bin_.kind, bin_.file, bin_.line, bin_.instance) == (kind, "top.sv", 7, TOP)
     percent = found.totals[kind].percent
     assert percent is not None and percent < 100
-    assert str(found.uncovered[0]).startswith(f"top.sv:7: {kind} ")
+    assert str(bin_).startswith(f"top.sv:7: {kind} ")
 
 
 @pytest.mark.parametrize("left_out", ["sum[1]:0->1", "sum[1]:1->0", "clk_i"])
@@ -124,27 +112,27 @@ def test_a_signal_that_verilator_leaves_out_fails(tmp_path: Path, left_out: str)
     assert ["has no toggle counters" in problem for problem in found.problems] == [True]
 
 
-def test_a_condition_that_verilator_leaves_out_is_not_covered(tmp_path: Path) -> None:
-    found = assessed(tmp_path, without("=> 1"))
-    assert [bin_.what for bin_ in found.uncovered] == ["condition without counters"]
-
-
-def test_counters_of_what_is_not_in_the_design_fail(tmp_path: Path) -> None:
+def test_what_is_not_in_the_counters_or_not_in_the_design_fails(tmp_path: Path) -> None:
+    assert [bin_.what for bin_ in assessed(tmp_path, without("=> 1")).uncovered] == [
+        "condition without counters"
+    ]
     other = line("branch", "if", 1, path="TOP.other")
     found = assessed(tmp_path, [*GOOD, *toggles("sum[2]", 1, 1), other])
     assert len(found.problems) == 2 and all("not in the design" in problem for problem in found.problems)
+    [block] = assessed(tmp_path, GOOD, design=NO_BLOCK).uncovered
+    assert (block.kind, block.what, block.line) == ("generate", "g_block", 2)
 
 
-def test_a_generate_block_that_no_model_has_fails(tmp_path: Path) -> None:
-    found = assessed(tmp_path, GOOD, design=replace(DESIGN, blocks=frozenset()))
-    assert [(bin_.kind, bin_.what, bin_.line) for bin_ in found.uncovered] == [("generate", "g_block", 2)]
-
-
-def test_a_waiver_covers_a_bin(tmp_path: Path) -> None:
+def test_a_waiver_covers_bins(tmp_path: Path) -> None:
     found = assessed(tmp_path, never("sum[1]"), [waiver()])
     assert found.passed and found.waived == {1: 2}
     total = found.totals["toggle"]
     assert (total.hit, total.waived, total.total, total.percent) == (4, 2, 6, 100.0)
+    way = waiver(kind="branch", signals=(), bits=(), what=("if",), where="W == 4")
+    assert assessed(tmp_path, never("\x02if\x01"), [way]).passed
+    assert not assessed(tmp_path, never("\x02if\x01"), [replace(way, where="W == 5")]).passed
+    block = waiver(kind="generate", signals=(), bits=(), what=("g_*",))
+    assert assessed(tmp_path, GOOD, [block], NO_BLOCK).passed
 
 
 def test_a_waiver_for_a_bin_that_is_hit_fails(tmp_path: Path) -> None:
@@ -180,37 +168,16 @@ def test_a_pattern_of_a_waiver_that_fits_nothing_fails(
 ) -> None:
     lines = never("\x02if\x01" if change.get("kind") == "branch" else "sum[1]")
     hidden = change.get("kind") == "generate"
-    design = replace(DESIGN, blocks=frozenset()) if hidden else DESIGN
-    found = assessed(tmp_path, GOOD if hidden else lines, [waiver(**change)], design)
+    found = assessed(tmp_path, GOOD if hidden else lines, [waiver(**change)], NO_BLOCK if hidden else DESIGN)
     assert [f": {said}: fits no bin" in problem for problem in found.problems] == [True]
 
 
-def test_a_waiver_of_other_rtl_fails(tmp_path: Path) -> None:
+def test_a_waiver_of_other_rtl_or_of_an_unknown_parameter_fails(tmp_path: Path) -> None:
     found = assessed(tmp_path, never("sum[1]"), [waiver(reviewed="0")])
     assert not found.passed and found.void == {1}
     assert ["waiver 1 (toggle, top): its modules changed" in problem for problem in found.problems] == [True]
-
-
-def test_waivers_of_other_kinds(tmp_path: Path) -> None:
-    way = waiver(kind="branch", signals=(), bits=(), what=("if",), where="W == 4")
-    assert assessed(tmp_path, never("\x02if\x01"), [way]).passed
-    assert not assessed(tmp_path, never("\x02if\x01"), [replace(way, where="W == 5")]).passed
-    block = waiver(kind="generate", signals=(), bits=(), what=("g_*",))
-    assert assessed(tmp_path, GOOD, [block], replace(DESIGN, blocks=frozenset())).passed
-
-
-def test_a_bound_with_an_unknown_parameter_names_the_waiver(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"waiver 1 .*Width: no such parameter"):
         assessed(tmp_path, GOOD, [waiver(bits=(), values=("0", "Width"))])
-
-
-def test_runs_of_one_model_are_merged(tmp_path: Path) -> None:
-    first = read_counters(file(tmp_path, never("sum[0]"), "first.dat"))
-    first.add(read_counters(file(tmp_path, never("sum[1]"), "second.dat")))
-    toggle = first.toggles[TOP, "sum[0]"]
-    assert (toggle.rises, toggle.falls) == (1, 2)
-    assert sorted(point.count for point in first.points.values()) == [2, 4, 8, 10]
-    assert assess_model(ModelCoverage("model", first, {TOP: DESIGN}), []).uncovered == []
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,6 @@
 """What pairs and answers hit in the model of the core."""
 
-import importlib
 from itertools import groupby
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,13 +79,6 @@ def test_runs_and_successions(view):
     assert view.previous.tolist() == [3, *view.decision[:-1].tolist()]
 
 
-def test_answers_are_read_from_the_word(view):
-    for i, _, separating in each(view):
-        assert view.answered_near[i] == (not separating)
-        assert view.claim[i] == (1 + min(separating) if separating else 0)
-        assert view.answer[i] == (2 if separating else 3)
-
-
 def test_builds_that_cannot_be_are_refused():
     for wrong in ((7, 0, True, True), (33, 0, True, True), (8, 9, True, True), (8, 1, False, True)):
         with pytest.raises(InputError):
@@ -95,8 +86,6 @@ def test_builds_that_cannot_be_are_refused():
 
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
-BUILDS = [(8, m) for m in (0, 1, 2, 3, 4, 8)]
-BUILDS += [(16, 0), (16, 0, False), (16, 0, True, False), (32, 32)]
 
 
 def hit_bins(coverage, name):
@@ -114,18 +103,6 @@ def sampled(pairs, margins, words=None, parameters=(16, 16, True, True)):
     answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
     coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits))
     return coverage
-
-
-@pytest.mark.parametrize("parameters", BUILDS)
-def test_every_exclusion_excludes_something_and_names_a_test_that_exists(parameters):
-    root = Path(__file__).parents[2]
-    for item in core_model(*parameters).items:
-        used = {b.exclusion for b in item.bins}
-        for exclusion in item.exclusions:
-            assert exclusion in used, f"{item.name}: {exclusion.reason}"
-            path, function = exclusion.test.split("::")
-            assert f"def {function}(" in (root / path).read_text()
-        assert any(item.goals > 0)
 
 
 def test_margins_are_in_the_model_only_where_a_build_has_them():
@@ -211,11 +188,3 @@ def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
     coverage.sample(sample)
     wrong = {item.name for item in report(coverage.model, coverage.counts).items if item.illegal_hits}
     assert {"sole_axis", "relation", "decision"} <= wrong
-
-
-def test_the_hash_follows_the_sampling_code():
-    model = core_model(16, 0)
-    names = {path.name for path in model.sources}
-    for module in ("core_coverage", "core_points", "core_sample", "cover_model"):
-        assert f"{module}.py" in names
-        assert importlib.import_module(f"triaxis.coverage.{module}").__file__ is not None

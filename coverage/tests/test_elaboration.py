@@ -73,20 +73,23 @@ def test_instances_signals_and_parameters(tmp_path: Path) -> None:
     assert top.blocks == {"g_x"}
 
 
-def test_each_element_of_a_packed_array_is_a_signal(tmp_path: Path) -> None:
-    types = [*TYPES, {"type": "PACKARRAYDTYPE", "addr": "packed", "declRange": "[1:0]", "refDTypep": "byte"}]
-    box = {**TOP, "stmtsp": [variable("box", "VAR", "packed")]}
-    tree = {"modulesp": [box], "miscsp": [{"type": "TYPETABLE", "typesp": types}]}
+@pytest.mark.parametrize(
+    ("of", "signals"),
+    [
+        ({"type": "PACKARRAYDTYPE", "declRange": "[1:0]"}, ["x[0]", "x[1]"]),
+        ({"type": "ENUMDTYPE"}, ["x"]),
+    ],
+)
+def test_types_made_of_others_have_the_bits_of_these(
+    tmp_path: Path, of: dict[str, Any], signals: list[str]
+) -> None:
+    types = [*TYPES, {"addr": "made", "refDTypep": "byte", **of}]
+    tree = {
+        "modulesp": [{**TOP, "stmtsp": [variable("x", "VAR", "made")]}],
+        "miscsp": [{"type": "TYPETABLE", "typesp": types}],
+    }
     found = read_elaboration(design(tmp_path, **tree), "top")["TOP.top"]
-    assert [(s.name, s.bits) for s in found.signals] == [("box[0]", range(8)), ("box[1]", range(8))]
-
-
-def test_an_enumeration_has_the_bits_of_its_type(tmp_path: Path) -> None:
-    types = [*TYPES, {"type": "ENUMDTYPE", "addr": "states", "refDTypep": "byte"}]
-    state = {**TOP, "stmtsp": [variable("state_q", "VAR", "states")]}
-    tree = {"modulesp": [state], "miscsp": [{"type": "TYPETABLE", "typesp": types}]}
-    found = read_elaboration(design(tmp_path, **tree), "top")["TOP.top"]
-    assert [(s.name, s.bits) for s in found.signals] == [("state_q", range(8))]
+    assert [(s.name, s.bits) for s in found.signals] == [(name, range(8)) for name in signals]
 
 
 def test_operators_on_vectors_and_checks_of_cases_are_no_conditions(tmp_path: Path) -> None:

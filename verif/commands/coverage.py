@@ -10,8 +10,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from triaxis.coverage.code_counters import Point
 from triaxis.coverage.counts import CoverageDatabase
-from triaxis.coverage.interchange.lcov import CodePoint, read_code_points, write_lcov
+from triaxis.coverage.interchange.lcov import read_code, write_lcov
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint
 from triaxis.coverage.testplan_inventory import Inventory
@@ -190,9 +191,9 @@ def _export(options: argparse.Namespace) -> int:
     code = _measured(here) if lcov or RESULT.exists() else None
     if ucis and functional:
         database, records = functional
-        points: dict[str, list[CodePoint]] = {}
+        points: dict[str, dict[Point, int]] = {}
         if code:
-            points = {name: read_code_points(path, ROOT) for name, path in code.counters.items()}
+            points = {name: read_code(path, ROOT) for name, path in code.counters.items()}
             records.append(code.record)
         else:
             print(f"without code coverage: none is stored ({_MEASURE})")

@@ -58,7 +58,7 @@ def case_of(counterexample: Counterexample, fault: str = "") -> RegressionCase:
     symptom = counterexample.symptom
     found = {
         "configuration": counterexample.configuration.name,
-        "symptom": symptom.word,
+        "symptom": symptom.name.lower(),
         "meaning": symptom.description,
         "core_said": counterexample.core_said,
         "right": counterexample.right_answer,

@@ -23,34 +23,23 @@ from triaxis.verif.counterexample.shrinking import Budget, StreamPredicate, mini
 class Symptom(IntEnum):
     """The worst that is wrong with an answer, worst first; RIGHT: nothing is."""
 
-    RIGHT = 0
-    MISSED = 1
-    FALSE_ALARM = 2
-    CLAIM = 3
-    FLAGS = 4
-    OTHER_BITS = 5
-    INTERFACE = 6
+    description: str
 
-    @property
-    def word(self) -> str:
-        """Return one word, for names."""
-        return self.name.lower()
+    def __new__(cls, number: int, description: str) -> "Symptom":
+        """Make a number with what it means."""
+        made = int.__new__(cls, number)
+        made._value_, made.description = number, description
+        return made
 
-    @property
-    def description(self) -> str:
-        """Return what it means."""
-        return _DESCRIPTIONS[self]
+    RIGHT = 0, "is right"
+    MISSED = 1, "says clear where the pair is near"
+    FALSE_ALARM = 2, "says near where the pair is clear"
+    CLAIM = 3, "claims another axis than the lowest-numbered one that separates"
+    FLAGS = 4, "sets or misses a flag"
+    OTHER_BITS = 5, "sets bits that must read 0"
+    INTERFACE = 6, "hangs, or returns another pair's tag"
 
 
-_DESCRIPTIONS = {
-    Symptom.RIGHT: "is right",
-    Symptom.MISSED: "says clear where the pair is near",
-    Symptom.FALSE_ALARM: "says near where the pair is clear",
-    Symptom.CLAIM: "claims another axis than the lowest-numbered one that separates",
-    Symptom.FLAGS: "sets or misses a flag",
-    Symptom.OTHER_BITS: "sets bits that must read 0",
-    Symptom.INTERFACE: "hangs, or returns another pair's tag",
-}
 _FLAGS = COPLANAR | DEGENERATE_A | DEGENERATE_B
 
 

@@ -14,7 +14,7 @@ from triaxis.host.figures import SMALL
 _CHARACTER, _LINE = 0.6, 1.25
 # Directions and distances (points) that are tried, the nearest first.
 _DISTANCES = (13, 24, 38, 56, 80)
-_DIRECTIONS = np.linspace(0, 2 * np.pi, 16, endpoint=False) + np.pi / 4
+_ANGLES = np.linspace(0, 2 * np.pi, 16, endpoint=False) + np.pi / 4
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,8 @@ class Label:
     side: int = 0
 
 
-@dataclass(frozen=True)
-class _Box:
-    left: float
-    bottom: float
-    right: float
-    top: float
-
-    def overlap(self, other: "_Box") -> float:
-        """Return the common area."""
-        width = min(self.right, other.right) - max(self.left, other.left)
-        height = min(self.top, other.top) - max(self.bottom, other.bottom)
-        return max(width, 0) * max(height, 0)
-
-    def outside(self, frame: "_Box") -> float:
-        """Return by how much this leaves the frame."""
-        out_x = max(frame.left - self.left, 0) + max(self.right - frame.right, 0)
-        return out_x + max(frame.bottom - self.bottom, 0) + max(self.top - frame.top, 0)
+# Left, bottom, right and top of boxes (.., 4), or x and y of points (.., 2).
+_Floats = npt.NDArray[np.float64]
 
 
 def place_labels(axes: Axes, labels: Sequence[Label]) -> None:
@@ -52,13 +37,12 @@ def place_labels(axes: Axes, labels: Sequence[Label]) -> None:
     assert isinstance(figure, Figure)
     scale = 72 / figure.dpi
     extent = axes.get_window_extent()
-    frame = _Box(extent.x0 * scale, extent.y0 * scale, extent.x1 * scale, extent.y1 * scale)
-    points = [(label.at[0] * scale, label.at[1] * scale) for label in labels]
-    taken = [_Box(x - 5, y - 5, x + 5, y + 5) for x, y in points]
-    middle = np.mean(points, axis=0) if points else np.zeros(2)
+    frame = np.array([extent.x0, extent.y0, extent.x1, extent.y1]) * scale
+    points = np.array([label.at for label in labels]).reshape(-1, 2) * scale
+    taken = np.concatenate([points - 5, points + 5], 1)
     for label, point in zip(labels, points, strict=True):
-        centre, box = _best_place(label, np.array(point), middle, taken, frame)
-        taken.append(box)
+        centre, box = _best_place(label, point, points.mean(0), taken, frame)
+        taken = np.concatenate([taken, box[None]])
         width, height = figure.get_size_inches() * 72
         axes.annotate(
             label.text,
@@ -71,27 +55,20 @@ def place_labels(axes: Axes, labels: Sequence[Label]) -> None:
 
 
 def _best_place(
-    label: Label,
-    point: npt.NDArray[np.float64],
-    middle: npt.NDArray[np.float64],
-    taken: Sequence[_Box],
-    frame: _Box,
-) -> tuple[npt.NDArray[np.float64], _Box]:
-    """Return where to put the label's centre, and what it covers then."""
+    label: Label, point: _Floats, middle: _Floats, taken: _Floats, frame: _Floats
+) -> tuple[_Floats, _Floats]:
+    """Return where to put the label's centre, and the box that it covers then."""
     lines = label.text.split("\n")
     half = np.array([max(map(len, lines)) * _CHARACTER, len(lines) * _LINE]) * SMALL / 2
-    outwards = point - middle
-    best: tuple[float, npt.NDArray[np.float64], _Box] | None = None
-    for distance in _DISTANCES:
-        for angle in _DIRECTIONS:
-            direction = np.array([np.cos(angle), np.sin(angle)])
-            centre = point + direction * (distance + np.abs(direction) * half)
-            box = _Box(*(centre - half).tolist(), *(centre + half).tolist())
-            covered = sum(box.overlap(other) for other in taken)
-            inwards = 0.02 * max(-float(direction @ outwards), 0.0)
-            astray = 12 * (1 - label.side * direction[1]) if label.side else 0.0
-            cost = covered + 20 * box.outside(frame) + distance + inwards + astray
-            if best is None or cost < best[0]:
-                best = (cost, centre, box)
-    assert best is not None
-    return best[1], best[2]
+    distance = np.repeat(_DISTANCES, len(_ANGLES))
+    angle = np.tile(_ANGLES, len(_DISTANCES))
+    direction = np.stack([np.cos(angle), np.sin(angle)], 1)
+    centres = point + direction * (distance[:, None] + np.abs(direction) * half)
+    boxes = np.concatenate([centres - half, centres + half], 1)
+    common = np.minimum(boxes[:, None, 2:], taken[:, 2:]) - np.maximum(boxes[:, None, :2], taken[:, :2])
+    covered = common.clip(0).prod(2).sum(1)
+    outside = (frame[:2] - boxes[:, :2]).clip(0) + (boxes[:, 2:] - frame[2:]).clip(0)
+    inwards = 0.02 * (direction @ (middle - point)).clip(0)
+    astray = abs(label.side) * 12 * (1 - label.side * direction[:, 1])
+    best = (covered + 20 * outside.sum(1) + distance + inwards + astray).argmin()
+    return centres[best], boxes[best]

@@ -95,16 +95,12 @@ class ClassResult:
     mismatches: list[Mismatch] = field(default_factory=list)
 
 
-class ClassChecker:
-    """Checks classes of a grid; what is random follows from the seed and the number of the class."""
+def check_class(grid: Grid, core: Core, oracle: Oracle, seed: int, number: int) -> ClassResult:
+    """Run class ``number`` against every triangle, and compare all that the core answers.
 
-    def __init__(self, grid: Grid, core: Core, oracle: Oracle, seed: int) -> None:
-        """Hold what all classes need."""
-        self._grid, self._core, self._oracle, self._seed = grid, core, oracle, seed
-
-    def check(self, number: int) -> ClassResult:
-        """Run class ``number`` against every triangle, and compare all that the core answers."""
-        return _ClassRun(self._grid, self._core, self._oracle, self._seed, number).result()
+    What is random follows from the seed and the number of the class.
+    """
+    return _ClassRun(grid, core, oracle, seed, number).result()
 
 
 class _ClassRun:

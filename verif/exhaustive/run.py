@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from triaxis.sim.paths import BUILD
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.core.checking import Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
-from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassChecker, ClassResult, Mismatch
+from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassResult, Mismatch, check_class
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save
 
@@ -137,8 +137,8 @@ _Task = tuple[Identity, int, int]
 
 
 @cache
-def _checker(identity: Identity) -> ClassChecker:
-    checker = ClassChecker(Grid(identity.grid), RtlEngine(CONFIGURATION), bulk_facts, identity.seed)
+def _checker(identity: Identity) -> Callable[[int], ClassResult]:
+    checker = partial(check_class, Grid(identity.grid), RtlEngine(CONFIGURATION), bulk_facts, identity.seed)
     if rtl_hash() != identity.rtl_hash:
         raise InputError("dut/: changed while the run started: start it again")
     return checker
@@ -146,7 +146,7 @@ def _checker(identity: Identity) -> ClassChecker:
 
 def _check_classes(task: _Task) -> ClassResult:
     identity, first, end = task
-    return _sum([_checker(identity).check(number) for number in range(first, end)])
+    return _sum([_checker(identity)(number) for number in range(first, end)])
 
 
 def _ignore_interrupts() -> None:

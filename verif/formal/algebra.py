@@ -32,14 +32,6 @@ class Inputs:
     valid: Bit
 
 
-@dataclass(frozen=True)
-class _Origin:
-    """Where a bit comes from before registers: a net, and the clocks since."""
-
-    bit: Bit
-    age: int
-
-
 class DataPath:
     """The data path of a netlist, read as polynomials and ages. Raises NetlistError where it is not so."""
 
@@ -48,7 +40,8 @@ class DataPath:
         self._netlist, self._inputs, self._package = netlist, inputs, package
         self._width, self._margin = width, margin
         self._registered = not any(cell.parameters.get("Comb") for cell in netlist.cells)
-        self._origins: dict[Bit, _Origin] = {}
+        # Where bits come from before registers: a net, and the clocks since.
+        self._origins: dict[Bit, tuple[Bit, int]] = {}
         self._values: dict[str, Word] = {}
         self.gates: set[tuple[Bit, int]] = set()
 
@@ -56,19 +49,18 @@ class DataPath:
 
     def origin(self, bit: Bit) -> tuple[Bit, int]:
         """Return the net that a bit comes from through registers and operand gates, and the clocks since."""
-        path: list[tuple[Bit, int]] = []
+        path: list[Bit] = []
         while bit not in self._origins:
             step = self._register(bit)
             if step is None:
-                self._origins[bit] = _Origin(bit, 0)
+                self._origins[bit] = bit, 0
             else:
-                path.append((bit, 1))
+                path.append(bit)
                 bit = step
         found = self._origins[bit]
-        for passed, clocks in reversed(path):
-            found = _Origin(found.bit, found.age + clocks)
-            self._origins[passed] = found
-        return found.bit, found.age
+        for passed in reversed(path):
+            found = self._origins[passed] = found[0], found[1] + 1
+        return found
 
     def _register(self, bit: Bit) -> Bit | None:
         """Return the bit that a register took at the last clock, None where the bit is no register."""
@@ -205,9 +197,7 @@ class DataPath:
 
     def latency(self, name: str, *arguments: int) -> int:
         """Return a documented latency; 0 without registers."""
-        if not self._registered:
-            return 0
-        return self._package.call(name, *arguments) if arguments else self._package.constant(name)
+        return self._package.call(name, *arguments) if self._registered else 0
 
     # --- Conditions -----------------------------------------------------------------------------------
 

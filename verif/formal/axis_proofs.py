@@ -31,15 +31,16 @@ from triaxis.verif.formal.definition import (
     VARIABLES,
     ZERO,
     Axis,
-    Polynomial,
-    at_corners,
     axes,
+    extremes,
+    is_test_of,
+    missing_of_plane,
     normals,
-    orientations,
+    same_up_to_signs,
     variable,
 )
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package, elaborate
-from triaxis.verif.formal.proof import Finding
+from triaxis.verif.formal.proof import Finding, Proof
 
 CLOSED = (
     "triaxis_mul", "triaxis_threshold", "triaxis_interval", "triaxis_box", "triaxis_flags", "triaxis_verdict",
@@ -118,7 +119,7 @@ class AxisProof:
     def _interval(self, cell: Cell, axis: Axis) -> int:
         own = self._path.exact(cell.ports["own_i"], cell.name)
         points = self._elements(cell, "points_i", cell.parameters["Points"])
-        if not _is_test_of(axis, own.polynomial, [word.polynomial for word in points]):
+        if not is_test_of(axis, own.polynomial, [word.polynomial for word in points]):
             raise NetlistError(f"{cell.name}: what it compares are not the projections on its axis")
         age = self._path.common_age(cell.name, own, *points)
         self._threshold(cell, axis, own, points, age)
@@ -157,7 +158,7 @@ class AxisProof:
             raise NetlistError(f"{cell.name}: its threshold is not one of triaxis_threshold")
         components = self._elements(source, "axis_i", source.parameters["Components"])
         margin = self._margin(source.ports["margin_i"], source.name)
-        if not _same_up_to_signs([word.polynomial for word in components], axis.vector):
+        if not same_up_to_signs([word.polynomial for word in components], axis.vector):
             raise NetlistError(f"{source.name}: not the components of the axis of {cell.name}")
         size = source.parameters["CWidth"]
         start = self._path.common_age(source.name, *components, margin)
@@ -171,7 +172,7 @@ class AxisProof:
         """Prove that the sum of absolutes and the moved bounds fit, by their largest values at corners."""
         side = (1 << self._core.width) - 1
         margin = (1 << self._core.margin_bits) - 1
-        norm, reach, degree = _extremes(axis, own.polynomial, tuple(word.polynomial for word in points))
+        norm, reach, degree = extremes(axis, (own.polynomial, *(word.polynomial for word in points)))
         if norm * side ** (degree - 1) >= 1 << source.parameters["CWidth"]:
             raise NetlistError(f"{source.name}: the sum of absolutes does not fit")
         if reach * side ** (degree - 1) * max(side, margin) >= 1 << (cell.parameters["Width"] - 1):
@@ -186,11 +187,12 @@ class AxisProof:
                 raise NetlistError(f"{verdict.name}: {name} is not that of {cell.name}")
         found = [self._elements(cell, f"normal_{name}_i", 3) for name in ("a", "b")]
         for words, normal in zip(found, normals(), strict=True):
-            if not _same_up_to_signs([word.polynomial for word in words], normal):
+            if not same_up_to_signs([word.polynomial for word in words], normal):
                 raise NetlistError(f"{cell.name}: not the normal")
         ten = [word for name in ("pqr_i", "pf_i", "qf_i") for word in self._elements(cell, name, 3)]
         ten += self._elements(cell, "rst_i", 1)
-        _check_plane([word.polynomial for word in ten], cell.name)
+        if missing := missing_of_plane([word.polynomial for word in ten]):
+            raise NetlistError(f"{cell.name}: {missing}")
         waits = [cell.parameters[name] for name in ("NormalWait", "DetWait")]
         ages = {
             self._path.common_age(cell.name, *found[0], *found[1]) + waits[0],
@@ -252,75 +254,6 @@ class AxisProof:
         return {age for _, age in known.values()}
 
 
-def _is_test_of(axis: Axis, own: Polynomial, points: Sequence[Polynomial]) -> bool:
-    """Return whether {0, own} and the points are the projections of one triangle and of the other.
-
-    The axis may serve with either sign, and any vertex of the first triangle may be the origin.
-    """
-    for first, second in ((axis.on_a, axis.on_b), (axis.on_b, axis.on_a)):
-        for start in first:
-            for flip in (False, True):
-                interval = {_flipped(value - start, flip) for value in first}
-                others = {_flipped(value - start, flip) for value in second}
-                if interval == {ZERO, own} and others == set(points):
-                    return True
-    return False
-
-
-def _flipped(polynomial: Polynomial, flip: bool) -> Polynomial:
-    return -polynomial if flip else polynomial
-
-
-def _unsigned(polynomial: Polynomial) -> frozenset[Polynomial]:
-    return frozenset({polynomial, -polynomial})
-
-
-def _same_up_to_signs(found: Sequence[Polynomial], wanted: Sequence[Polynomial]) -> bool:
-    """Return whether the nonzero polynomials of both are the same, each up to its sign."""
-
-    def nonzero(polynomials: Sequence[Polynomial]) -> list[frozenset[Polynomial]]:
-        return sorted((_unsigned(one) for one in polynomials if one != ZERO), key=hash)
-
-    return nonzero(found) == nonzero(wanted)
-
-
-def _check_plane(ten: Sequence[Polynomial], where: str) -> None:
-    """Prove that all six vertices lie in a plane where these ten orientations are zero."""
-    known = {one for polynomial in ten for one in _unsigned(polynomial)}
-    for numbers, orientation in orientations().items():
-        if numbers[0] == 0:
-            if orientation not in known:
-                raise NetlistError(f"{where}: the orientation of vertices {numbers} is missing")
-        else:
-            total = ZERO
-            for place in range(4):
-                face = (0, *(number for at, number in enumerate(numbers) if at != place))
-                total += _flipped(orientations()[face], bool(place % 2))
-            if total != orientation:
-                raise NetlistError(f"the orientation of vertices {numbers} does not follow from the others")
-
-
-_EXTREMES: dict[tuple[Axis, Polynomial, tuple[Polynomial, ...]], tuple[int, int, int]] = {}
-
-
-def _extremes(axis: Axis, own: Polynomial, points: tuple[Polynomial, ...]) -> tuple[int, int, int]:
-    """Return the largest |axis|1 and the largest reach of an interval test, in powers of L, and the degree.
-
-    The reach is that of 0 and own moved by a margin of L, and of the points. Absolutes of what is affine in
-    each variable are convex in it, so their sums are largest at corners too.
-    """
-    key = (axis, own, points)
-    if key not in _EXTREMES:
-        every = (*axis.vector, own, *points)
-        variables = sorted({number for polynomial in every for number in polynomial.variables})
-        values = abs(at_corners(every, variables))
-        norms = values[:3].sum(0)
-        reach = max(int((values[3] + norms).max()), int(values[4:].max()))
-        degree = next(polynomial.degree for polynomial in points if polynomial != ZERO)
-        _EXTREMES[key] = int(norms.max()), reach, degree or 0
-    return _EXTREMES[key]
-
-
 def prove_core(configuration: Configuration, dut: Path, folder: Path) -> None:
     """Prove a configuration of the core, from its ports to its queue; raise NetlistError where it fails."""
     netlist = elaborate(dut, "triaxis_core", configuration.parameters, CLOSED, folder)
@@ -369,39 +302,22 @@ def prove_detector(width: int, dut: Path, folder: Path) -> None:
 
 
 @dataclass(frozen=True)
-class AxesProof:
+class AxesProof(Proof):
     """The algebra of the core in some configurations, and of the wrapper in some widths."""
 
-    name: str
     configurations: tuple[Configuration, ...]
-    detectors: tuple[int, ...] = ()
-    claim: str = (
-        "The core tests exactly the 32 axes of the definition on exactly the pair's own vertices, margin and"
-        " tag, without overflow, for all coordinates; verdicts come after exactly the documented latency."
-    )
-    method: str = "polynomial identities on the elaborated netlist"
-    assumptions: tuple[str, ...] = (
-        "multipliers, thresholds, interval and box tests, flags and claim do what their own proofs say, "
-        "which are at the widths of W = 16 or smaller ones (`multiply_wide`: at all)",
-    )
+    detectors: tuple[int, ...]
 
-    @property
-    def parameters(self) -> Mapping[str, int | str]:
-        """Return the configurations."""
-        names = [configuration.name for configuration in self.configurations]
-        names += [f"CollisionDetector w{width}" for width in self.detectors]
-        return {"configurations": ", ".join(names)}
-
-    def prove(self, dut: Path, folder: Path) -> Finding:
+    def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove all of them; see `Proof`."""
         if folder.exists():
             shutil.rmtree(folder)
-        jobs: list[tuple[str, Callable[[Path], None]]] = [
-            (one.name, partial(prove_core, one, dut)) for one in self.configurations
-        ]
-        jobs += [(f"detector_w{width}", partial(prove_detector, width, dut)) for width in self.detectors]
+        jobs: dict[str, Callable[[Path], None]] = {
+            one.name: partial(prove_core, one, dut) for one in self.configurations
+        }
+        jobs |= {f"detector_w{width}": partial(prove_detector, width, dut) for width in self.detectors}
         problems, undecided = [], []
-        for name, job in jobs:
+        for name, job in jobs.items():
             try:
                 job(folder / name)
             except NetlistError as error:
@@ -409,3 +325,24 @@ class AxesProof:
             except InputError as error:
                 undecided.append(f"{self.name}: {name}: {error}")
         return Finding(tuple(problems), folder, {"netlists": len(jobs)}, tuple(undecided))
+
+
+def axes_proof(
+    name: str, configurations: tuple[Configuration, ...], detectors: tuple[int, ...] = ()
+) -> Proof:
+    """Return the proof for these configurations of the core, and for the wrapper at these widths."""
+    names = [configuration.name for configuration in configurations]
+    names += [f"CollisionDetector w{width}" for width in detectors]
+    return AxesProof(
+        name,
+        "The core tests exactly the 32 axes of the definition on exactly the pair's own vertices, margin and"
+        " tag, without overflow, for all coordinates; verdicts come after exactly the documented latency.",
+        "polynomial identities on the elaborated netlist",
+        {"configurations": ", ".join(names)},
+        (
+            "multipliers, thresholds, interval and box tests, flags and claim do what their own proofs say, "
+            "which are at the widths of W = 16 or smaller ones (`multiply_wide`: at all)",
+        ),
+        configurations,
+        detectors,
+    )

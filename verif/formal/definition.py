@@ -5,6 +5,7 @@ coefficients in the coordinates of a pair of triangles and its margin, and just 
 needs: sums, products, and exact bounds over all coordinates of W bits.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -32,7 +33,7 @@ class Polynomial:
 
     def __neg__(self) -> "Polynomial":
         """Return the negative."""
-        return Polynomial(frozenset((monomial, -factor) for monomial, factor in self.terms))
+        return self.scaled(-1)
 
     def __sub__(self, other: "Polynomial") -> "Polynomial":
         """Return the difference."""
@@ -43,6 +44,10 @@ class Polynomial:
         return _collect(
             (tuple(sorted(left + right)), a * b) for left, a in self.terms for right, b in other.terms
         )
+
+    def scaled(self, factor: int) -> "Polynomial":
+        """Return the product with a number that is not 0."""
+        return Polynomial(frozenset((monomial, factor * own) for monomial, own in self.terms))
 
     @cached_property
     def variables(self) -> tuple[int, ...]:
@@ -122,7 +127,6 @@ def at_corners(polynomials: Sequence[Polynomial], variables: Sequence[int]) -> n
     return values
 
 
-AXES = 32
 FIRST_PLANE_AXIS = 14
 
 Vector = tuple[Polynomial, Polynomial, Polynomial]
@@ -208,3 +212,58 @@ def orientations() -> dict[tuple[int, ...], Polynomial]:
         return inner(outer(u, v), w)
 
     return {numbers: orientation(numbers) for numbers in combinations(range(6), 4)}
+
+
+def is_test_of(axis: Axis, own: Polynomial, points: Sequence[Polynomial]) -> bool:
+    """Return whether {0, own} and the points are the projections of one triangle and of the other.
+
+    The axis may serve with either sign, and any vertex of the first triangle may be the origin.
+    """
+    for first, second in ((axis.on_a, axis.on_b), (axis.on_b, axis.on_a)):
+        for start in first:
+            interval, others = ({value - start for value in values} for values in (first, second))
+            if interval == {ZERO, own} and others == set(points):
+                return True
+            if interval == {ZERO, -own} and others == {-point for point in points}:
+                return True
+    return False
+
+
+def same_up_to_signs(found: Sequence[Polynomial], wanted: Sequence[Polynomial]) -> bool:
+    """Return whether the nonzero polynomials of both are the same, each up to its sign."""
+    both = (Counter(frozenset({one, -one}) for one in every if one != ZERO) for every in (found, wanted))
+    return next(both) == next(both)
+
+
+def missing_of_plane(ten: Sequence[Polynomial]) -> str | None:
+    """Return why zeros of these ten orientations do not put all six vertices in a plane; None: they do."""
+    known = {one for polynomial in ten for one in (polynomial, -polynomial)}
+    for numbers, orientation in orientations().items():
+        if numbers[0] == 0:
+            if orientation not in known:
+                return f"the orientation of vertices {numbers} is missing"
+            continue
+        total = ZERO
+        for place in range(4):
+            face = orientations()[(0, *(number for at, number in enumerate(numbers) if at != place))]
+            total += -face if place % 2 else face
+        if total != orientation:
+            return f"the orientation of vertices {numbers} does not follow from the others"
+    return None
+
+
+@cache
+def extremes(axis: Axis, tested: tuple[Polynomial, ...]) -> tuple[int, int, int]:
+    """Return the largest |axis|1 and the largest reach of an interval test, in powers of L, and the degree.
+
+    ``tested``: the triangle's own end, then the points. The reach is that of 0 and the own end moved by a
+    margin of L, and of the points. Absolutes of what is affine in each variable are convex in it, so their
+    sums are largest at corners too.
+    """
+    every = (*axis.vector, *tested)
+    variables = sorted({number for polynomial in every for number in polynomial.variables})
+    values = abs(at_corners(every, variables))
+    norms = values[:3].sum(0)
+    reach = max(int((values[3] + norms).max()), int(values[4:].max()))
+    degree = next(polynomial.degree for polynomial in tested[1:] if polynomial != ZERO)
+    return int(norms.max()), reach, degree or 0

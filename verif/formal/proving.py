@@ -16,7 +16,7 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.sim.validity import Sources
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, Result, require_tools
+from triaxis.verif.formal.proof import Outcome, Proof, Result, require_tools
 from triaxis.verif.formal.proofs import proofs
 
 FOLDER = BUILD / "formal"
@@ -96,10 +96,7 @@ def prove_all(
 
 def _prove(proof: Proof, dut: Path, folder: Path) -> Outcome:
     start = time.monotonic()
-    try:
-        finding = proof.prove(dut, folder)
-    except InputError as error:
-        finding = Finding(undecided=(f"{proof.name}: {error}",))
+    finding = proof.prove(dut, folder)
     return Outcome(proof, finding, time.monotonic() - start)
 
 

@@ -5,8 +5,8 @@ homogeneous and does not change where all six vertices are moved, so the corners
 value for every width: a number times a power of L = 2^W - 1. `Polynomial.corner_bound` checks all three.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import combinations, product
 from pathlib import Path
 
@@ -26,7 +26,7 @@ from triaxis.verif.formal.definition import (
     vertex,
 )  # fmt: skip
 from triaxis.verif.formal.netlist import Package
-from triaxis.verif.formal.proof import Finding
+from triaxis.verif.formal.proof import Finding, Proof
 
 _FIRST_SPACE_AXIS = 3
 
@@ -109,20 +109,10 @@ def bounds() -> list[Bound]:
     ]
 
 
-@dataclass(frozen=True)
-class WidthsProof:
+class WidthsProof(Proof):
     """The widths of the package against the corners, at every W."""
 
-    name: str = "widths"
-    claim: str = (
-        "The package's widths hold every difference, cross product, axis component, orientation, projection "
-        "and sum of absolutes, at every W; and no bit is wasted on an operand of a multiplier."
-    )
-    method: str = "enumeration of all corners of the coordinates"
-    parameters: Mapping[str, int | str] = field(default_factory=lambda: {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"})
-    assumptions: tuple[str, ...] = ()
-
-    def prove(self, dut: Path, folder: Path) -> Finding:
+    def attempt(self, dut: Path, folder: Path) -> Finding:
         """Compare; see `Proof`."""
         folder.mkdir(parents=True, exist_ok=True)
         found = bounds()
@@ -140,6 +130,18 @@ class WidthsProof:
         lines += [f"sum of absolutes: at most {norm} L^2, edge x coordinate {edge_norm} L", *problems]
         log.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return Finding(tuple(problems), log, {"widths": MAX_WIDTH - MIN_WIDTH + 1, "bounds": len(found) + 2})
+
+
+def widths() -> Proof:
+    """Return the proof."""
+    return WidthsProof(
+        "widths",
+        "The package's widths hold every difference, cross product, axis component, orientation, projection "
+        "and sum of absolutes, at every W; and no bit is wasted on an operand of a multiplier.",
+        "enumeration of all corners of the coordinates",
+        {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"},
+        (),
+    )
 
 
 # Widths of the operands of multipliers: a bit more may cost another DSP block.

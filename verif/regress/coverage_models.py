@@ -7,8 +7,8 @@ from typing import Any
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import CoverageDatabase, load
 from triaxis.coverage.cover_model import CoverModel
+from triaxis.coverage.html import write_page
 from triaxis.coverage.mesh_coverage import mesh_model
-from triaxis.coverage.page import write_page
 from triaxis.coverage.report import ModelReport, report
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration

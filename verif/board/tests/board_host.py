@@ -5,8 +5,9 @@ Written from the protocol alone, so that a mistake that board and host program s
 
 import struct
 import zlib
-from dataclasses import dataclass
+from collections import namedtuple
 from enum import IntEnum
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,8 +54,7 @@ def halved(command: int, payload: bytes) -> bytes:
     return once + pairs
 
 
-@dataclass(frozen=True)
-class Reply:
+class Reply(NamedTuple):
     command: int
     sequence: int
     session: int
@@ -62,45 +62,17 @@ class Reply:
     payload: bytes
 
 
-@dataclass(frozen=True)
-class StatusBlock:
-    run: int
-    state: int
-    end: int
-    flags: int
-    mode: int
-    x: int
-    y: int
-    z: int
-    margin: int
-    cycles: int
-    groups_skipped: int
-    groups_opened: int
-    pairs_skipped: int
-    tested: int
-    near: int
-    errors: int
-    count_a: int
-    count_b: int
-
-    @property
-    def go(self) -> bool:
-        return bool(self.flags & 1)
-
-    @property
-    def waiting(self) -> bool:
-        return bool(self.flags & 2)
-
-    @property
-    def expired(self) -> bool:
-        return bool(self.flags & 4)
-
-
 STATUS_LAYOUT = struct.Struct("<5B3i7I3H")
+_FIELDS = (
+    "run state end flags mode x y z margin cycles groups_skipped groups_opened pairs_skipped tested near "
+    "errors count_a count_b go waiting expired"
+)
+StatusBlock = namedtuple("StatusBlock", _FIELDS)
 
 
-def status_of(payload: bytes) -> StatusBlock:
-    return StatusBlock(*STATUS_LAYOUT.unpack(payload[: STATUS_LAYOUT.size]))
+def status_of(payload: bytes) -> Any:
+    fields = STATUS_LAYOUT.unpack(payload[: STATUS_LAYOUT.size])
+    return StatusBlock(*fields, *(bool(fields[3] >> bit & 1) for bit in range(3)))
 
 
 class BoardHost:
@@ -163,26 +135,24 @@ class BoardHost:
         assert reply.code == Code.OK
         return reply.payload
 
-    def status(self) -> StatusBlock:
+    def status(self) -> Any:
         payload = self.good(Command.STATUS)
         assert len(payload) == STATUS_LAYOUT.size
         return status_of(payload)
 
     def load(self, mesh: int, triangles: np.ndarray) -> None:
         """Replace a mesh by triangles (N, 3, 3)."""
-        step = min(12, 239 // len(packed(triangles[:1], self.top.parameters.width)))
+        width = self.top.parameters.width
+        step = min(12, 235 // (9 * ((width + 7) // 8)))
         for first in range(0, len(triangles), step):
-            count = self.good(Command.LOAD, self.load_payload(mesh, first, triangles[first : first + step]))
+            payload = load_payload(mesh, first, triangles[first : first + step], width)
+            count = self.good(Command.LOAD, payload)
             assert count == struct.pack("<H", min(first + step, len(triangles)))
 
     def load_both(self, triangles: np.ndarray) -> None:
         """Replace both meshes by the same triangles."""
         self.load(0, triangles)
         self.load(1, triangles)
-
-    def load_payload(self, mesh: int, first: int, triangles: np.ndarray) -> bytes:
-        head = struct.pack("<BHB", mesh, first, len(triangles))
-        return head + packed(triangles, self.top.parameters.width)
 
     def move(self, x: int, y: int, z: int) -> None:
         assert self.good(Command.MOVE, struct.pack("<3i", x, y, z)) == struct.pack("<3i", x, y, z)
@@ -203,31 +173,29 @@ class BoardHost:
             self.top.step(100)
         raise AssertionError("the run does not end")
 
-    def run(self, mode: int, margin: int = 0) -> StatusBlock:
+    def run(self, mode: int, margin: int = 0) -> Any:
         number = self.start(mode, margin)
         self.finish()
         status = self.status()
         assert (status.run, status.state, status.mode) == (number, State.DONE, mode)
         return status
 
-    def results(self, start: int) -> tuple[StatusBlock, np.ndarray]:
+    def results(self, start: int) -> tuple[Any, np.ndarray]:
         """Return the status and the near pairs (K, 2) from number ``start`` on."""
         payload = self.good(Command.RESULTS, struct.pack("<I", start))
         return read_results(payload, start)
 
-    def all_results(self) -> tuple[StatusBlock, np.ndarray]:
+    def all_results(self) -> tuple[Any, np.ndarray]:
         """Return the status of the run's end and all of its near pairs (K, 2)."""
-        parts: list[np.ndarray] = []
-        count = 0
+        found = np.empty((0, 2), np.int64)
         while True:
-            status, near = self.results(count)
-            parts.append(near)
-            count += len(near)
+            status, near = self.results(len(found))
+            found = np.concatenate([found, near])
             if not len(near) and status.state == State.DONE:
-                return status, np.concatenate(parts)
+                return status, found
 
 
-def read_results(payload: bytes, start: int) -> tuple[StatusBlock, np.ndarray]:
+def read_results(payload: bytes, start: int) -> tuple[Any, np.ndarray]:
     number, count = struct.unpack_from("<IB", payload, STATUS_LAYOUT.size)
     assert number == start
     assert count <= 32
@@ -236,10 +204,11 @@ def read_results(payload: bytes, start: int) -> tuple[StatusBlock, np.ndarray]:
     return status_of(payload), near.astype(np.int64)
 
 
-def packed(triangles: np.ndarray, width: int) -> bytes:
-    """Return triangles (N, 3, 3) in coordinates of whole bytes."""
+def load_payload(mesh: int, first: int, triangles: np.ndarray, width: int = PARAMETERS.width) -> bytes:
+    """Return the payload of a LOAD of triangles (N, 3, 3), in coordinates of whole bytes."""
     size = (width + 7) // 8
-    return b"".join(int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+    values = (int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+    return struct.pack("<BHB", mesh, first, len(triangles)) + b"".join(values)
 
 
 def run_asked(mode: int, margin: int, count_a: int, count_b: int) -> bytes:

@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from collections.abc import Callable
 
 import pytest
 
@@ -40,6 +41,7 @@ def test_hello_describes_the_board(host):
 def test_bytes_of_the_framing_go_through(session):
     host = powered(session)
     assert host.ask(Command.STATUS).code == Code.OK
+    assert host.top.framing_errors == 0
 
 
 def test_nothing_is_answered_before_a_frame_has_come():
@@ -48,9 +50,7 @@ def test_nothing_is_answered_before_a_frame_has_come():
     host.silent(on_line(host.frame(Command.HELLO))[5:])
     host.hello()
     good_again(host, 0)
-
-
-def test_a_frame_may_begin_with_the_end_of_the_last(host):
+    # A frame may begin with the end of the last.
     assert host.exchange(on_line(host.frame(Command.STATUS))[1:]).code == Code.OK
     host.sequence += 1
     good_again(host, 0)
@@ -66,30 +66,19 @@ def test_every_damaged_byte_is_seen(host, rng):
         frame = host.frame(Command.STATUS)
 
 
-def test_too_short(host):
+def test_too_short_and_too_long(host):
     # Ends with a good CRC, and yet is none.
     for errors, length in enumerate(range(9), 1):
         host.silent(on_line(bytes(range(length))))
         good_again(host, errors)
-
-
-def test_the_longest_frame_is_taken_and_a_longer_one_is_not(host):
     body = host.frame(Command.STATUS, bytes(243))
     assert len(body) + 4 == 256
     assert host.exchange(on_line(body)).code == Code.LENGTH
     assert host.exchange(on_line(host.frame(0x55, bytes(243)))).code == Code.UNKNOWN
-    good_again(host, 0)
-    host.silent(on_line(host.frame(Command.STATUS, bytes(244))))
-    good_again(host, 1)
-    host.silent(on_line(host.frame(Command.STATUS, bytes(1000))))
-    good_again(host, 2)
-
-
-@pytest.mark.parametrize("wrong", [b"\xdb\x00", b"\xdb\xdb", b"\xdb\xc0"])
-def test_bad_stuffing(host, wrong):
-    line = on_line(host.frame(Command.STATUS))
-    host.silent(line[:4] + wrong + (line[4:] if wrong[1] != 0xC0 else b""))
-    good_again(host, 1)
+    good_again(host, 9)
+    for errors, length in ((10, 244), (11, 1000)):
+        host.silent(on_line(host.frame(Command.STATUS, bytes(length))))
+        good_again(host, errors)
 
 
 def test_truncated_frame(host):
@@ -102,54 +91,60 @@ def test_truncated_frame(host):
         good_again(host, cut - 1)
 
 
-def noise(host: BoardHost, clocks: int, times: int = 1) -> None:
-    for _ in range(times):
-        host.top.glitch(clocks)
-        host.top.step(100)
+def stuffing(wrong: bytes) -> Callable[[BoardHost], None]:
+    def send(host: BoardHost) -> None:
+        line = on_line(host.frame(Command.STATUS))
+        host.silent(line[:4] + wrong + (line[4:] if wrong[1] != 0xC0 else b""))
+
+    return send
 
 
-def long_break(host: BoardHost) -> None:
-    host.top.break_line(5000)
-    assert host.replies(6000) == []
+def noise(clocks: int, times: int = 1) -> Callable[[BoardHost], None]:
+    def send(host: BoardHost) -> None:
+        for _ in range(times):
+            host.top.glitch(clocks)
+            host.top.step(100)
+
+    return send
 
 
-def unplugged(host: BoardHost) -> None:
-    host.top.send(on_line(host.frame(Command.STATUS)))
-    host.top.step(10 * BIT * 5)
-    host.top.unplug()
-    assert host.replies(5000) == []
+def broken(unplugged: bool, bytes_before: int) -> Callable[[BoardHost], None]:
+    """Break the line, or unplug it, after so many bytes of a frame."""
+
+    def send(host: BoardHost) -> None:
+        if bytes_before:
+            host.top.send(on_line(host.frame(Command.STATUS)))
+            host.top.step(10 * BIT * bytes_before)
+        if unplugged:
+            host.top.unplug()
+        else:
+            host.top.break_line(30 * BIT if bytes_before else 5000)
+        assert host.replies(20_000) == []
+
+    return send
 
 
-@pytest.mark.parametrize(
-    ("disturb", "errors"),
-    [
-        (lambda host: host.silent(b"\xc0" * 20), 0),
-        (lambda host: noise(host, BIT // 2 - 1, 5), 0),
-        # It reads as a byte of ones: a frame that is too short, once something ends it.
-        (lambda host: noise(host, BIT), 1),
-        (long_break, 1),
-        (unplugged, 1),
-    ],
-    ids=[
-        "empty frames",
-        "noise shorter than half a bit",
-        "noise of a bit",
-        "long break",
-        "unplugged in a frame",
-    ],
-)
-def test_what_is_no_frame_is_counted_and_not_answered(host, disturb, errors):
+# Each with the errors that the board counts; None: one or more, as what follows is cut into other bytes.
+NO_FRAMES = {
+    "bad stuffing": (stuffing(b"\xdb\x00"), 1),
+    "stuffing twice": (stuffing(b"\xdb\xdb"), 1),
+    "stuffing at the end": (stuffing(b"\xdb\xc0"), 1),
+    "empty frames": (lambda host: host.silent(b"\xc0" * 20), 0),
+    "noise shorter than half a bit": (noise(BIT // 2 - 1, 5), 0),
+    # It reads as a byte of ones: a frame that is too short, once something ends it.
+    "noise of a bit": (noise(BIT), 1),
+    "long break": (broken(False, 0), 1),
+    "unplugged in a frame": (broken(True, 5), 1),
+    "break in a frame": (broken(False, 6), None),
+}
+
+
+@pytest.mark.parametrize("what", NO_FRAMES)
+def test_what_is_no_frame_is_counted_and_not_answered(host, what):
+    disturb, errors = NO_FRAMES[what]
     disturb(host)
-    good_again(host, errors)
-
-
-def test_break_in_the_middle_of_a_frame(host):
-    host.top.send(on_line(host.frame(Command.STATUS)))
-    host.top.step(10 * BIT * 6)
-    host.top.break_line(30 * BIT)
-    assert host.replies(20_000) == []
-    # What follows the break is cut into other bytes than were sent: one error or more.
-    assert host.status().errors >= 1
+    counted = host.status().errors
+    assert counted == errors if errors is not None else counted >= 1
 
 
 def test_a_frame_during_a_reply_waits_and_a_third_is_an_error(host):
@@ -160,21 +155,14 @@ def test_a_frame_during_a_reply_waits_and_a_third_is_an_error(host):
     good_again(host, 1)
 
 
-def test_no_flood_of_frames_stops_the_board(host, rng):
+def test_no_flood_and_no_random_bytes_stop_the_board(host, rng):
     clear_scene(host)
     clear_run(host)
-    frames = [
-        on_line(host.frame(Command.STATUS, sequence=int(number))) for number in rng.integers(0, 2**32, 200)
-    ]
-    host.top.send(b"".join(frames))
+    numbers = rng.integers(0, 2**32, 200).tolist()
+    host.top.send(b"".join(on_line(host.frame(Command.STATUS, sequence=number)) for number in numbers))
     assert host.replies(150_000)
     assert not says_go(host.top)
     host.hello()
-    clear_scene(host)
-    clear_run(host)
-
-
-def test_random_bytes_never_stop_the_board(host, rng):
     clear_scene(host)
     clear_run(host)
     for _ in range(20):
@@ -183,11 +171,6 @@ def test_random_bytes_never_stop_the_board(host, rng):
         host.silent(noise + b"\xc0")
     assert not says_go(host.top)
     clear_run(host)
-
-
-def test_the_line_to_the_host_is_well_formed(host):
-    host.status()
-    assert host.top.framing_errors == 0
 
 
 def test_reset_in_the_middle_of_frames(host):

@@ -16,6 +16,7 @@ from triaxis.verif.board.tests.board_host import (
     clear_run,
     clear_scene,
     flat,
+    load_payload,
     long_clear_scene,
     on_line,
     powered,
@@ -98,7 +99,7 @@ ENDS: dict[str, Callable[[BoardHost], object]] = {
     "bad sequence": lambda host: host.ask(Command.STATUS, sequence=host.sequence + 2),
     "bad value": lambda host: host.ask(Command.RUN, run_asked(3, 0, 1, 1)),
     "busy or bad value": lambda host: host.ask(Command.MOVE, struct.pack("<3i", 1 << 17, 0, 0)),
-    "out of place": lambda host: host.ask(Command.LOAD, host.load_payload(0, 9, flat(0))),
+    "out of place": lambda host: host.ask(Command.LOAD, load_payload(0, 9, flat(0))),
     "counts differ": lambda host: host.ask(Command.RUN, run_asked(Mode.ALL, 0, 2, 1)),
     "watchdog": lambda host: host.top.step(PARAMETERS.watchdog_clocks),
 }
@@ -120,11 +121,6 @@ def test_go_ends_and_only_a_run_brings_it_back(host, end):
 
 # A frame that is too long takes longer than the run; so does the watchdog.
 IN_RUN = [end for end in ENDS if end not in ("LOAD", "MOVE", "too long", "watchdog")]
-
-
-def test_the_long_run_is_clear(host):
-    long_clear_scene(host)
-    clear_run(host)
 
 
 @pytest.mark.parametrize("end", IN_RUN)
@@ -165,12 +161,8 @@ def test_go_in_every_mode_and_only_without_near_pairs(host, mode):
     assert host.run(mode, 1).go is False
     host.move(0, 0, 3)
     assert host.run(mode, 1).go
-
-
-def test_no_go_after_an_overflow(host):
     host.move(1 << 15, 0, 0)
-    assert not host.run(Mode.ALL).go
-    assert not says_go(host.top)
+    assert (host.run(mode).go, says_go(host.top)) == (False, False)
 
 
 def test_what_does_not_end_go(host):
@@ -220,17 +212,11 @@ def sent_for_ever(host: BoardHost, frame: bytes) -> None:
         host.top.step(PARAMETERS.watchdog_clocks // 2)
 
 
-def test_a_line_that_repeats_one_frame_keeps_no_go(host):
-    clear_run(host)
-    host.status()
-    sent_for_ever(host, host.frame(Command.STATUS, sequence=host.sequence))
-    assert not says_go(host.top)
-    assert not host.top.leds & ALIVE_LED
-
-
 @pytest.mark.parametrize(
     ("command", "payload", "ahead"),
     [
+        # The last one again: executed once.
+        (Command.STATUS, b"", 0),
         (Command.STATUS, b"", 77),
         (Command.STATUS, b"\0", 1),
         (Command.RUN, run_asked(Mode.ALL, 0, 9, 9), 1),
@@ -240,10 +226,12 @@ def test_a_line_that_repeats_one_frame_keeps_no_go(host):
         (Command.HELLO, b"", -5),
     ],
 )
-def test_what_is_not_executed_keeps_no_watchdog_alive(host, command, payload, ahead):
+def test_what_is_not_executed_keeps_no_go_and_no_watchdog_alive(host, command, payload, ahead):
+    clear_run(host)
     for _ in range(5):
         host.status()
     sent_for_ever(host, host.frame(command, payload, host.sequence + ahead))
+    assert not says_go(host.top)
     assert not host.top.leds & ALIVE_LED
     BoardHost(host.top, 99).hello()
 
@@ -268,14 +256,10 @@ def test_the_beat_is_there_while_go_is_and_no_longer(host):
     assert host.top.beats == beats
 
 
-def test_no_beat_before_go(host):
-    assert host.top.beats == 0
-
-
 def test_stop_from_power_up():
     host = BoardHost(SimulatedTop(PARAMETERS))
     host.top.step(5000)
-    assert host.top.go_clocks == 0
+    assert (host.top.go_clocks, host.top.beats) == (0, 0)
     assert not says_go(host.top)
 
 

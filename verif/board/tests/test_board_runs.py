@@ -85,38 +85,20 @@ def test_every_mode_against_the_golden_model(host, rng, count_a, count_b, margin
         assert as_set(near) <= as_set(expected)
 
 
-def test_a_full_ring_stalls_and_loses_nothing(host):
-    host.load_both(flat(0, DEPTH))
-    host.start(Mode.ALL)
-    host.top.step(20_000)
-    assert host.top.leds & BUSY_LED
+def test_a_ring_that_is_just_full_does_not_stall_and_can_be_left(host):
+    host.load_both(flat(0, 32))
+    status = host.run(Mode.ALL)
+    assert (status.near, status.end) == (RING, End.COMPLETE)
     assert host.top.leds & RING_FULL_LED
-    status = host.status()
-    assert (status.state, status.end, status.near, status.waiting) == (State.RUNNING, 0, 0, True)
-    status, near = host.all_results()
-    assert (status.end, status.near) == (End.COMPLETE, DEPTH**2)
-    assert len(as_set(near)) == len(near) == DEPTH**2
-    assert not host.top.leds & RING_FULL_LED
-
-
-def test_near_pairs_of_the_last_run_can_be_left(host):
-    host.load_both(flat(0, 20))
-    assert host.run(Mode.ALL).near == 400
+    assert len(as_set(host.all_results()[1])) == RING
+    # Nothing of a run that was not asked for its pairs is left to the next.
+    assert host.run(Mode.ALL).near == RING
     assert host.run(Mode.FIRST).near == 1
     status, near = host.all_results()
     assert (status.near, near.tolist()) == (1, [[0, 0]])
     host.move(0, 0, 9)
     status = host.run(Mode.ALL)
     assert (status.near, status.waiting) == (0, False)
-
-
-def test_a_ring_that_is_just_full_does_not_stall(host):
-    host.load_both(flat(0, 32))
-    status = host.run(Mode.ALL)
-    assert (status.near, status.end) == (RING, End.COMPLETE)
-    assert host.top.leds & RING_FULL_LED
-    status, near = host.all_results()
-    assert len(as_set(near)) == RING
 
 
 def test_moved_out_of_range(host):
@@ -135,18 +117,58 @@ def start_long(host: BoardHost) -> None:
     start_at_once(host, Mode.COUNT)
 
 
-def test_abort_in_the_middle_of_a_run(host):
-    start_long(host)
+def stalled(host: BoardHost) -> None:
+    """Begin a run that waits for its near pairs to be taken."""
+    host.load_both(flat(0, DEPTH))
+    host.start(Mode.ALL)
+    host.top.step(20_000)
+    assert host.top.leds & RING_FULL_LED and host.top.leds & BUSY_LED
+
+
+def aborted(host: BoardHost) -> None:
     host.top.send(on_line(host.frame(Command.ABORT)))
     run, abort = host.replies(20_000, 2)
     host.sequence += 1
     status = status_of(abort.payload)
     assert run.payload == bytes([status.run])
-    assert (status.state, status.end) == (State.DONE, End.ABORTED)
+    assert (status.state, status.end, status.go) == (State.DONE, End.ABORTED, False)
     assert 0 < status.cycles < DEPTH**2
-    assert not status.go
+
+
+def aborted_when_stalled(host: BoardHost) -> None:
+    status = status_of(host.good(Command.ABORT))
+    assert (status.state, status.end, status.waiting) == (State.DONE, End.ABORTED, True)
+    assert status.near >= RING
+    # What was in the ring can still be read: the first of the run.
+    status, near = host.all_results()
+    assert len(as_set(near)) == len(near) == RING
+
+
+def greeted(host: BoardHost) -> None:
+    host.replies(5_000, 1)
+    host.hello()
+    status = host.status()
+    assert (status.state, status.run, status.end, status.waiting) == (State.NEVER, 0, 0, False)
+    assert status.count_a == 0
+
+
+def reset(host: BoardHost) -> None:
+    host.top.reset()
+    assert not host.top.leds & BUSY_LED
+    host.top.receive()
+    host.sequence = 0
+    host.hello()
+
+
+@pytest.mark.parametrize(
+    ("begin", "end"),
+    [(start_long, aborted), (stalled, aborted_when_stalled), (start_long, greeted), (stalled, greeted),
+     (start_long, reset)],
+)  # fmt: skip
+def test_a_run_that_is_ended_leaves_nothing_behind(host, begin, end):
+    begin(host)
+    end(host)
     assert not says_go(host.top)
-    # Nothing of it is left behind.
     clear_scene(host)
     clear_run(host)
 
@@ -173,21 +195,6 @@ def test_abort_at_any_time_of_a_short_run(host, clocks):
         assert not says_go(host.top)
 
 
-def test_abort_with_a_stalled_ring(host):
-    host.load_both(flat(0, DEPTH))
-    host.start(Mode.ALL)
-    host.top.step(20_000)
-    assert host.top.leds & RING_FULL_LED
-    status = status_of(host.good(Command.ABORT))
-    assert (status.state, status.end, status.waiting) == (State.DONE, End.ABORTED, True)
-    assert status.near >= RING
-    # What was in the ring can still be read: the first of the run.
-    status, near = host.all_results()
-    assert len(as_set(near)) == len(near) == RING
-    clear_scene(host)
-    clear_run(host)
-
-
 def test_abort_without_a_run(host):
     assert status_of(host.good(Command.ABORT)).state == State.NEVER
     clear_scene(host)
@@ -196,49 +203,22 @@ def test_abort_without_a_run(host):
     assert (status.state, status.end, status.cycles) == (State.DONE, End.COMPLETE, before.cycles)
 
 
-@pytest.mark.parametrize("stalled", [False, True])
-def test_hello_ends_a_run(host, stalled):
-    if stalled:
-        host.load_both(flat(0, DEPTH))
-        host.start(Mode.ALL)
-        host.top.step(20_000)
-    else:
-        start_long(host)
-        host.replies(5_000, 1)
-    host.hello()
+def test_a_full_ring_stalls_and_loses_nothing(host):
+    stalled(host)
     status = host.status()
-    assert (status.state, status.run, status.end, status.waiting, status.count_a) == (
-        State.NEVER,
-        0,
-        0,
-        False,
-        0,
-    )
-    clear_scene(host)
-    clear_run(host)
-
-
-def test_results_while_the_run_goes_on(host):
-    host.load_both(flat(0, DEPTH))
-    host.start(Mode.ALL)
+    assert (status.state, status.end, status.near, status.waiting) == (State.RUNNING, 0, 0, True)
+    # While the run goes on, what was read can be read again.
     status, near = host.results(0)
     assert (status.state, status.mode, len(near)) == (State.RUNNING, Mode.ALL, 32)
-    status, again = host.results(0)
-    assert (again == near).all()
-    status, rest = host.results(7)
-    assert (rest[:25] == near[7:]).all()
-
-
-def test_reset_in_the_middle_of_a_run(host):
-    start_long(host)
-    host.top.reset()
-    assert not says_go(host.top)
-    assert not host.top.leds & BUSY_LED
-    host.top.receive()
-    again = BoardHost(host.top)
-    again.hello()
-    clear_scene(again)
-    clear_run(again)
+    assert (host.results(0)[1] == near).all()
+    assert (host.results(7)[1][:25] == near[7:]).all()
+    found = near[:7].tolist()
+    while not found or len(near):
+        status, near = host.results(len(found))
+        found += near.tolist()
+    assert (status.end, status.near) == (End.COMPLETE, DEPTH**2)
+    assert len(set(map(tuple, found))) == len(found) == DEPTH**2
+    assert not host.top.leds & RING_FULL_LED
 
 
 def test_display_and_leds(host):

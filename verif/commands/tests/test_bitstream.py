@@ -1,6 +1,5 @@
 """`triaxis fpga bitstream`: the gate first; a bitstream and its manifest only where all is well."""
 
-import hashlib
 import json
 from argparse import ArgumentParser
 
@@ -117,25 +116,29 @@ def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys, changes, re
     assert not (bench / "fpga").exists()
 
 
-@pytest.mark.parametrize("what", ["gate", "vivado is gone", "timing", "place_design"])
-def test_what_fails_leaves_no_bitstream_not_even_an_older_one(bench, capsys, what):
+@pytest.mark.parametrize(
+    ("behaviour", "said"),
+    [
+        (None, "vivado: not on PATH"),
+        (Behaviour(failing="place_design"), "vivado: ERROR"),
+        (Behaviour(setup=-1.5), "bitstream: refused: timing: worst slack -1.5 ns"),
+        ("not signed", "did not pass"),
+    ],
+)
+def test_what_fails_leaves_no_bitstream_not_even_an_older_one(bench, capsys, behaviour, said):
     make_vivado(bench / "bin", Behaviour())
     assert run(bench) == 0
-    if what == "gate":
-        sign(bench, passed=False)
-        assert run(bench) == 1
-    elif what == "timing":
-        make_vivado(bench / "bin", Behaviour(setup=-1.5))
-        assert run(bench) == 1
-        assert "bitstream: refused: timing: worst slack -1.5 ns" in capsys.readouterr().err
-    elif what == "place_design":
-        make_vivado(bench / "bin", Behaviour(failing=what))
-        with pytest.raises(InputError, match="vivado: ERROR"):
-            run(bench)
-    else:
+    if behaviour is None:
         (bench / "bin" / "vivado").unlink()
-        with pytest.raises(InputError, match=r"^vivado: not on PATH: [^\n]*$"):
-            run(bench)
+    elif behaviour == "not signed":
+        sign(bench, passed=False)
+    else:
+        make_vivado(bench / "bin", behaviour)
+    try:
+        assert run(bench) == 1
+        assert said in capsys.readouterr().err
+    except InputError as error:
+        assert str(error).startswith(said) and "\n" not in str(error)
     assert nothing_is_left(bench)
 
 
@@ -172,7 +175,6 @@ def test_what_changes_during_the_build_is_refused(bench, capsys, monkeypatch, ha
 
 
 def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
-    assert build_id("a" * 64, "b" * 64) == int(hashlib.sha256(b"a" * 64 + b"b" * 64).hexdigest()[:8], 16)
     ids = {build_id(rtl, board) for rtl in ("a" * 64, "b" * 64) for board in ("a" * 64, "b" * 64)}
     assert len(ids) == 4
     # What a checkout says changes with any file of the board.
@@ -184,17 +186,13 @@ def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
     assert generics(SIGNED_OFF, 0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 
-def test_sources_of_the_board():
+def test_sources_of_the_board(tmp_path):
     names = [path.name for path in bitstream_sources(DUT)]
-    assert names[0] == "triaxis_pkg.sv"
-    assert names[-1] == "nexys4ddr_top.sv"
+    assert (names[0], names[-1]) == ("triaxis_pkg.sv", "nexys4ddr_top.sv")
     assert len(names) == len(set(names))
     assert "CollisionDetector.sv" not in names
-
-
-@pytest.mark.parametrize(("content", "says"), [("none.sv\n", "none.sv: not there"), ("", "no file")])
-def test_a_list_of_files_that_are_not_there(tmp_path, content, says):
     (tmp_path / "core").mkdir()
-    (tmp_path / "core" / "triaxis.f").write_text(content)
-    with pytest.raises(InputError, match=says):
-        bitstream_sources(tmp_path)
+    for content, says in (("none.sv\n", "none.sv: not there"), ("", "no file")):
+        (tmp_path / "core" / "triaxis.f").write_text(content)
+        with pytest.raises(InputError, match=says):
+            bitstream_sources(tmp_path)

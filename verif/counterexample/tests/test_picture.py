@@ -18,23 +18,32 @@ FLOOR = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
 POINT = [[0, 0, 0]] * 3
 WIDE = 1 << 31
 
-# (A, B), margin, what the core said (None: nothing), the words that must be in the picture.
+COPLANAR_PAIR = (FLOOR, [[3, 3, 0], [5, 5, 0], [6, 3, 0]])
+
+# Pairs and margins, what the core said (None: nothing), the words that must be in the picture, the core.
 CASES = {
-    "missed": ((FLOOR, [[1, 1, -1], [1, 1, 3], [3, 3, 2]]), 0, 4 << AXIS_SHIFT, "core claims: axis 4"),
-    "false alarm": ((FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]]), 0, NEAR, "right: axis 2 (box z)"),
-    "near by a margin": ((POINT, [[1, 1, 0], [3, 2, 0], [2, 4, 1]]), 2, 0, "distance 1"),
-    "claim": ((FLOOR, [[9, 9, 0], [7, 9, 0], [9, 9, 5]]), 0, 1 << AXIS_SHIFT, "right: axis 0 (box x)"),
-    "flag": ((FLOOR, [[9, 9, 0], [7, 9, 0], [8, 8, 0]]), 0, COPLANAR, "claimed, and right: axis 0"),
-    "coplanar": ((FLOOR, [[3, 3, 0], [5, 5, 0], [6, 3, 0]]), 0, NEAR, "right: axis 19"),
+    "missed": ([(FLOOR, [[1, 1, -1], [1, 1, 3], [3, 3, 2]])], [0], 4 << AXIS_SHIFT, "core claims: axis 4"),
+    "false alarm": ([(FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]])], [0], NEAR, "right: axis 2 (box z)"),
+    "near by a margin": ([(POINT, [[1, 1, 0], [3, 2, 0], [2, 4, 1]])], [2], 0, "distance 1"),
+    "claim": ([(FLOOR, [[9, 9, 0], [7, 9, 0], [9, 9, 5]])], [0], 1 << AXIS_SHIFT, "right: axis 0 (box x)"),
+    "flag": ([(FLOOR, [[9, 9, 0], [7, 9, 0], [8, 8, 0]])], [0], COPLANAR, "claimed, and right: axis 0"),
+    "coplanar": ([COPLANAR_PAIR], [0], NEAR, "right: axis 19"),
+    "a core without that axis": (
+        [COPLANAR_PAIR], [0], NEAR, "separates, but is not in this core: axis 19", "w16_m0_no_edge_box",
+    ),
     "segments in line": (
-        ([[0, 0, 0], [2, 2, 2], [4, 4, 4]], [[4, 4, 4], [6, 6, 6], [9, 9, 9]]), 0, 3 << AXIS_SHIFT,
+        [([[0, 0, 0], [2, 2, 2], [4, 4, 4]], [[4, 4, 4], [6, 6, 6], [9, 9, 9]])], [0], 3 << AXIS_SHIFT,
         "A: a segment, B: a segment",
     ),
-    "two equal points": ((POINT, POINT), 0, 3 << AXIS_SHIFT, "A: a point, B: a point"),
-    "no answer": ((FLOOR, FLOOR), 0, None, "core w32_m32: it hangs"),
+    "two equal points": ([(POINT, POINT)], [0], 3 << AXIS_SHIFT, "A: a point, B: a point"),
+    "no answer": ([(FLOOR, FLOOR)], [0], None, "core w32_m32: it hangs"),
     "the whole range": (
-        ([[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]]), 0, 0,
+        [([[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]])], [0], 0,
         "nearest points",
+    ),
+    "with the pair before": (
+        [(FLOOR, POINT), (POINT, [[0, 0, 1], [0, 1, 0], [0, 1, 0]])], [1, 0], NEAR,
+        "only after: margin 1, [[[0, 0, 0], [4, 0, 0]",
     ),
 }  # fmt: skip
 
@@ -58,40 +67,23 @@ def svg_text(path):
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_kind_of_pair(tmp_path, name):
-    pair, margin, said, expected = CASES[name]
-    found = counterexample([pair], [margin], said)
-    draw(found, tmp_path / "case.png")
-    pixels = image.imread(tmp_path / "case.png")
-    assert pixels.shape[:2] == (792, 1430)
+    pairs, margins, said, expected, *core = CASES[name]
+    found = counterexample(pairs, margins, said, *core)
     draw(found, tmp_path / "case.svg")
     text = svg_text(tmp_path / "case.svg")
     assert expected in text
     assert found.core_said in text
     assert found.right_answer in text
-    assert f"w32_m32, margin {margin}" in text
-    for vertex in {tuple(vertex) for triangle in pair for vertex in triangle}:
+    assert f"{found.configuration.name}, margin {margins[-1]}" in text
+    for vertex in {tuple(vertex) for triangle in pairs[-1] for vertex in triangle}:
         assert str(vertex) in text
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.png", "case.svg"]
-
-
-def test_the_context_is_told(tmp_path):
-    found = counterexample([(FLOOR, POINT), (POINT, [[0, 0, 1], [0, 1, 0], [0, 1, 0]])], [1, 0], NEAR)
-    draw(found, tmp_path / "case.svg")
-    assert "only after: margin 1, [[[0, 0, 0], [4, 0, 0]" in svg_text(tmp_path / "case.svg")
-
-
-def test_a_core_without_the_axis_that_separates(tmp_path):
-    pair, _, _, _ = CASES["coplanar"]
-    found = counterexample([pair], [0], NEAR, "w16_m0_no_edge_box")
-    assert found.symptom == Symptom.FLAGS
-    draw(found, tmp_path / "case.svg")
-    assert "separates, but is not in this core: axis 19" in svg_text(tmp_path / "case.svg")
+    assert [path.name for path in tmp_path.iterdir()] == ["case.svg"]
 
 
 def test_the_same_counterexample_gives_the_same_picture(tmp_path):
-    pair, margin, said, _ = CASES["missed"]
     for ending in (".png", ".svg"):
         one, other = tmp_path / f"one{ending}", tmp_path / f"other{ending}"
-        draw(counterexample([pair], [margin], said), one)
-        draw(counterexample([pair], [margin], said), other)
+        for path in (one, other):
+            draw(counterexample(*CASES["missed"][:3]), path)
         assert one.read_bytes() == other.read_bytes()
+    assert image.imread(tmp_path / "one.png").shape[:2] == (792, 1430)

@@ -38,7 +38,7 @@ def some(rng):
     return case(rng.integers(-300, 300, (2, 2, 3, 3)), [17, 0])
 
 
-def test_round_trip(tmp_path, some):
+def test_round_trip_and_the_same_is_kept_once(tmp_path, some):
     path = write_case(some, tmp_path)
     assert re.fullmatch(r"false_alarm-[0-9a-f]{12}\.json", path.name)
     again = read_case(path)
@@ -47,17 +47,12 @@ def test_round_trip(tmp_path, some):
     assert again.found == some.found
     assert again.found["right"] == "clear by axis 0 (box x) (0x0000)"
     assert again.width == 10
-    assert [other.name for other in tmp_path.iterdir()] == [path.name]
-
-
-def test_the_same_is_kept_once(tmp_path, some):
-    first = write_case(some, tmp_path)
-    text = first.read_bytes()
+    text = path.read_bytes()
     # Found again elsewhere, in another way: what is sent counts.
     found = {**some.found, "configuration": "w24_m24", "symptom": "claim"}
-    assert write_case(dataclasses.replace(some, found=found), tmp_path) == first
-    assert first.read_bytes() == text
-    assert len(list(tmp_path.iterdir())) == 1
+    assert write_case(dataclasses.replace(some, found=found), tmp_path) == path
+    assert path.read_bytes() == text
+    assert [other.name for other in tmp_path.iterdir()] == [path.name]
     changed = some.stream.pairs.copy()
     changed[0, 0, 0, 0] += 1
     write_case(RegressionCase(Stream(changed, some.stream.margins), some.found), tmp_path)
@@ -75,20 +70,15 @@ def damaged(text):
     a = content["pairs"][0]["A"]
     return {
         "cut short": (text[: len(text) // 2], "not JSON"),
-        "empty": ("", "not JSON"),
         "another thing": ("[1, 2]", "not a regression case"),
         "no pairs": (json.dumps({**content, "pairs": []}), "not a regression case"),
         "no found": (json.dumps({k: v for k, v in content.items() if k != "found"}), "'found' is missing"),
         "found is no text": (json.dumps({**content, "found": {**content["found"], "right": 1}}), "be texts"),
         "a vertex is missing": (with_pair(A=a[:2]), "not a regression case"),
-        "a coordinate is missing": (with_pair(A=[a[0][:2], *a[1:]]), "not a regression case"),
         "a fraction": (with_pair(A=[[1.5, 0, 0], *a[1:]]), "no integer"),
-        "a truth": (with_pair(margin=True), "no integer"),
         "too large": (with_pair(A=[[1 << 40, 0, 0], *a[1:]]), "does not fit 32 bits"),
-        "far too large": (with_pair(A=[[1 << 80, 0, 0], *a[1:]]), "not a regression case"),
         "a negative margin": (with_pair(margin=-1), "does not fit"),
         "another coordinate": (with_pair(A=[[a[0][0] + 1, *a[0][1:]], *a[1:]]), "was changed"),
-        "another margin": (with_pair(margin=18), "was changed"),
         "another width": (json.dumps({**content, "width": 16}), "was changed"),
     }
 
@@ -117,21 +107,14 @@ def test_only_what_fits_is_loaded_and_whole(tmp_path):
     write_case(case(np.concatenate([small, small]), [3, 0]), tmp_path)
     write_case(case(np.concatenate([small, wide]), [0, 0]), tmp_path)
 
-    def loaded(*configuration):
-        pairs, margins = load_regressions(Configuration(*configuration), tmp_path)
-        assert (pairs.dtype, margins.dtype) == (np.int64, np.int64)
+    for configuration, margins in {
+        (8, 0): [0], (8, 1): [0], (8, 2): [0, 0, 3], (15, 2): [0, 0, 3], (16, 0): [0] * 3,
+        (16, 16): [0, 0, 0, 0, 3],
+    }.items():  # fmt: skip
+        pairs, loaded = load_regressions(Configuration(*configuration), tmp_path)
+        assert sorted(loaded.tolist()) == margins
         assert pairs.shape == (len(margins), 2, 3, 3)
-        return len(pairs), sorted(margins.tolist())
-
-    assert loaded(8, 0) == (1, [0])
-    assert loaded(8, 1) == (1, [0])
-    assert loaded(8, 2) == (3, [0, 0, 3])
-    assert loaded(15, 2) == (3, [0, 0, 3])
-    assert loaded(16, 0) == (3, [0, 0, 0])
-    assert loaded(16, 16) == (5, [0, 0, 0, 0, 3])
     assert load_regressions(Configuration(8, 0), tmp_path / "empty")[0].shape == (0, 2, 3, 3)
-    first, second = (load_regressions(Configuration(16, 16), tmp_path)[0] for _ in range(2))
-    assert (first == second).all()
 
 
 KEPT = read_cases()

@@ -1,19 +1,17 @@
 """Counterexamples are made small, keep failing in the same way, and come out the same each time."""
 
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.paths import DUT
 from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
-from triaxis.verif.core.failing_pairs import FailingPair, Stream, read_failing
+from triaxis.verif.core.failing_pairs import Stream, read_failing
 from triaxis.verif.core.kept_cases import read_cases
 from triaxis.verif.counterexample.candidates import candidates, sizes, smaller, smallest_first
 from triaxis.verif.counterexample.explaining import explain_failures
@@ -36,41 +34,26 @@ def touching_taken_for_clear(pairs, margins):
     return (wide >= 0).any(1) & ~(wide > 0).any(1)
 
 
-def failing_ones(rng, fails, size, margin_of):
-    """Return random pairs and margins that fail."""
-    pairs = rng.integers(-size, size + 1, (20_000, 2, 3, 3))
-    margins = margin_of(pairs)
-    chosen = np.flatnonzero(fails(pairs, margins))
-    assert len(chosen) >= 3
-    return [(pairs[i], int(margins[i])) for i in chosen[:3]]
-
-
-def box_distance(pairs):
-    return gaps(pairs).max(1).clip(0)
-
-
-def test_a_sign_fault_becomes_tiny(rng):
-    for pair, margin in failing_ones(rng, touching_taken_for_clear, 1000, box_distance):
-        small, less = shrink(pair, margin, touching_taken_for_clear)
-        assert touching_taken_for_clear(small[None], np.array([less]))[0]
-        assert np.abs(small).max() <= 4
-        # Two equal points.
-        assert (np.count_nonzero(small), less) == (0, 0)
-
-
-@pytest.mark.parametrize("calls", [0, 1, 2, 5])
-def test_whatever_the_budget_the_result_fails(rng, calls):
-    (pair, margin), *_ = failing_ones(rng, touching_taken_for_clear, 300, box_distance)
-    spent = 0
+def test_a_sign_fault_becomes_tiny_and_any_budget_gives_what_fails(rng):
+    pairs = rng.integers(-1000, 1001, (20_000, 2, 3, 3))
+    margins = gaps(pairs).max(1).clip(0)
+    chosen = np.flatnonzero(touching_taken_for_clear(pairs, margins))[:3]
+    assert len(chosen) == 3
+    calls = []
 
     def fails(pairs, margins):
-        nonlocal spent
-        spent += 1
+        calls.append(len(pairs))
         return touching_taken_for_clear(pairs, margins)
 
-    small, less = shrink(pair, margin, fails, Budget(calls))
-    assert touching_taken_for_clear(small[None], np.array([less]))[0]
-    assert spent <= calls + 1
+    for pair, margin in zip(pairs[chosen], margins[chosen].tolist(), strict=True):
+        small, less = shrink(pair, margin, fails)
+        # Two equal points.
+        assert (np.count_nonzero(small), less) == (0, 0)
+        for budget in (0, 1, 2, 5):
+            calls.clear()
+            small, less = shrink(pair, margin, fails, Budget(budget))
+            assert touching_taken_for_clear(small[None], np.array([less]))[0]
+            assert len(calls) <= budget + 1
 
 
 def test_only_answers_to_single_pairs_count(rng):
@@ -232,23 +215,18 @@ def recorded(path, missed, rng):
 
 
 @pytest.mark.simulator
-def test_a_broken_core_gives_a_tiny_counterexample(core, missed):
-    found = find(core, FailingPair(Stream(missed[None], NO_MARGIN), None))
+def test_a_broken_core_gives_tiny_counterexamples(core, missed, tmp_path, rng):
+    path = recorded(tmp_path / "failing.npz", missed, rng)
+    alone, with_context = read_failing(path, CONFIGURATION)
+    assert alone.context is None and with_context.context is not None
+    assert len(with_context.context) == 20
+    found = find(core, alone)
     assert found is not None
     assert (len(found.stream), found.symptom) == (1, Symptom.MISSED)
     assert np.abs(found.stream.pair).max() <= 4
     assert core.symptom(found.stream) == Symptom.MISSED
-    assert "clear by axis" in found.core_said
-    assert found.right_answer.startswith("near")
-
-
-@pytest.mark.simulator
-def test_what_needs_the_pair_before_keeps_it(core, missed, tmp_path, rng):
-    path = recorded(tmp_path / "failing.npz", missed, rng)
-    alone, with_context = read_failing(path, CONFIGURATION)
-    assert alone.context is None
-    assert with_context.context is not None
-    assert len(with_context.context) == 20
+    assert "clear by axis" in found.core_said and found.right_answer.startswith("near")
+    # What needs the pair before keeps it.
     assert core.symptom(with_context.stream) == Symptom.RIGHT
     found = find(core, with_context)
     assert found is not None
@@ -259,40 +237,35 @@ def test_what_needs_the_pair_before_keeps_it(core, missed, tmp_path, rng):
     assert core.symptom(Stream(found.stream.pairs[1:], NO_MARGIN)) == Symptom.RIGHT
 
 
-def triaxis(*arguments, status):
-    command = [Path(sys.executable).with_name("triaxis"), *map(str, arguments)]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert answer.returncode == status, answer.stdout + answer.stderr
-    return answer.stdout, answer.stderr
-
-
 @pytest.mark.simulator
-def test_command(broken, missed, tmp_path, rng):
+def test_command(broken, missed, tmp_path, rng, capsys):
+    def shrunk(failing, *words, dut=broken):
+        common = ("--config", CONFIGURATION.name, "--dut", dut, "--pictures", pictures)
+        status = main(["regress", "shrink", *map(str, (failing, *common, *words))])
+        return status, *capsys.readouterr()
+
     failing = recorded(tmp_path / "failing.npz", missed, rng)
     store, pictures = tmp_path / "store", tmp_path / "pictures"
-    common = ("--config", CONFIGURATION.name, "--dut", broken, "--pictures", pictures)
-    out, _ = triaxis(
-        "regress", "shrink", failing, *common, "--store", store, "--fault", "two faults", status=0
-    )
+    status, out, _ = shrunk(failing, "--store", store, "--fault", "two faults")
+    assert status == 0
     assert f"before: margin 0, {missed.tolist()}" in out
     assert "says clear where the pair is near" in out
     assert "; then margin 0" in out
     assert len(list(pictures.glob("*.png"))) == len(read_cases(store)) == 2
     assert {case.found["fault"] for case in read_cases(store)} == {"two faults"}
 
-    again, _ = triaxis("regress", "shrink", failing, *common, "--no-keep", status=0)
-    assert "kept:" not in again
+    status, again, _ = shrunk(failing, "--no-keep")
+    assert (status, "kept:" in again) == (0, False)
     assert again == "".join(line for line in out.splitlines(True) if "kept:" not in line)
 
-    far = archive(tmp_path / "far.npz", FAR[None], NO_MARGIN)
-    out, error = triaxis("regress", "shrink", far, *common, "--no-keep", status=1)
-    assert "does not fail on the bare core" in out
+    status, out, error = shrunk(archive(tmp_path / "far.npz", FAR[None], NO_MARGIN), "--no-keep")
+    assert status == 1 and "does not fail on the bare core" in out
     assert "none of 1 pairs fails on the bare core w8_m8" in error
 
-    _, error = triaxis("regress", "shrink", tmp_path / "no.npz", *common, status=2)
-    assert "cannot read" in error
-    _, error = triaxis("regress", "shrink", failing, *common[:2], "--dut", tmp_path, status=2)
-    assert "no triaxis_pkg.sv" in error
+    status, _, error = shrunk(tmp_path / "no.npz")
+    assert status == 2 and "cannot read" in error
+    status, _, error = shrunk(failing, dut=tmp_path)
+    assert status == 2 and "no triaxis_pkg.sv" in error
 
 
 @pytest.mark.simulator

@@ -55,12 +55,7 @@ module triaxis_core_formal
     };
   endfunction
 
-  logic following;
-  count_t ahead, count;
-  age_t age;
-  result_t due;
-
-  triaxis_core_rules #(
+  triaxis_stream_rules #(
       .Depth(Depth),
       .Latency(Latency),
       .ResultWidth(TAG + 16)
@@ -73,13 +68,16 @@ module triaxis_core_formal
       .m_ready_i(m_axis_tready_i),
       .result_i({m_axis_tuser_o, m_axis_tdata_o}),
       .due_i({s_axis_tuser_i[M+:TAG], word(verdict_t'(s_axis_tdata_i[W-1:0]))}),
-      .mark_i,
-      .following_o(following),
-      .ahead_o(ahead),
-      .age_o(age),
-      .due_o(due),
-      .count_o(count)
+      .mark_i
   );
+
+  logic following;
+  count_t ahead, count;
+  age_t age;
+  assign following = u_rules.following_q;
+  assign ahead = u_rules.ahead_q;
+  assign count = u_rules.count_q;
+  assign age = u_rules.age_q;
 
   `TRIAXIS_RESET_FIRST
 
@@ -145,14 +143,15 @@ module triaxis_core_formal
         if (age < age_t'(Latency)) begin
           InPipe :
           assert (u_core.valid_q[age-1] && serial_q[age-1] == followed_q && ahead >= queued);
-          Carried : assert (stored(tag_at[age-1], u_core.u_datapath.stage_q[age-1]) == due);
+          Carried :
+          assert (stored(tag_at[age-1], u_core.u_datapath.stage_q[age-1]) == u_rules.due_q);
         end else begin
           InQueue : assert (ahead < queued);
           Kept :
           assert (stored(
               u_core.u_results.memory_q[slot_t'(followed_q)].tag,
               u_core.u_results.memory_q[slot_t'(followed_q)].verdict
-          ) == due);
+          ) == u_rules.due_q);
         end
       end
     end

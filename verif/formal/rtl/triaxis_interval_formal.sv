@@ -18,8 +18,8 @@ module triaxis_interval_check
     parameter int unsigned M = 0
 ) (
     input logic clk_i,
-    input logic [Width-1:0] own_i,
-    input logic [3*Width-1:0] points_i,
+    input logic signed [Width-1:0] own_i,
+    input logic signed [Width-1:0] points_i[Points],
     input logic [ThresholdWidth-1:0] threshold_i
 );
 
@@ -29,12 +29,7 @@ module triaxis_interval_check
   typedef logic signed [Width-1:0] value_t;
   typedef value_t points_t[Points];
 
-  points_t points;
   logic separated_o;
-
-  for (genvar i = 0; i < Points; i++) begin : g_point
-    assign points[i] = value_t'(points_i[i*Width+:Width]);
-  end
 
   triaxis_interval #(
       .Points(Points),
@@ -42,16 +37,12 @@ module triaxis_interval_check
       .ThresholdWidth(ThresholdWidth),
       .M(M)
   ) u_interval (
-      .clk_i,
-      .own_i(value_t'(own_i)),
-      .points_i(points),
-      .threshold_i,
-      .separated_o
+      .*
   );
 
   // What went in, and how long ago.
-  `TRIAXIS_PAST(value_t, own_q, value_t'(own_i), Latency)
-  `TRIAXIS_PAST(points_t, points_q, points, Latency)
+  `TRIAXIS_PAST(value_t, own_q, own_i, Latency)
+  `TRIAXIS_PAST(points_t, points_q, points_i, Latency)
   `TRIAXIS_PAST(logic [ThresholdWidth-1:0], threshold_q, threshold_i, Latency - 1)
   `TRIAXIS_FULL_AFTER(Latency)
 
@@ -93,11 +84,11 @@ module triaxis_interval_formal
     localparam int unsigned PlaneWidth = cross_width(W) + ((M == 0) ? 0 : 2)
 ) (
     input logic clk_i,
-    input logic [SpaceWidth-1:0] own_i,
-    input logic [3*SpaceWidth-1:0] points_i,
+    input logic signed [SpaceWidth-1:0] own_i,
+    input logic signed [SpaceWidth-1:0] points_i[3],
     input logic [axis_threshold_width(W, M)-1:0] threshold_i,
-    input logic [PlaneWidth-1:0] plane_own_i,
-    input logic [3*PlaneWidth-1:0] plane_points_i,
+    input logic signed [PlaneWidth-1:0] plane_own_i,
+    input logic signed [PlaneWidth-1:0] plane_points_i[3],
     input logic [edge_threshold_width(W, M)-1:0] plane_threshold_i
 );
 
@@ -116,6 +107,7 @@ module triaxis_interval_formal
       .ThresholdWidth(axis_threshold_width(W, M)),
       .M(M)
   ) u_edge_edge (
+      .points_i(points_i[0:1]),
       .*
   );
 

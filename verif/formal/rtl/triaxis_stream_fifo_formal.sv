@@ -1,9 +1,7 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The engine's queue between two streams: what its users may rely on, and what makes that inductive.
-// One word is followed from the clock at which it is accepted to the one at which it is delivered:
-// that for which mark_i is high, which is free.
+// The engine's queue between two streams: the rules of streams, and what makes them inductive.
 
 `include "triaxis_formal.svh"
 
@@ -35,61 +33,46 @@ module triaxis_stream_fifo_formal #(
 
   `TRIAXIS_RESET_FIRST
 
-  logic push, pop;
-  assign push = valid_i && ready_o;
-  assign pop  = valid_o && ready_i;
+  triaxis_stream_rules #(
+      .Depth(Depth),
+      .Latency(1),
+      .ResultWidth(Width),
+      .QuietInReset(1'b0)
+  ) u_rules (
+      .clk_i,
+      .rst_ni,
+      .s_valid_i(valid_i),
+      .s_ready_i(ready_o),
+      .m_valid_i(valid_o),
+      .m_ready_i(ready_i),
+      .result_i(data_o),
+      .due_i(data_i),
+      .mark_i
+  );
 
-  // Words accepted and not delivered; the one that is followed, and how many are before it.
-  count_t count_q, ahead_q, slot_q;
-  logic following_q, awake_q, waited_q;
-  word_t due_q, word_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      count_q <= '0;
-      following_q <= 1'b0;
-      ahead_q <= '0;
-      awake_q <= 1'b0;
-      waited_q <= 1'b0;
-    end else begin
-      count_q  <= count_q + count_t'(push) - count_t'(pop);
-      awake_q  <= 1'b1;
-      waited_q <= valid_o && !ready_i;
-      if (following_q) begin
-        ahead_q <= ahead_q - count_t'(pop);
-        if (pop && ahead_q == '0) following_q <= 1'b0;
-      end else if (push && mark_i) begin
-        following_q <= 1'b1;
-        ahead_q <= count_q - count_t'(pop);
-      end
-    end
-  end
+  // The followed word's place in the queue.
+  count_t count, ahead, slot_q;
+  logic following;
+  assign count = u_rules.count_q;
+  assign ahead = u_rules.ahead_q;
+  assign following = u_rules.following_q;
   always_ff @(posedge clk_i) begin
-    word_q <= data_o;
-    if (!following_q && push && mark_i) begin
-      due_q  <= data_i;
-      slot_q <= u_queue.u_words.write_q;
-    end
+    if (!following && u_rules.accept && mark_i) slot_q <= u_queue.u_words.write_q;
   end
 
   always_comb begin
     if (rst_ni) begin
-      // What users see.
-      Occupied : assert (valid_o == (count_q != '0) && count_q <= count_t'(Depth));
-      ReadyIfRoom : assert (!awake_q || ready_o == (count_q != count_t'(Depth)));
-      Stable : assert (!waited_q || (valid_o && data_o == word_q));
-      InOrder : assert (!following_q || ahead_q < count_q);
-      RightWord : assert (!following_q || ahead_q != '0 || (valid_o && data_o == due_q));
-      // What makes it inductive.
-      Fresh : assert (awake_q || count_q == '0);
-      Counted : assert (u_queue.held_q == count_q);
-      Pointers : assert (u_queue.u_words.write_q - u_queue.u_words.read_q == count_q);
-      Waited : assert (!waited_q || data_o == word_q);
-      Place : assert (!following_q || slot_q - u_queue.u_words.read_q == ahead_q);
-      Kept : assert (!following_q || u_queue.u_words.memory_q[slot_t'(slot_q)] == due_q);
-      SeenFull : cover (count_q == count_t'(Depth) && waited_q);
-      SeenFollowed :
-      cover (following_q && ahead_q == '0 && pop && due_q != '0 && count_q > count_t'(1));
-      SeenBoth : cover (push && pop && count_q == count_t'(Depth - 1));
+      Occupied : assert (valid_o == (count != '0) && count <= count_t'(Depth));
+      ReadyIfRoom : assert (!u_rules.awake_q || ready_o == (count != count_t'(Depth)));
+      Fresh : assert (u_rules.awake_q || count == '0);
+      Counted : assert (u_queue.held_q == count);
+      Pointers : assert (u_queue.u_words.write_q - u_queue.u_words.read_q == count);
+      Waited : assert (!u_rules.waited_q || (valid_o && data_o == u_rules.result_q));
+      EagerQueue : assert (!u_rules.eager_q || count <= count_t'(1));
+      AgeKnown : assert (!following || u_rules.age_q == 2'd1);
+      InOrder : assert (!following || ahead < count);
+      Place : assert (!following || slot_q - u_queue.u_words.read_q == ahead);
+      Kept : assert (!following || u_queue.u_words.memory_q[slot_t'(slot_q)] == u_rules.due_q);
     end
   end
 

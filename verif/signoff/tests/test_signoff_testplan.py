@@ -77,7 +77,7 @@ def test_coverage_comes_out_as_it_was_counted_and_a_missing_and_an_illegal_bin_f
     found = progress_with(lambda model, hits: None)
     assert not any(status.failing for status in found.values())
     # 32 axes and near in seven configurations, 14 axes and near in the one without edge x box.
-    assert found["claims"].bins == Tally(7 * 33 + 15, 0, 0)
+    assert found["claims"].tallies["bins"] == Tally(7 * 33 + 15, 0, 0)
 
     def change(model, hits):
         if model == "core_w8_m8":
