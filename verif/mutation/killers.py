@@ -7,15 +7,11 @@ from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
 from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS
 
-# What generates, plays, judges and excuses mutants; most of its modules are named by none of the others. Tests
-# of real solids, which would bring the host software in, try none.
+# What generates, plays, judges and excuses mutants: most of these modules are named by none of the
+# others. The tests too, but for those of real solids, which would bring the host software in, and try no mutant.
+_MODULES = [path.stem for path in sorted(Path(__file__).parent.glob("*.py")) if path.stem != "__init__"]
 KILLERS = Sources(
-    tuple(
-        f"triaxis.verif.mutation.{path.stem}"
-        for path in sorted(Path(__file__).parent.glob("*.py"))
-        if path.stem != "__init__"
-    )
-    + (ENTRY, CORE_TESTS[0], MESH_TESTS[0]),
+    (*(f"triaxis.verif.mutation.{name}" for name in _MODULES), ENTRY, CORE_TESTS[0], MESH_TESTS[0]),
     (
         "verif/mutation/*.toml",
         "verif/core/sva/*",
