@@ -8,7 +8,7 @@ from triaxis.sim.validity import Sources
 from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS
 
 # What generates, plays, judges and excuses mutants: most of these modules are named by none of the
-# others. The tests too, but for those of real solids, which would bring the host software in, and try no mutant.
+# others. And the tests, but for those of real solids, which try no mutant and would bring host/ in.
 _MODULES = [path.stem for path in sorted(Path(__file__).parent.glob("*.py")) if path.stem != "__init__"]
 KILLERS = Sources(
     (*(f"triaxis.verif.mutation.{name}" for name in _MODULES), ENTRY, CORE_TESTS[0], MESH_TESTS[0]),

@@ -176,9 +176,14 @@ def _begin(trials: Trials, model: Model, test: str) -> None:
 
 @contextmanager
 def judged() -> Iterator[None]:
-    """Conclude a trial with the end of its test, or with the error that ends it; do nothing in other runs."""
+    """Conclude a trial with the end of its test, or with the error that ends it; do nothing in other runs.
+
+    What speaks against the machine or the test's own settings is no verdict.
+    """
     try:
         yield
+    except (InputError, MemoryError, OSError):
+        raise
     except Exception as error:
         failures.found(f"{type(error).__name__}: {error}")
         raise
