@@ -133,6 +133,8 @@ struct Monitor {
 
 void Pack(const int32_t* pair, uint32_t padding, uint32_t* words) {
   std::memset(words, 0, sizeof *words * kDataWords);
+  // Unrolled, all places are constants.
+#pragma GCC unroll 18
   for (int i = 0; i < kCoordinates; ++i) {
     const uint64_t bits = static_cast<uint64_t>(int64_t{pair[i]}) & kCoordinateMask;
     const int word = i * WIDTH / 32;
@@ -186,7 +188,9 @@ class Player {
     const bool asserted = bench.asserted();
     for (; clocks > 0; --clocks) {
       Clock();
-      if (burst != active() || output.full() || input.full() || asserted != bench.asserted()) return;
+      if (burst != active() || output.full() || input.full()) return;
+      // To ask takes a lock.
+      if (clock_ % 256 == 0 && asserted != bench.asserted()) return;
     }
   }
 
