@@ -45,6 +45,7 @@ _AT_A_TIME = 24
 _FEW = 12
 # Times the pairs of a short test, where those close to a decision are wanted.
 _LONGER = 8
+_OF_ALL_KINDS = ("MixedTest", "MeshRandomTest")
 _PACKAGE = "core/triaxis_pkg.sv"
 _LATENCIES = Killed("LatencyTable", "triaxis_pkg", "wrong latency", 0)
 # A model without a mutant, which every test must pass.
@@ -67,9 +68,10 @@ class Hunt:
 
     def __init__(
         self, catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, seed: int, jobs: int,
-        store: Store, progress: Progress,
+        store: Store, excused: frozenset[str], progress: Progress,
     ) -> None:  # fmt: skip
         """Know what the store knows. ``numbers``: of the mutants that are tried in one library."""
+        self.excused = excused
         self.catalogue, self.numbers, self.dut, self.seed, self.jobs = catalogue, numbers, dut, seed, jobs
         self.store, self.killed, self._progress = store, store.killed, progress
         self._elaborated: dict[str, Elaborated] = {}
@@ -147,21 +149,25 @@ class Hunt:
         if stage.target.combinational:
             self._ask_wrapper(stage.target, models)
             return
-        shares = [models[number :: self.jobs] for number in range(self.jobs)]
+        # Those that are shown to be equivalent are tried all the same, but by one test.
+        excused = [model for model in models if model.name in self.excused]
+        others = [model for model in models if model.name not in self.excused]
+        brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
+        shares = [(others[number :: self.jobs], stage.tests) for number in range(self.jobs)]
         with temporary() as folder, ThreadPoolExecutor(self.jobs) as pool:
-            trials = []
-            for number, share in enumerate(filter(None, shares)):
+            trials: list[Trials] = []
+            for number, (share, tests) in enumerate([*shares, (excused, brief)]):
                 place = folder / str(number)
                 place.mkdir()
-                tests = tuple(replace(test, folder=str(place)) for test in stage.tests)
-                trials.append(Trials(tests, tuple(share), place))
+                if share:
+                    there = tuple(replace(test, folder=str(place)) for test in tests)
+                    trials.append(Trials(there, tuple(share), place))
             for done, _ in zip(trials, pool.map(run_trials, trials), strict=True):
                 for verdict in done.verdicts():
                     if verdict.symptom:
-                        self._notice(
-                            verdict.name,
-                            Killed(verdict.test, name, _first_line(verdict.symptom), verdict.pairs),
-                        )
+                        said = _first_line(verdict.symptom)
+                        self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs))
+        self.store.save()
 
     def _ask_wrapper(self, target: AnyTarget, models: Sequence[Model]) -> None:
         with ProcessPoolExecutor(self.jobs, multiprocessing.get_context("spawn")) as processes:
@@ -228,8 +234,8 @@ def judge(
 ) -> list[Outcome]:
     """Return what becomes of each mutant of a catalogue.
 
-    ``excused``: mutants recorded as equivalent, which get no volume. Raises InputError where the RTL
-    without a mutant does not pass, or does not build.
+    ``excused``: mutants recorded as equivalent, which get one test, and no volume. Raises InputError where
+    the RTL without a mutant does not pass, or does not build.
     """
     store = Store(dut, seed, fresh)
     todo = [one for one in catalogue.mutants if one.id not in store.killed and one.id not in store.surviving]
@@ -237,7 +243,7 @@ def judge(
     numbers = runtime_numbers(catalogue.mutants)
     if len(numbers) <= _FEW:
         numbers = {}
-    hunt = Hunt(replace(catalogue, mutants=tuple(todo)), numbers, dut, seed, jobs, store, progress)
+    hunt = Hunt(replace(catalogue, mutants=tuple(todo)), numbers, dut, seed, jobs, store, excused, progress)
     wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
     try:
