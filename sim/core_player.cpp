@@ -14,6 +14,7 @@
 
 namespace {
 
+using triaxis::Pattern;
 using triaxis::Symptom;
 
 constexpr int kCoordinates = 18;
@@ -25,41 +26,6 @@ static_assert(TAG_BITS + MARGIN_BITS <= 64, "TUSER travels in 64 bits");
 
 // Beats in a monitor's buffer at which they are to be fetched.
 constexpr size_t kFull = size_t{1} << 16;
-
-// Alternating numbers of clocks on and off, used over and over. Empty: always on.
-class Pattern {
- public:
-  void Set(const uint16_t* runs, int64_t count) {
-    runs_.assign(runs, runs + count);
-    next_ = 0;
-    left_ = runs_.empty() ? 0 : runs_[0];
-    on_ = true;
-  }
-  // Whether the clock to come is on; an off clock is used up by asking, an on clock by Use().
-  bool On() {
-    if (runs_.empty()) return true;
-    Settle();
-    if (!on_) --left_;
-    return on_;
-  }
-  void Use() {
-    if (!runs_.empty()) --left_;
-  }
-
- private:
-  // Ends: Python gives no pattern without a clock on.
-  void Settle() {
-    while (left_ == 0) {
-      next_ = (next_ + 1) % runs_.size();
-      left_ = runs_[next_];
-      on_ = !on_;
-    }
-  }
-  std::vector<uint16_t> runs_;
-  size_t next_ = 0;
-  int left_ = 0;
-  bool on_ = true;
-};
 
 // A burst, as Python holds it: pairs with margins and tags, clocks on and off, the clocks that it may take.
 struct Burst {

@@ -1,6 +1,7 @@
-"""The bare Verilated mesh engine as an object with two meshes."""
+"""The Verilated mesh engine as Python sees it: a bus-functional model of its streams; meshes to be run."""
 
 import ctypes
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -15,7 +16,7 @@ from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import mesh_build
 from triaxis.sim.paths import DUT
-from triaxis.sim.player import SYMPTOMS, Player
+from triaxis.sim.player import HANGS, SYMPTOMS, Player
 from triaxis.sim.verilate import MANY
 from triaxis.sim.verilate import library as built_library
 
@@ -69,107 +70,150 @@ class Traffic:
     abort_at: int = -1
 
 
-# In the order of Step in mesh_player.cpp.
-_FIELDS = (
-    "kind", "mesh", "clear", "first", "count", "held_a", "held_b", "overfull", "move_x", "move_y", "move_z",
-    "margin", "mode", "abort_at", "abort_clocks", "status", "exact", "group_pairs_skipped",
-    "group_pairs_opened", "pairs_skipped", "tested", "near_count", "near_first", "near_length", "seed",
-    "stall", "hold", "early", "cut",
-)  # fmt: skip
-STEP = np.dtype([(name, np.int64) for name in _FIELDS])
-LOAD, RUN, RESET = 0, 1, 2
-NEVER = -1
-UNKNOWN_CLOCKS = -1
+# Kinds of events, in the order of mesh_player.cpp: what a monitor sees. Of those from NEAR on there are many.
+LOADED, ACCEPTED, ABORTED, SUMMARY, RESET, NEAR, REACHED = range(7)
+EVENT = np.dtype([(name, np.uint32) for name in ("kind", "a", "b", "c")])
+# Of a loaded word: bits of ``a``.
+OF_B, CLEAR, WITH_RUN = 1, 2, 4
+# Numbers that come with a loaded triangle, with a run, with a summary; with others none.
+NUM_VALUES = np.array([9, 5, 0, 12, 0, 0, 0])
+
+Runs = npt.NDArray[np.uint16]
+ALWAYS: Runs = np.zeros(0, np.uint16)
 
 
-def mesh_step(**values: int) -> npt.NDArray[np.void]:
-    """Return a step of `STEP` with these values, the others none."""
-    none = dict.fromkeys(_FIELDS, 0) | {"abort_at": NEVER, "abort_clocks": 1, "cut": NEVER}
-    unknown = values.keys() - none.keys()
-    if unknown:
-        raise ValueError(f"{', '.join(unknown)}: not of a step")
-    return np.array([tuple(int((none | values)[name]) for name in _FIELDS)], STEP)
+class _Load(ctypes.Structure):
+    _fields_ = (
+        ("mesh", ctypes.c_int64),
+        ("clear", ctypes.c_int64),
+        ("count", ctypes.c_int64),
+        ("triangles", ctypes.c_void_p),
+        ("num_runs", ctypes.c_int64),
+        ("runs", ctypes.c_void_p),
+    )
+
+
+class _Run(ctypes.Structure):
+    _fields_ = (
+        ("move", ctypes.c_int64 * 3),
+        ("margin", ctypes.c_int64),
+        ("mode", ctypes.c_int64),
+        ("idle_abort", ctypes.c_int64),
+        ("num_aborts", ctypes.c_int64),
+        ("aborts", ctypes.c_void_p),
+    )
+
+
+class _Progress(ctypes.Structure):
+    _fields_ = tuple(
+        (name, ctypes.c_int64)
+        for name in ("asserted", "hung", "clock", "loading", "accepted", "ended", "clocks")
+    )
 
 
 @dataclass(frozen=True)
-class MeshScript:
-    """Steps (S,) of `STEP` from a reset on, with the triangles (N, 9) and near pairs (K, 2) they name.
+class MeshProgress:
+    """How far an engine is: whether triangles are left to be loaded, runs that were accepted, and ended.
 
-    ``clocks`` (S,): those of each run, UNKNOWN_CLOCKS where it is not known yet: then it is filled in.
+    ``asserted``: an assertion has failed. ``symptom``: what else is wrong, "" where nothing is. ``clock``:
+    all clocks so far; ``clocks``: those of the last run that ended, from its acceptance.
     """
 
-    steps: npt.NDArray[np.void]
-    triangles: npt.NDArray[np.int32]
-    near: npt.NDArray[np.uint32]
-    clocks: npt.NDArray[np.int64]
-
-
-class _Script(ctypes.Structure):
-    _fields_ = (
-        ("steps", ctypes.c_void_p),
-        ("num_steps", ctypes.c_int64),
-        ("triangles", ctypes.c_void_p),
-        ("near", ctypes.c_void_p),
-        ("clocks", ctypes.c_void_p),
-    )
-
-
-class _Answer(ctypes.Structure):
-    _fields_ = (
-        ("near", ctypes.c_void_p),
-        ("near_room", ctypes.c_int64),
-        ("reached", ctypes.c_void_p),
-        ("reached_room", ctypes.c_int64),
-        ("near_count", ctypes.c_int64),
-        ("reached_count", ctypes.c_int64),
-        ("summary", ctypes.c_uint64 * 7),
-    )
+    asserted: bool
+    symptom: str
+    clock: int
+    loading: bool
+    accepted: int
+    ended: int
+    clocks: int
 
 
 class MeshPlayer(Player):
-    """The mesh engine of a library."""
+    """The mesh engine of a library behind a bus-functional model; in reset at first."""
 
-    def play(self, script: MeshScript) -> tuple[str, int]:
-        """Play a script from reset; return what is wrong, and how many runs were right before."""
-        given = _Script(
-            script.steps.ctypes.data, len(script.steps), script.triangles.ctypes.data,
-            script.near.ctypes.data, script.clocks.ctypes.data,
+    def watch(self, loads: bool, core: bool) -> None:
+        """Note what is loaded, and what reaches the core, or do not: it costs time."""
+        self.library.triaxis_watch(ctypes.c_void_p(self.model), int(loads), int(core))
+
+    def set_reset(self, active: bool) -> None:
+        """Assert reset, or release it, between two edges."""
+        self.library.triaxis_reset(ctypes.c_void_p(self.model), int(active))
+
+    def set_paces(self, near: Runs = ALWAYS, done: Runs = ALWAYS) -> None:
+        """Take near pairs and summaries by patterns of clocks on and off, alternating; empty: always."""
+        self.library.triaxis_paces(
+            ctypes.c_void_p(self.model), *_address(near), *_address(done)
         )  # fmt: skip
-        checked = ctypes.c_int64()
-        play = self.library.triaxis_mesh_play
-        play.argtypes = [ctypes.c_void_p] * 3
-        symptom = play(self.model, ctypes.byref(given), ctypes.byref(checked))
-        return SYMPTOMS[symptom], checked.value
+
+    def load(
+        self, mesh: int, triangles: npt.NDArray[np.integer[Any]], clear: bool = True, gaps: Runs = ALWAYS
+    ) -> None:
+        """Begin to offer triangles (N, 3, 3) for mesh 0 or 1, which is emptied first or not."""
+        # Held here: C++ keeps a pointer to them until the last is accepted.
+        self._held = np.ascontiguousarray(triangles, np.int32)
+        load = _Load(
+            mesh, int(clear), len(self._held), self._held.ctypes.data, len(gaps), gaps.ctypes.data
+        )  # fmt: skip
+        self.library.triaxis_load(ctypes.c_void_p(self.model), ctypes.byref(load))
+
+    def offer(
+        self, translation: Move, margin: int, mode: int, aborts: Iterable[int] = (), idle_abort: bool = False
+    ) -> None:
+        """Offer a run: while no other is offered. ``aborts``: clocks after its acceptance.
+
+        ``idle_abort``: abort is high for a clock before it is offered.
+        """
+        clocks = np.array(sorted(set(aborts)), np.int64)
+        run = _Run(
+            (ctypes.c_int64 * 3)(*translation), margin, mode, int(idle_abort), len(clocks),
+            clocks.ctypes.data,
+        )  # fmt: skip
+        self.library.triaxis_offer(ctypes.c_void_p(self.model), ctypes.byref(run))
+
+    def run(self, clocks: int) -> MeshProgress:
+        """Run for so many clocks at most: until a load is over, a run is accepted or has ended.
+
+        Also until events are to be fetched, or an assertion fails for the first time.
+        """
+        progress = _Progress()
+        symptom = self.library.triaxis_run(
+            ctypes.c_void_p(self.model), ctypes.c_int64(clocks), ctypes.byref(progress)
+        )
+        return MeshProgress(
+            bool(progress.asserted), SYMPTOMS[symptom] or (HANGS if progress.hung else ""), progress.clock,
+            bool(progress.loading), progress.accepted, progress.ended, progress.clocks,
+        )  # fmt: skip
+
+    def events(self) -> tuple[npt.NDArray[np.void], npt.NDArray[np.int64]]:
+        """Return what was seen since the last call, of `EVENT` in order of time, and the numbers with it."""
+        counts = ctypes.c_int64(), ctypes.c_int64()
+        model = ctypes.c_void_p(self.model)
+        self.library.triaxis_noted(model, *map(ctypes.byref, counts))
+        events, values = np.empty(counts[0].value, EVENT), np.empty(counts[1].value, np.int64)
+        self.library.triaxis_fetch(
+            model, ctypes.c_void_p(events.ctypes.data), ctypes.c_void_p(values.ctypes.data)
+        )
+        return events, values
 
     def held(self, mesh: int) -> int:
         """Return how many triangles the engine says that it holds of mesh 0 or 1."""
-        held = self.library.triaxis_mesh_held
-        held.argtypes, held.restype = [ctypes.c_void_p, ctypes.c_int], ctypes.c_int64
-        return int(held(self.model, mesh))
+        self.library.triaxis_held.restype = ctypes.c_int64
+        return int(self.library.triaxis_held(ctypes.c_void_p(self.model), mesh))
 
-    def do(
-        self,
-        step: npt.NDArray[np.void],
-        triangles: npt.NDArray[np.int32] | None = None,
-        near: npt.NDArray[np.uint32] | None = None,
-        reached: npt.NDArray[np.uint32] | None = None,
-    ) -> tuple[str, tuple[int, int], list[int]]:
-        """Do one step on an engine that is trusted with the rules of its streams; fill ``near``, ``reached``.
 
-        Returns what is wrong, how many near pairs and pairs at the core there were, and the summary.
-        """
-        answer = _Answer(
-            None if near is None else near.ctypes.data, 0 if near is None else len(near),
-            None if reached is None else reached.ctypes.data, 0 if reached is None else len(reached),
-        )  # fmt: skip
-        do = self.library.triaxis_mesh_step
-        do.argtypes = [ctypes.c_void_p] * 4
-        given = None if triangles is None else triangles.ctypes.data
-        symptom = do(self.model, step.ctypes.data, given, ctypes.byref(answer))
-        return SYMPTOMS[symptom], (answer.near_count, answer.reached_count), list(answer.summary)
+def _address(runs: Runs) -> tuple[ctypes.c_void_p, ctypes.c_int64]:
+    return ctypes.c_void_p(runs.ctypes.data), ctypes.c_int64(len(runs))
+
+
+def pairs_of(events: npt.NDArray[np.void], kind: int) -> npt.NDArray[np.int64]:
+    """Return the pairs (N, 2) of events of a kind: NEAR or REACHED."""
+    some = events[events["kind"] == kind]
+    return np.stack([some["a"], some["b"]], 1).astype(np.int64)
 
 
 _NO_STALLS = Traffic()
+# Clocks after which the model returns in any case, and stalls that are drawn: used over and over.
+_MOST_CLOCKS, _STALLS = 1 << 40, 2048
 
 
 class MeshEngine:
@@ -193,6 +237,9 @@ class MeshEngine:
         usual = replace(build, traced=True, speed=MANY) if traced else build
         self._player = MeshPlayer(library or built_library(usual))
         self.library = self._player.library
+        self._player.run(1)
+        self._player.set_reset(False)
+        self._player.run(1)
 
     def load(
         self, a: npt.NDArray[np.integer[Any]], b: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
@@ -219,15 +266,12 @@ class MeshEngine:
         low, high = coordinate_range(self.configuration.width)
         if len(triangles) and (triangles.min() < low or triangles.max() > high):
             raise InputError(f"mesh {'AB'[mesh]}: coordinates must be {low}..{high}")
-        words = np.ascontiguousarray(triangles, np.int32)
-        step = mesh_step(
-            kind=LOAD, mesh=mesh, clear=1, count=len(words), seed=traffic.seed, stall=traffic.stall_chance
-        )
-        symptom, _, _ = self._player.do(step, words)
-        if symptom:
+        self._player.watch(False, False)
+        self._player.load(mesh, triangles, gaps=_stalls(traffic, 0))
+        if self._player.run(_MOST_CLOCKS).loading:
             raise CoreError(f"mesh engine {self.configuration.name}: not ready to load")
         counts = list(self.counts)
-        counts[mesh] = len(words)
+        counts[mesh] = len(triangles)
         self.counts = (counts[0], counts[1])
         return self._player.held(mesh)
 
@@ -250,20 +294,39 @@ class MeshEngine:
         if not 0 <= margin <= self.configuration.max_margin:
             raise InputError(f"margin {margin}: must be 0..{self.configuration.max_margin}")
         pairs = self.counts[0] * self.counts[1]
-        near = np.zeros((pairs if mode == Mode.ALL else 1, 2), np.uint32)
-        tested = np.zeros((pairs if reached else 0, 2), np.uint32)
-        x, y, z = translation
-        step = mesh_step(
-            kind=RUN, move_x=x, move_y=y, move_z=z, margin=margin, mode=mode, abort_at=traffic.abort_at,
-            seed=traffic.seed, stall=traffic.stall_chance,
-        )  # fmt: skip
-        symptom, (streamed, at_core), summary = self._player.do(step, None, near, tested)
-        if symptom:
-            raise CoreError(f"mesh engine {self.configuration.name}: it hangs")
-        if streamed > len(near):
-            raise CoreError(f"mesh engine {self.configuration.name}: {streamed} near pairs of {pairs}")
-        if reached and at_core > len(tested):
-            raise CoreError(f"mesh engine {self.configuration.name}: tested {at_core} of {pairs} pairs")
-        told = near[:streamed].astype(np.int64)
-        seen = tested[:at_core].astype(np.int64) if reached else None
-        return MeshRun(Status(summary[0]), *summary[1:], near=told, reached=seen)
+        self._player.watch(False, reached)
+        self._player.set_paces(_stalls(traffic, 0), _stalls(traffic, 1))
+        self._player.offer(translation, margin, mode, [traffic.abort_at])
+        near, tested, summary = self._follow()
+        name = f"mesh engine {self.configuration.name}"
+        if len(near) > pairs:
+            raise CoreError(f"{name}: {len(near)} near pairs of {pairs}")
+        if len(tested) > pairs:
+            raise CoreError(f"{name}: tested {len(tested)} of {pairs} pairs")
+        return MeshRun(Status(summary[0]), *summary[1:7], near=near, reached=tested if reached else None)
+
+    def _follow(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], list[int]]:
+        """Run until a summary was taken; return near pairs, pairs at the core, and what it says."""
+        parts: list[npt.NDArray[np.void]] = []
+        before = self._player.run(0).ended
+        progress = self._player.run(_MOST_CLOCKS)
+        while True:
+            events, values = self._player.events()
+            parts.append(events)
+            if progress.symptom:
+                raise CoreError(f"mesh engine {self.configuration.name}: {progress.symptom}")
+            if progress.ended > before:
+                break
+            progress = self._player.run(_MOST_CLOCKS)
+        seen = np.concatenate(parts)
+        return pairs_of(seen, NEAR), pairs_of(seen, REACHED), values[-NUM_VALUES[SUMMARY] :].tolist()
+
+
+def _stalls(traffic: Traffic, stream: int) -> Runs:
+    """Return clocks on and off so that each is off with the chance that is asked for."""
+    off = traffic.stall_chance / 256
+    if not off:
+        return ALWAYS
+    rng = np.random.default_rng([traffic.seed, stream])
+    runs = np.stack([rng.geometric(off, _STALLS), rng.geometric(1 - off, _STALLS)], 1)
+    return runs.clip(max=np.iinfo(np.uint16).max).astype(np.uint16).ravel()

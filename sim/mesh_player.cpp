@@ -1,411 +1,435 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The Verilated mesh engine behind C functions; see mesh_engine.py. It loads meshes, runs and resets, step by
-// step, and takes what comes of them. A script of steps, each with what must come of it, is played on an engine
-// that is not trusted: every clock is held against the rules of the streams, every run against the script, and
-// the first thing that is wrong ends it. A single step is done on an engine that is trusted with the rules: what
-// it answers, and which pairs reach the core, so that a user can account for all others, is handed out.
+// The Verilated mesh engine behind C functions: a bus-functional model of all its streams. It offers triangles
+// and runs, aborts runs, takes near pairs and summaries at given paces, and notes what it sees in one list of
+// events, in order of time. Everything is sampled before the rising edge and driven after it, as the pin agents
+// do. What is offered stays until it is accepted; while nothing is offered, the pins say something else than
+// what was or comes next, so that an engine that takes it shows. See mesh_engine.py.
 
 #include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "Vtop___024root.h"
 #include "player.h"
 
 namespace {
 
-using triaxis::Stalls;
+using triaxis::Pattern;
 using triaxis::Symptom;
-using triaxis::kPassed;
 
-// Clocks of a run whose length is not known yet.
-constexpr int64_t kPatience = 100000;
-// Clocks without any near pair, tested pair or summary after which an engine is taken to hang: skipping takes at
-// most one for each pair of triangles.
-constexpr int64_t kMostIdle = (int64_t{1} << (2 * INDEX_BITS)) + 1024;
-// Clocks after which it must be ready for a run.
-constexpr int kMostBusy = 16;
-constexpr int64_t kNever = -1;
-constexpr uint64_t kCoordinateMask = (uint64_t{1} << WIDTH) - 1;
-constexpr uint64_t kMoveMask = (uint64_t{1} << (WIDTH + 1)) - 1;
+constexpr int kCoordinates = 9;
+constexpr int kMoveBits = WIDTH + 1;
 constexpr uint64_t kIndexMask = (uint64_t{1} << INDEX_BITS) - 1;
-constexpr int64_t kMostCycles = (int64_t{1} << CYCLE_BITS) - 1;
+// Words that hold any stream's data, and what a reader of 64 bits reads beyond them.
+constexpr int kWords = (kCoordinates * WIDTH + 31) / 32 + 2;
 
-enum Kind : int64_t { kLoad, kRun, kReset };
-enum Mode : int64_t { kModeFirst, kModeAll };
-enum Status : int64_t { kStatusFirst = 2, kStatusAborted = 3 };
+// Events at which they are to be fetched.
+constexpr size_t kFull = size_t{1} << 16;
+// Clocks that what was asked for may take, but for those in which the engine waits for its results to be taken:
+// a scan takes little more than one for each pair of triangles.
+constexpr int64_t kPatience = (int64_t{2} << (2 * INDEX_BITS)) + 2000;
 
-struct Step {
-  int64_t kind;
-  int64_t mesh, clear, first, count;
-  int64_t held_a, held_b, overfull;
-  int64_t move[3], margin, mode;
-  int64_t abort_at, abort_clocks;
-  int64_t status, exact, group_pairs_skipped, group_pairs_opened, pairs_skipped, tested, near_count;
-  int64_t near_first, near_length;
-  int64_t seed, stall, hold, early, cut;
+// Kinds of events, and what their numbers are; mesh_engine.py has the same.
+enum Kind : uint32_t {
+  kLoaded,    // a: LoadedFlag; values: nine coordinates
+  kAccepted,  // a: whether abort was high since the run before; values: three moves, margin, mode
+  kAborted,   // a: the clock of the run
+  kSummary,   // values: see NoteSummary
+  kReset,
+  kNear,     // a, b: indices in A and B; c: clocks that the pair waited
+  kReached,  // a, b: indices in A and B of a pair that the core accepted
+};
+enum LoadedFlag : uint32_t { kOfB = 1, kClear = 2, kWithRun = 4 };
+
+struct Event {
+  uint32_t kind, a, b, c;
 };
 
-// Triangles and near pairs that steps name; the clocks of each run, or kNever where they are to be measured.
-struct Script {
-  const Step* steps;
-  int64_t num_steps;
+// Triangles for a mesh, nine coordinates each, with clocks on and off, as Python holds them.
+struct Load {
+  int64_t mesh, clear, count;
   const int32_t* triangles;
-  const uint32_t* near;
-  int64_t* clocks;
+  int64_t num_runs;
+  const uint16_t* runs;
 };
 
-// What the engine says of a run, at all times.
-struct Summary {
-  uint64_t status, cycles, group_pairs_skipped, group_pairs_opened, pairs_skipped, tested, near_count;
-  bool operator==(const Summary&) const = default;
+// A run, and the clocks after its acceptance in which it is aborted, in order. idle_abort: abort is high for a
+// clock before it is offered.
+struct Run {
+  int64_t move[3], margin, mode, idle_abort, num_aborts;
+  const int64_t* aborts;
 };
 
-// What a run of a trusted engine answers: near pairs and pairs that reached the core, as (index in A, index in B).
-struct Answer {
-  uint32_t* near;
-  int64_t near_room;
-  uint32_t* reached;
-  int64_t reached_room;
-  int64_t near_count, reached_count;
-  Summary summary;
-
-  void Near(uint64_t a, uint64_t b) { Put(near, near_room, near_count++, a, b); }
-  void Reached(uint64_t a, uint64_t b) { Put(reached, reached_room, reached_count++, a, b); }
-
- private:
-  static void Put(uint32_t* pairs, int64_t room, int64_t at, uint64_t a, uint64_t b) {
-    if (at >= room) return;
-    pairs[2 * at] = static_cast<uint32_t>(a);
-    pairs[2 * at + 1] = static_cast<uint32_t>(b);
-  }
+// How far things are: whether an assertion has failed, whether nothing comes of what was asked for, all clocks,
+// whether triangles are left to be loaded, runs accepted and ended, and the clocks of the last that ended.
+struct Progress {
+  int64_t asserted, hung, clock, loading, accepted, ended, clocks;
 };
 
-void PutBits(void* bytes, int position, int width, uint64_t value) {
-  auto* target = static_cast<uint8_t*>(bytes);
-  for (int bit = 0; bit < width; ++bit) {
-    const int at = position + bit;
-    const auto mask = static_cast<uint8_t>(1u << (at % 8));
-    target[at / 8] = static_cast<uint8_t>((value >> bit) & 1 ? target[at / 8] | mask : target[at / 8] & ~mask);
+// Writes the lowest bits of a value.
+void PutBits(uint32_t* words, int position, int width, int64_t value) {
+  for (int done = 0; done < width;) {
+    const int shift = (position + done) % 32;
+    const int count = std::min(32 - shift, width - done);
+    const auto mask = static_cast<uint32_t>(((uint64_t{1} << count) - 1) << shift);
+    uint32_t& word = words[(position + done) / 32];
+    word = (word & ~mask) | (static_cast<uint32_t>(static_cast<uint64_t>(value) >> done << shift) & mask);
+    done += count;
   }
 }
 
-// Notes the pair that reaches the core, where the build lets it be seen: see mesh_public.vlt.
-template <typename Root>
-bool NoteReached(const Root& root, Answer& answer) {
-  if constexpr (requires {
-                  root.triaxis_mesh__DOT__core_valid;
-                  root.triaxis_mesh__DOT__core_ready;
-                  root.triaxis_mesh__DOT__core_a;
-                  root.triaxis_mesh__DOT__core_b;
-                }) {
-    if (!root.triaxis_mesh__DOT__core_valid || !root.triaxis_mesh__DOT__core_ready) return false;
-    answer.Reached(root.triaxis_mesh__DOT__core_a, root.triaxis_mesh__DOT__core_b);
-    return true;
-  }
-  return false;
+// Reads a signed number out of 64 bits from the byte on in which it begins.
+int64_t TakeBits(const uint32_t* words, int position, int width) {
+  uint64_t window;
+  std::memcpy(&window, reinterpret_cast<const char*>(words) + position / 8, sizeof window);
+  return static_cast<int64_t>(window << (64 - width - position % 8)) >> (64 - width);
+}
+
+template <typename Pin>
+void Set(Pin& pin, const uint32_t* words) {
+  std::memcpy(&pin, words, sizeof pin);
+}
+
+template <typename Pin>
+void Get(const Pin& pin, uint32_t* words) {
+  std::memcpy(words, &pin, sizeof pin);
 }
 
 class Player {
  public:
-  explicit Player(uint32_t selected) : bench(selected), engine_(bench.model()) {}
-
-  Symptom Play(const Script& script) {
-    checked_ = 0;
-    Symptom symptom = Reset();
-    for (int64_t i = 0; symptom == kPassed && i < script.num_steps; ++i) {
-      const Step& step = script.steps[i];
-      const Step* next = i + 1 < script.num_steps ? &script.steps[i + 1] : nullptr;
-      if (step.kind == kLoad) symptom = Load(script, step, next);
-      if (step.kind == kRun) symptom = Run(script, step, next, script.clocks[i]);
-      if (step.kind == kReset) symptom = Reset();
-      if (symptom == kPassed && !step.early) symptom = Held(step);
-      if (symptom == kPassed && bench.asserted()) symptom = triaxis::kAssertion;
-    }
-    return symptom;
+  explicit Player(uint32_t selected) : bench(selected), engine_(bench.model()), root_(*engine_.rootp) {
+    engine_.m_axis_near_tready_i = engine_.m_axis_done_tready_i = 1;
+    bench.Fall();
   }
 
-  // Does one step on a trusted engine.
-  Symptom Do(const Step& step, const int32_t* triangles, Answer& answer) {
-    const Script script{&step, 1, triangles, nullptr, nullptr};
-    if (!begun_) Reset();
-    answer_ = &answer;
-    answer.near_count = answer.reached_count = 0;
-    int64_t clocks = kNever;
-    const Symptom symptom = step.kind == kLoad ? Load(script, step, nullptr) : Run(script, step, nullptr, clocks);
-    answer.summary = said_;
-    answer_ = nullptr;
+  void Start(const Load& load) {
+    load_ = load;
+    next_word_ = load.clear ? -1 : 0;
+    gaps_.Set(load.runs, load.num_runs);
+    OfferWord();
     bench.Eval();
-    return symptom;
   }
 
-  int64_t checked() const { return checked_; }
+  void Start(const Run& run) {
+    asked_ = run;
+    asked_aborts_.assign(run.aborts, run.aborts + run.num_aborts);
+    announced_ = run.idle_abort;
+    if (announced_) {
+      engine_.abort_i = 1;
+    } else {
+      PutRun(0);
+      engine_.s_axis_run_tvalid_i = 1;
+    }
+    bench.Eval();
+  }
+
+  void SetPaces(const uint16_t* near, int64_t num_near, const uint16_t* done, int64_t num_done) {
+    near_pace_.Set(near, num_near);
+    done_pace_.Set(done, num_done);
+  }
+
+  // Between two edges, at once.
+  void SetReset(bool active) {
+    engine_.rst_ni = !active;
+    bench.Eval();
+  }
+
+  // Runs for some clocks, or until a load is over, a run is accepted or ended, or there is something to be said.
+  void Go(int64_t clocks) {
+    const Progress before = progress();
+    for (; clocks > 0; --clocks) {
+      Clock();
+      const bool moved = before.accepted != accepted_ || before.ended != ended_ || before.loading != loading();
+      if (moved || events.size() >= kFull || hung() || before.asserted != bench.asserted()) return;
+    }
+  }
+
+  Progress progress() const {
+    return {bench.asserted(), hung(), clock_, loading(), accepted_, ended_, clocks_};
+  }
   int64_t held(int mesh) const { return mesh ? engine_.count_b_o : engine_.count_a_o; }
 
   triaxis::Bench bench;
+  // What is noted besides runs: loads, pairs that reach the core.
+  bool notes_loads = true;
+  bool notes_core = true;
+  std::vector<Event> events;
+  std::vector<int64_t> values;
 
  private:
-  bool trusted() const { return answer_ != nullptr; }
+  bool loading() const { return engine_.s_axis_load_tvalid_i || next_word_ < load_.count; }
+  bool hung() const { return patience_ < 0; }
 
-  // The outputs of a clock settle; the rules that hold in every clock are checked.
-  Symptom Settle() {
-    bench.Eval();
-    if (trusted()) return kPassed;
-    const bool idle = !busy_;
-    if (engine_.busy_o != busy_) return triaxis::kWrongHandshake;
-    if (engine_.s_axis_load_tready_o != idle || engine_.s_axis_run_tready_o != idle) {
-      return triaxis::kWrongHandshake;
+  void Clock() {
+    const bool reset = !engine_.rst_ni;
+    const bool word_moves = !reset && engine_.s_axis_load_tvalid_i && engine_.s_axis_load_tready_o;
+    const bool run_moves = !reset && engine_.s_axis_run_tvalid_i && engine_.s_axis_run_tready_o;
+    const bool taken = !reset && engine_.m_axis_done_tvalid_o && engine_.m_axis_done_tready_i;
+    if (reset) {
+      NoteReset();
+    } else {
+      in_reset_ = false;
+      Note(word_moves, run_moves);
     }
-    if (idle && (engine_.m_axis_near_tvalid_o || engine_.m_axis_done_tvalid_o)) return triaxis::kUnexpected;
-    if (idle && !(Said() == said_)) return triaxis::kUnstable;
-    if (near_waits_ && !(engine_.m_axis_near_tvalid_o && engine_.m_axis_near_tdata_o == near_word_)) {
-      return triaxis::kUnstable;
-    }
-    near_waits_ = engine_.m_axis_near_tvalid_o && !engine_.m_axis_near_tready_i;
-    near_word_ = engine_.m_axis_near_tdata_o;
-    return kPassed;
+    Wait(reset || word_moves || run_moves || taken);
+    bench.Rise();
+    if (word_moves || (!engine_.s_axis_load_tvalid_i && next_word_ < load_.count)) OfferWord();
+    FollowRun(run_moves, taken || reset);
+    engine_.m_axis_near_tready_i = Ready(near_pace_);
+    engine_.m_axis_done_tready_i = Ready(done_pace_);
+    bench.Fall();
+    ++clock_;
   }
 
-  // Two clocks: the first of reset, the second before the engine is awake.
-  Symptom Reset() {
-    begun_ = true;
-    engine_.clk_i = 0;
-    engine_.rst_ni = 0;
-    engine_.s_axis_load_tvalid_i = 0;
-    engine_.s_axis_run_tvalid_i = 0;
-    load_offered_ = running_ = false;
-    engine_.m_axis_near_tready_i = 1;
-    engine_.m_axis_done_tready_i = 1;
-    engine_.abort_i = 0;
-    busy_ = near_waits_ = false;
-    for (int clock = 0; clock < 2; ++clock) {
-      bench.Eval();
-      if (engine_.s_axis_load_tready_o || engine_.s_axis_run_tready_o || engine_.m_axis_near_tvalid_o ||
-          engine_.m_axis_done_tvalid_o || engine_.busy_o || engine_.count_a_o || engine_.count_b_o ||
-          engine_.overfull_o || !(Said() == Summary{.cycles = engine_.cycles_o})) {
-        return triaxis::kNotQuiet;
-      }
-      bench.Clock();
-      engine_.rst_ni = 1;
-    }
-    said_ = Said();
-    return kPassed;
+  static bool Ready(Pattern& pace) {
+    const bool ready = pace.On();
+    if (ready) pace.Use();
+    return ready;
   }
 
-  Summary Said() const {
-    return {engine_.status_o,        engine_.cycles_o, engine_.group_pairs_skipped_o,
-            engine_.group_pairs_opened_o, engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o};
-  }
-
-  Symptom Held(const Step& step) {
-    bench.Eval();
-    const bool right = engine_.count_a_o == step.held_a && engine_.count_b_o == step.held_b &&
-                       engine_.overfull_o == step.overfull;
-    return right ? kPassed : triaxis::kWrongCount;
-  }
-
-  // Word i of a load: -1 empties the mesh.
-  void OfferLoad(const Script& script, const Step& step, int64_t i) {
-    engine_.s_axis_load_tuser_i = static_cast<uint8_t>((i < 0 ? 2 : 0) | step.mesh);
-    const int64_t at = step.first + std::max<int64_t>(i, 0);
-    for (int c = 0; c < 9 && step.count > 0; ++c) {
-      const auto value = static_cast<uint64_t>(int64_t{script.triangles[9 * at + c]});
-      PutBits(&engine_.s_axis_load_tdata_i, c * WIDTH, WIDTH, value & kCoordinateMask);
+  void Wait(bool moves) {
+    const bool stalled = (engine_.m_axis_near_tvalid_o && !engine_.m_axis_near_tready_i) ||
+                         (engine_.m_axis_done_tvalid_o && !engine_.m_axis_done_tready_i);
+    const bool asked = running_ || engine_.s_axis_load_tvalid_i || engine_.s_axis_run_tvalid_i;
+    if (moves || !asked) {
+      patience_ = kPatience;
+    } else if (!stalled) {
+      --patience_;
     }
   }
 
-  void OfferRun(const Step& step) {
-    for (int k = 0; k < 3; ++k) {
-      PutBits(&engine_.s_axis_run_tdata_i, k * (WIDTH + 1), WIDTH + 1,
-              static_cast<uint64_t>(step.move[k]) & kMoveMask);
-    }
-    const auto user = static_cast<uint64_t>(step.mode) << MARGIN_BITS | static_cast<uint64_t>(step.margin);
-    std::memcpy(&engine_.s_axis_run_tuser_i, &user, sizeof engine_.s_axis_run_tuser_i);
-    engine_.s_axis_run_tvalid_i = 1;
+  // --- What is driven -------------------------------------------------------------------------------------
+
+  void OfferWord() {
+    const bool offered = engine_.s_axis_load_tvalid_i;
+    const bool next = next_word_ < load_.count && gaps_.On();
+    if (next) gaps_.Use();
+    // What is not valid is a word to empty the other mesh.
+    if (next || offered) PutWord(std::max<int64_t>(next_word_, 0), next && next_word_ >= 0 ? 0 : -1);
+    const int64_t user = next && next_word_ >= 0 ? 0 : 2;
+    engine_.s_axis_load_tuser_i = user | (next ? load_.mesh : load_.mesh ^ 1);
+    engine_.s_axis_load_tvalid_i = next;
+    next_word_ += next;
   }
 
-  // Words before the first are none, where the mesh is not emptied.
-  static int64_t FirstWord(const Step& step) { return step.clear ? -1 : 0; }
-
-  Symptom Load(const Script& script, const Step& step, const Step* next) {
-    Stalls stalls(step.seed, step.stall);
-    // An abort without a run is ignored.
-    engine_.abort_i = !trusted() && step.seed & 1;
-    for (int64_t i = FirstWord(step); i < step.count;) {
-      // What was offered during the run before is not withdrawn.
-      const bool send = load_offered_ || !stalls.Now();
-      load_offered_ = false;
-      engine_.s_axis_load_tvalid_i = send;
-      OfferLoad(script, step, i);
-      // What is not valid says to empty the other mesh.
-      if (!send) engine_.s_axis_load_tuser_i = static_cast<uint8_t>(3 ^ step.mesh);
-      const bool started = send && i + 1 == step.count && step.early && next && next->kind == kRun;
-      if (started) OfferRun(*next);
-      const Symptom symptom = Settle();
-      if (symptom != kPassed) return symptom;
-      if (!engine_.s_axis_load_tready_o) return triaxis::kNotReady;
-      running_ = started;
-      bench.Clock();
-      i += send;
-    }
-    engine_.s_axis_load_tvalid_i = 0;
-    engine_.abort_i = 0;
-    return kPassed;
+  // Triangle i, or the last, all bits flipped or none.
+  void PutWord(int64_t i, int32_t flip) {
+    if (load_.count == 0) return;
+    const int32_t* triangle = load_.triangles + kCoordinates * std::min(i, load_.count - 1);
+    uint32_t words[kWords] = {};
+    for (int c = 0; c < kCoordinates; ++c) PutBits(words, c * WIDTH, WIDTH, triangle[c] ^ flip);
+    Set(engine_.s_axis_load_tdata_i, words);
   }
 
-  Symptom Run(const Script& script, const Step& step, const Step* next, int64_t& clocks) {
-    if (!running_) {
-      OfferRun(step);
-      // In the clock of acceptance there is no run yet to be aborted.
-      engine_.abort_i = !trusted() && step.seed >> 1 & 1;
-      const Symptom symptom = Accepted();
-      if (symptom != kPassed) return symptom;
-    }
-    running_ = false;
-    busy_ = true;
-    engine_.s_axis_run_tvalid_i = 0;
-    if (step.early && next && next->kind == kRun) OfferRun(*next);
-    if (step.early && next && next->kind == kLoad && FirstWord(*next) < next->count) {
-      OfferLoad(script, *next, FirstWord(*next));
-      engine_.s_axis_load_tvalid_i = load_offered_ = true;
-    }
-    const Symptom symptom = Follow(script, step, clocks);
-    engine_.abort_i = 0;
-    checked_ += symptom == kPassed;
-    return symptom;
+  // All bits flipped, or none.
+  void PutRun(int64_t flip) {
+    uint32_t data[kWords] = {}, user[kWords] = {};
+    for (int k = 0; k < 3; ++k) PutBits(data, k * kMoveBits, kMoveBits, asked_.move[k] ^ flip);
+    PutBits(user, 0, MARGIN_BITS + 2, (asked_.mode << MARGIN_BITS | asked_.margin) ^ flip);
+    Set(engine_.s_axis_run_tdata_i, data);
+    Set(engine_.s_axis_run_tuser_i, user);
   }
 
-  // The clock in which a run is accepted: the first, where the engine keeps the rules.
-  Symptom Accepted() {
-    for (int wait = 0;; ++wait) {
-      const Symptom symptom = Settle();
-      if (symptom != kPassed) return symptom;
-      const bool ready = engine_.s_axis_run_tready_o;
-      if (!ready && wait == kMostBusy) return triaxis::kNotReady;
-      bench.Clock();
-      if (ready) return kPassed;
-    }
-  }
-
-  // From the clock after acceptance until the summary is taken.
-  Symptom Follow(const Script& script, const Step& step, int64_t& clocks) {
-    Stalls near_stalls(step.seed, step.stall), done_stalls(step.seed + 1, step.stall);
-    const int64_t patience = clocks == kNever ? kPatience : clocks + 1;
-    int64_t offered = kNever;
-    bool aborted = false;
-    streamed_ = idle_ = 0;
-    for (int64_t clock = 0;; ++clock) {
-      if (clock == step.cut) return Reset();
-      const bool abort = clock >= step.abort_at && clock < step.abort_at + step.abort_clocks;
-      engine_.abort_i = step.abort_at != kNever && abort;
-      engine_.m_axis_near_tready_i = clock >= step.hold && !near_stalls.Now();
-      engine_.m_axis_done_tready_i = !done_stalls.Now();
-      Symptom symptom = Settle();
-      if (symptom == kPassed) symptom = trusted() ? Note() : Near(script, step);
-      if (symptom != kPassed) return symptom;
-      const bool done = engine_.m_axis_done_tvalid_o;
-      if (!trusted()) {
-        if (offered == kNever && !done) {
-          aborted = aborted || engine_.abort_i;
-          if (clock > patience) return triaxis::kHang;
-        } else {
-          if (!done) return triaxis::kUnstable;
-          if (offered == kNever) offered = clock;
-          // Nothing of it moves while it waits.
-          symptom = Judge(step, aborted, offered);
-          if (symptom != kPassed) return symptom;
-          if (clocks == kNever) clocks = offered;
-          if (clocks != offered) return triaxis::kWrongClocks;
-        }
-      }
-      const bool taken = done && engine_.m_axis_done_tready_i;
-      if (taken && trusted()) said_ = Said();
-      bench.Clock();
-      if (taken) {
-        busy_ = false;
-        if (!trusted()) said_ = Said();
-        return step.cut == kNever ? kPassed : Reset();
+  void FollowRun(bool accepted, bool over) {
+    if (running_) {
+      ++run_clock_;
+      if (over) {
+        running_ = false;
+        clocks_ = run_clock_;
+        ++ended_;
       }
     }
-  }
-
-  // Takes note of what a trusted engine does in this clock.
-  Symptom Note() {
-    ++idle_;
-    if (NoteReached(*engine_.rootp, *answer_)) idle_ = 0;
-    if (engine_.m_axis_near_tvalid_o && engine_.m_axis_near_tready_i) {
-      const uint64_t pair = engine_.m_axis_near_tdata_o;
-      answer_->Near(pair & kIndexMask, pair >> INDEX_BITS & kIndexMask);
-      idle_ = 0;
+    if (accepted) {
+      running_ = true;
+      run_clock_ = 0;
+      aborts_.swap(asked_aborts_);
+      next_abort_ = 0;
+      ++accepted_;
+      PutRun(-1);
+      engine_.s_axis_run_tvalid_i = 0;
+    } else if (announced_) {
+      announced_ = false;
+      PutRun(0);
+      engine_.s_axis_run_tvalid_i = 1;
     }
-    return idle_ > kMostIdle ? triaxis::kHang : kPassed;
+    engine_.abort_i = running_ && next_abort_ < aborts_.size() && aborts_[next_abort_] == run_clock_;
+    next_abort_ += engine_.abort_i;
   }
 
-  Symptom Near(const Script& script, const Step& step) {
-    if (!engine_.m_axis_near_tvalid_o) return kPassed;
-    if (engine_.m_axis_done_tvalid_o) return triaxis::kEarlySummary;
-    if (streamed_ >= step.near_length) return triaxis::kUnexpected;
-    const uint32_t* pair = script.near + 2 * (step.near_first + streamed_);
-    const uint64_t word = engine_.m_axis_near_tdata_o;
-    if ((word & kIndexMask) != pair[0] || word >> INDEX_BITS != pair[1]) return triaxis::kWrongNear;
-    streamed_ += engine_.m_axis_near_tready_i;
-    return kPassed;
+  // --- What is seen ---------------------------------------------------------------------------------------
+
+  void NoteReset() {
+    if (!in_reset_) events.push_back({kReset});
+    in_reset_ = true;
+    aborted_idle_ = false;
+    near_wait_ = seen_clocks_ = done_wait_ = 0;
   }
 
-  Symptom Judge(const Step& step, bool aborted, int64_t offered) const {
-    if (engine_.cycles_o != std::min(offered + 1, kMostCycles)) return triaxis::kWrongClocks;
-    const int64_t status = engine_.status_o;
-    const bool first = step.mode == kModeFirst && status == kStatusFirst && step.status == kStatusFirst;
-    if (aborted ? status != kStatusAborted && !first : status != step.status) return triaxis::kWrongStatus;
-    // What ends early has skipped and tested a part.
-    const bool whole = !aborted;
-    const auto right = [](int64_t is, int64_t due, bool exact) { return exact ? is == due : is <= due; };
-    if (!right(engine_.group_pairs_skipped_o, step.group_pairs_skipped, whole && step.exact) ||
-        !right(engine_.group_pairs_opened_o, step.group_pairs_opened, whole && step.exact) ||
-        !right(engine_.pairs_skipped_o, step.pairs_skipped, whole && step.exact) ||
-        !right(engine_.tested_o, step.tested, whole) || !right(engine_.near_o, step.near_count, whole)) {
-      return triaxis::kWrongCounters;
+  void Note(bool word_moves, bool run_moves) {
+    if (word_moves && notes_loads) NoteWord(run_moves);
+    const bool busy = engine_.busy_o;
+    if (busy) {
+      if (engine_.abort_i) events.push_back({kAborted, seen_run_clock_});
+      ++seen_run_clock_;
+    } else {
+      aborted_idle_ |= engine_.abort_i;
+      if (run_moves) NoteRun();
     }
-    if (step.mode == kModeAll && engine_.near_o != streamed_) return triaxis::kLostNear;
-    return right(streamed_, step.near_length, whole) ? kPassed : triaxis::kLostNear;
+    if (notes_core) NoteReached(root_);
+    if (engine_.m_axis_near_tvalid_o) NoteNear();
+    NoteSummary(busy);
+  }
+
+  void NoteWord(bool run_moves) {
+    const uint32_t user = engine_.s_axis_load_tuser_i;
+    events.push_back({kLoaded, (user & (kOfB | kClear)) | (run_moves ? kWithRun : 0)});
+    uint32_t words[kWords];
+    Get(engine_.s_axis_load_tdata_i, words);
+    for (int c = 0; c < kCoordinates; ++c) values.push_back(TakeBits(words, c * WIDTH, WIDTH));
+  }
+
+  void NoteRun() {
+    events.push_back({kAccepted, aborted_idle_});
+    uint32_t words[kWords];
+    Get(engine_.s_axis_run_tdata_i, words);
+    for (int k = 0; k < 3; ++k) values.push_back(TakeBits(words, k * kMoveBits, kMoveBits));
+    const uint64_t user = engine_.s_axis_run_tuser_i;
+    values.push_back(static_cast<int64_t>(user & ((uint64_t{1} << MARGIN_BITS) - 1)));
+    values.push_back(static_cast<int64_t>(user >> MARGIN_BITS));
+    seen_run_clock_ = 0;
+    aborted_idle_ = false;
+  }
+
+  // Where the build lets it be seen: see mesh_public.vlt.
+  template <typename Root>
+  void NoteReached(const Root& root) {
+    if constexpr (requires {
+                    root.triaxis_mesh__DOT__core_valid;
+                    root.triaxis_mesh__DOT__core_ready;
+                    root.triaxis_mesh__DOT__core_a;
+                    root.triaxis_mesh__DOT__core_b;
+                  }) {
+      if (!root.triaxis_mesh__DOT__core_valid || !root.triaxis_mesh__DOT__core_ready) return;
+      events.push_back({kReached, root.triaxis_mesh__DOT__core_a, root.triaxis_mesh__DOT__core_b});
+    }
+  }
+
+  void NoteNear() {
+    if (!engine_.m_axis_near_tready_i) {
+      ++near_wait_;
+      return;
+    }
+    const uint64_t pair = engine_.m_axis_near_tdata_o;
+    events.push_back({kNear, static_cast<uint32_t>(pair & kIndexMask), static_cast<uint32_t>(pair >> INDEX_BITS),
+                      near_wait_});
+    near_wait_ = 0;
+  }
+
+  // Counts the clocks of a run and of its summary's waiting, with the clock at which the run is accepted.
+  void NoteSummary(bool busy) {
+    const bool offered = engine_.m_axis_done_tvalid_o;
+    if (!busy) {
+      seen_clocks_ = 1;
+      done_wait_ = 0;
+      // A summary without a run is one too many.
+      if (!offered) return;
+    }
+    if (!offered) {
+      ++seen_clocks_;
+    } else if (!engine_.m_axis_done_tready_i) {
+      ++done_wait_;
+    } else {
+      events.push_back({kSummary});
+      for (const uint64_t value : std::initializer_list<uint64_t>{
+               engine_.status_o, engine_.cycles_o, engine_.group_pairs_skipped_o, engine_.group_pairs_opened_o,
+               engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o, seen_clocks_, done_wait_,
+               engine_.count_a_o, engine_.count_b_o, engine_.overfull_o}) {
+        values.push_back(static_cast<int64_t>(value));
+      }
+    }
   }
 
   Vtop& engine_;
-  Answer* answer_ = nullptr;
-  int64_t streamed_ = 0;
-  int64_t idle_ = 0;
-  int64_t checked_ = 0;
-  uint64_t near_word_ = 0;
-  Summary said_{};
-  bool begun_ = false;
-  bool busy_ = false;
+  const Vtop___024root& root_;
+  Load load_ = {};
+  Run asked_ = {};
+  std::vector<int64_t> asked_aborts_, aborts_;
+  Pattern gaps_, near_pace_, done_pace_;
+  int64_t next_word_ = 0;
+  size_t next_abort_ = 0;
+  bool announced_ = false;
   bool running_ = false;
-  bool load_offered_ = false;
-  bool near_waits_ = false;
+  int64_t run_clock_ = 0;
+  int64_t accepted_ = 0;
+  int64_t ended_ = 0;
+  int64_t clocks_ = 0;
+  int64_t clock_ = 0;
+  int64_t patience_ = kPatience;
+  bool in_reset_ = true;
+  bool aborted_idle_ = false;
+  uint32_t seen_run_clock_ = 0;
+  uint32_t near_wait_ = 0;
+  uint64_t seen_clocks_ = 0;
+  uint64_t done_wait_ = 0;
 };
+
+Player& Of(void* player) { return *static_cast<Player*>(player); }
 
 }  // namespace
 
 TRIAXIS_PLAYER(Player)
 
-// Does one step, a load or a run, on an engine that is trusted with the rules. Returns the symptom.
-extern "C" int32_t triaxis_mesh_step(void* player, const Step* step, const int32_t* triangles, Answer* answer) {
-  return static_cast<Player*>(player)->Do(*step, triangles, *answer);
+extern "C" {
+
+void triaxis_watch(void* player, int32_t loads, int32_t core) {
+  Of(player).notes_loads = loads;
+  Of(player).notes_core = core;
+}
+
+// Offers triangles. They must live until the last is accepted.
+void triaxis_load(void* player, const Load* load) { Of(player).Start(*load); }
+
+// Offers a run: while no other one is offered.
+void triaxis_offer(void* player, const Run* run) { Of(player).Start(*run); }
+
+// The paces at which near pairs and summaries are taken: clocks on and off, alternating.
+void triaxis_paces(void* player, const uint16_t* near, int64_t num_near, const uint16_t* done, int64_t num_done) {
+  Of(player).SetPaces(near, num_near, done, num_done);
+}
+
+void triaxis_reset(void* player, int32_t active) { Of(player).SetReset(active); }
+
+// Runs for so many clocks at most. Returns the symptom.
+int32_t triaxis_run(void* player, int64_t clocks, Progress* progress) {
+  Symptom symptom = triaxis::kPassed;
+  try {
+    Of(player).Go(clocks);
+  } catch (const std::runtime_error&) {
+    // Combinational logic that does not settle.
+    symptom = triaxis::kDiverged;
+  }
+  *progress = Of(player).progress();
+  return symptom;
+}
+
+// How many events and values there are to be fetched.
+void triaxis_noted(void* player, int64_t* num_events, int64_t* num_values) {
+  *num_events = static_cast<int64_t>(Of(player).events.size());
+  *num_values = static_cast<int64_t>(Of(player).values.size());
+}
+
+// Copies all of them, and forgets them.
+void triaxis_fetch(void* player, Event* events, int64_t* values) {
+  Player& from = Of(player);
+  std::copy(from.events.begin(), from.events.end(), events);
+  std::copy(from.values.begin(), from.values.end(), values);
+  from.events.clear();
+  from.values.clear();
 }
 
 // How many triangles the engine says that it holds of mesh 0 or 1.
-extern "C" int64_t triaxis_mesh_held(void* player, int mesh) { return static_cast<Player*>(player)->held(mesh); }
+int64_t triaxis_held(void* player, int32_t mesh) { return Of(player).held(mesh); }
 
-// Plays a script from reset on. Returns the symptom; checked receives the number of right runs before it.
-extern "C" int32_t triaxis_mesh_play(void* player, const Script* script, int64_t* checked) {
-  auto& played = *static_cast<Player*>(player);
-  Symptom symptom = triaxis::kDiverged;
-  try {
-    symptom = played.Play(*script);
-  } catch (const std::runtime_error&) {
-    // Combinational logic that does not settle.
-  }
-  *checked = played.checked();
-  return symptom;
-}
+}  // extern "C"

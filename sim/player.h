@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the players of all blocks share: the Verilated model with what its build has of mutants, coverage
-// counters and a trace; how a play ends; and what becomes of errors that would end the process. Included by
+// counters and a trace; patterns of clocks; and what becomes of errors that would end the process. Included by
 // the one source of each library; see verilate.py and player.py.
 
 #ifndef TRIAXIS_SIM_PLAYER_H_
@@ -14,6 +14,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "Vtop.h"
 #include "verilated.h"
@@ -34,47 +35,50 @@ void vl_fatal(const char*, int, const char*, const char* message) { throw std::r
 
 namespace triaxis {
 
-// How a play ends; player.py names them.
+// What is wrong with a play, if anything; player.py names them.
 enum Symptom : int32_t {
   kPassed = 0,
   kWrongWord,
-  kWrongTag,
-  kUnexpected,
-  kHang,
-  kWrongLatency,
-  kNotReady,
-  kUnstable,
-  kNotQuiet,
   kAssertion,
   kDiverged,
-  kWrongStatus,
-  kWrongClocks,
-  kWrongCounters,
-  kWrongNear,
-  kLostNear,
-  kWrongCount,
-  kWrongHandshake,
-  kEarlySummary,
 };
 
 // Half a clock of 100 MHz in the model's time unit, a picosecond.
 constexpr uint64_t kHalfPeriod = 5000;
 
-// Chance of a stall in 256, decided by a generator of our own so that plays repeat.
-class Stalls {
+// Alternating numbers of clocks on and off, used over and over. Empty: always on.
+class Pattern {
  public:
-  Stalls(int64_t seed, int64_t chance) : state_(static_cast<uint64_t>(seed) * 2 + 1), chance_(chance) {}
-  bool Now() {
-    if (chance_ == 0) return false;
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 7;
-    state_ ^= state_ << 17;
-    return static_cast<int64_t>((state_ >> 32) & 255) < chance_;
+  void Set(const uint16_t* runs, int64_t count) {
+    runs_.assign(runs, runs + count);
+    next_ = 0;
+    left_ = runs_.empty() ? 0 : runs_[0];
+    on_ = true;
+  }
+  // Whether the clock to come is on; an off clock is used up by asking, an on clock by Use().
+  bool On() {
+    if (runs_.empty()) return true;
+    Settle();
+    if (!on_) --left_;
+    return on_;
+  }
+  void Use() {
+    if (!runs_.empty()) --left_;
   }
 
  private:
-  uint64_t state_;
-  int64_t chance_;
+  // Ends: Python gives no pattern without a clock on.
+  void Settle() {
+    while (left_ == 0) {
+      next_ = (next_ + 1) % runs_.size();
+      left_ = runs_[next_];
+      on_ = !on_;
+    }
+  }
+  std::vector<uint16_t> runs_;
+  size_t next_ = 0;
+  int left_ = 0;
+  bool on_ = true;
 };
 
 #if VM_TRACE_SAIF
