@@ -5,104 +5,57 @@ scoreboard are the same. The model, sim/core_player.cpp, runs hundreds of thousa
 a simulator that has nothing in it; a pin needs Python at each clock.
 """
 
-from heapq import heappop, heappush
-from itertools import count
-from pathlib import Path
 from typing import Any
 
-import cocotb
 import numpy as np
 import numpy.typing as npt
-from cocotb.triggers import Event, Timer
+from cocotb.triggers import Event
 from pyuvm import uvm_analysis_port, uvm_factory, uvm_monitor
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
-from triaxis.sim.core_engine import CorePlayer
+from triaxis.sim.core_engine import CorePlayer, Progress
+from triaxis.sim.player import HANGS
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.core.pin_agents import ReadyDriver, SinkMonitor, SourceDriver, SourceMonitor, check_margins
-from triaxis.verif.testbench.environment import FastModel, bfm_of, settings_of
+from triaxis.verif.testbench.environment import bfm_of, settings_of
 from triaxis.verif.testbench.failures import HungError, found
+from triaxis.verif.testbench.fast_model import FastModel
 
 # Runs on and off that are drawn for a pace; the model uses them over and over.
 _RUNS = 2048
 # How much longer than its paces suggest a burst may take, and what comes on top for its ends.
 _BUDGET_FACTOR = 4
 _BUDGET_CYCLES = 10_000
-# Clocks after which the model returns in any case.
-_MOST_CLOCKS = 1 << 30
 
 Array = npt.NDArray[Any]
 
 
-class BurstBfm(FastModel):
-    """The one that knows the library; drivers and monitors know only this.
-
-    Its clock runs while a burst is under way or someone waits for it, up to the next moment that someone has
-    asked for, and stands still while Python decides what comes next.
-    """
+class BurstBfm(FastModel[CorePlayer]):
+    """The core's model: it is busy while a burst is under way."""
 
     def __init__(self) -> None:
-        """Nobody waits, and nobody is told of anything yet."""
+        """Nobody is told of anything yet."""
+        super().__init__(CorePlayer)
         self.monitors: list[BurstMonitor] = []
-        self._due: list[tuple[int, int, Event]] = []
-        self._numbers = count()
-        self._wanted, self._over = Event(), Event()
-        self._bursting = self._asserted = False
-        self._clock = self._accepted = 0
+        self._over = Event()
+        self._bursting = False
+        self._accepted = 0
         self._sink_pace = FULL_SPEED
 
-    def open(self, library: Path, selected: int) -> None:
-        """Load the library, and let it run."""
-        self.player = CorePlayer(library, selected)
-        cocotb.start_soon(self._run())
+    @property
+    def busy(self) -> bool:
+        """Return whether a burst is under way."""
+        return self._bursting
 
-    async def _run(self) -> None:
-        while True:
-            # Whoever can go on does so at this very clock.
-            await Timer(1, "ns")
-            if not self._bursting and not self._due:
-                self._wanted.clear()
-                await self._wanted.wait()
-                continue
-            self._advance(self._due[0][0] - self._clock if self._due else _MOST_CLOCKS)
-
-    def _advance(self, clocks: int) -> None:
-        """Run until something is due; tell those who wait for it."""
-        progress = self.player.run(clocks)
-        self._clock, self._accepted = progress.clock, progress.accepted
-        if progress.asserted and not self._asserted:
-            self._asserted = True
-            found("assertion")
-        if progress.symptom:
-            found(progress.symptom)
-            raise HungError(f"the core {progress.symptom}")
+    def follow(self, progress: Progress) -> None:
+        """Have the monitors publish; tell the driver where its burst is over."""
+        self._accepted = progress.accepted
         for monitor in self.monitors:
             monitor.flush()
         if self._bursting and not progress.active:
             self._bursting = False
             self._over.set()
-        while self._due and self._due[0][0] <= self._clock:
-            heappop(self._due)[2].set()
-
-    async def clocks(self, count: int) -> None:
-        """Wait for some clocks."""
-        come = Event()
-        heappush(self._due, (self._clock + count, next(self._numbers), come))
-        self._wanted.set()
-        await come.wait()
-
-    async def reset(self, cycles: int) -> None:
-        """Hold the core in reset for some clocks."""
-        self.player.set_reset(True)
-        await self.clocks(cycles)
-        self.player.set_reset(False)
-        await self.clocks(1)
-
-    def close(self, counters: Path) -> None:
-        """Write what the library's build has counted; raise AssertionError where an assertion has failed."""
-        self.player.write_coverage(counters)
-        assert not self._asserted, "an assertion failed"
 
     def set_sink_pace(self, pace: Pace, rng: np.random.Generator) -> None:
         """Take results at this pace from the next clock on."""
@@ -129,10 +82,10 @@ class BurstBfm(FastModel):
         self.player.start(pairs, margins, tags, gaps.runs(rng, _RUNS), budget)
         self._bursting = True
         self._over.clear()
-        self._wanted.set()
+        self.wake()
         await self._over.wait()
         if self._accepted < count:
-            found("hangs")
+            found(HANGS)
             raise HungError(
                 f"{self._accepted} of {count} pairs accepted in {budget} clocks, the budget of this burst:"
                 " the core hangs"

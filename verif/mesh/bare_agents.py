@@ -1,21 +1,36 @@
-"""Drivers and monitors of the bare Verilated engine, for volume.
+"""Drivers and monitors that work through the bus-functional model of a library.
 
 They take the places of the pin-level ones by factory override (`use_bare_engine`); sequences, scoreboard and
-coverage are the same. The engine is a library there, beside a simulator that has nothing in it, and runs
-hundreds of thousands of clocks a second: pin by pin Python has a step for each clock.
+coverage are the same. The model, sim/mesh_player.cpp, runs hundreds of thousands of clocks a second beside a
+simulator that has nothing in it: pin by pin Python has a step for each clock.
 """
 
 from collections.abc import Callable
-from pathlib import Path
-from random import Random
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
+from cocotb.triggers import Event
 from pyuvm import uvm_factory
 
-from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import MeshEngine, Traffic
-from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.sim.mesh_engine import (
+    ABORTED,
+    ACCEPTED,
+    CLEAR,
+    LOADED,
+    NEAR,
+    NUM_VALUES,
+    OF_B,
+    REACHED,
+    RESET,
+    SUMMARY,
+    WITH_RUN,
+    MeshPlayer,
+    MeshProgress,
+    pairs_of,
+)
+from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.items import (
     AbortAsked,
     CorePairs,
@@ -24,6 +39,8 @@ from triaxis.verif.mesh.items import (
     NearTaken,
     RunAccepted,
     RunItem,
+    RunRequest,
+    RunTraffic,
     Summary,
 )
 from triaxis.verif.mesh.pin_agents import (
@@ -36,97 +53,168 @@ from triaxis.verif.mesh.pin_agents import (
     RunMonitor,
     SummaryMonitor,
 )
-from triaxis.verif.testbench.environment import FastModel, bfm_of, settings_of
+from triaxis.verif.testbench.environment import bfm_of, settings_of
+from triaxis.verif.testbench.fast_model import FastModel
+
+# Clocks on and off that are drawn for a pace; the model uses them over and over.
+_RUNS = 2048
+
+Events = npt.NDArray[np.void]
+Numbers = npt.NDArray[np.int64]
 
 
-class BareBfm(FastModel):
-    """The one that knows the library; drivers hand it items, monitors say who is told of what."""
+class BareBfm(FastModel[MeshPlayer]):
+    """The engine's model: it is busy while triangles are loaded, and while a run is offered or under way."""
 
-    def __init__(self, configuration: MeshConfiguration) -> None:
+    def __init__(self) -> None:
         """Nobody is told of anything yet."""
-        self.configuration = configuration
+        super().__init__(MeshPlayer)
         self.publish: dict[type, Callable[[Any], None]] = {}
-        self._held = [0, 0]
+        self._loading = False
+        self._loaded, self._moved = Event(), Event()
+        self._offered = self._accepted = self._ended = self._clocks = 0
 
-    def open(self, library: Path, selected: int) -> None:
-        """Load the library."""
-        self.engine = MeshEngine(self.configuration, library=library)
+    @property
+    def busy(self) -> bool:
+        """Return whether a driver waits."""
+        return self._loading or self._offered > self._ended
 
-    async def clocks(self, count: int) -> None:
-        """Wait for nothing: between two items the clock stands still."""
+    def follow(self, progress: MeshProgress) -> None:
+        """Publish what was seen; tell the drivers what is over."""
+        self._publish(*self.player.events())
+        if self._loading and not progress.loading:
+            self._loading = False
+            self._loaded.set()
+        if (self._accepted, self._ended) != (progress.accepted, progress.ended):
+            self._accepted, self._ended = progress.accepted, progress.ended
+            self._clocks = progress.clocks
+            self._moved.set()
 
-    async def reset(self, cycles: int) -> None:
-        """Do nothing: it begins with a reset."""
+    async def load(self, item: LoadItem, rng: np.random.Generator) -> None:
+        """Offer triangles until the last is accepted."""
+        if not item.clear and not len(item.triangles):
+            return
+        start = self.clock
+        self.player.load(item.mesh, item.triangles, item.clear, item.gaps.runs(rng, _RUNS))
+        self._loading = True
+        self._loaded.clear()
+        self.wake()
+        await self._loaded.wait()
+        item.clocks = self.clock - start
 
-    def close(self, counters: Path) -> None:
-        """Write what the library's build has counted."""
-
-    def load(self, item: LoadItem, random: Random) -> None:
-        """Load a mesh."""
-        if not item.clear:
-            raise ValueError("the bare engine empties a mesh before it loads it")
-        held = self.engine.load_unchecked(item.mesh, item.triangles, _traffic(random, (item.gaps,)))
-        self._held[item.mesh] = held
-        self.publish[LoadMonitor](Loaded(item.mesh, True, item.triangles.astype(np.int64)))
-
-    def run(self, item: RunItem, random: Random) -> None:
-        """Run; aborted once at most."""
+    def offer(self, item: RunItem) -> None:
+        """Offer a run."""
         request, traffic = item.request, item.traffic
-        abort = traffic.aborts[0] if traffic.aborts else -1
-        self.publish[RunMonitor](RunAccepted(request))
-        stalls = _traffic(random, (traffic.near, traffic.done), abort)
-        run = self.engine.run(request.translation, request.margin, request.mode, stalls, reached=True)
-        item.clocks = run.cycles
-        # Later ones never came: the summary was taken before.
-        came = abort < run.cycles or run.cycles == self.engine.configuration.max_cycles
-        if traffic.aborts and came:
-            self.publish[RunMonitor](AbortAsked(abort))
-        assert run.reached is not None
-        self.publish[CoreMonitor](CorePairs(run.reached))
-        self.publish[NearMonitor](NearTaken(run.near))
-        self.publish[SummaryMonitor](
-            Summary(
-                run.status,
-                run.cycles,
-                run.group_pairs_skipped,
-                run.group_pairs_opened,
-                run.pairs_skipped,
-                run.tested,
-                run.near_count,
-                held=(self._held[0], self._held[1]),
-            )
+        self.player.offer(
+            request.translation, request.margin, request.mode, traffic.aborts, traffic.idle_abort
         )
+        self._offered += 1
+        self.wake()
+
+    async def accepted(self) -> None:
+        """Wait until the run that is offered is accepted."""
+        while self._accepted < self._offered:
+            await self._move()
+
+    async def ended(self, number: int) -> int:
+        """Wait until that many runs have ended; return the clocks of the last."""
+        while self._ended < number:
+            await self._move()
+        return self._clocks
+
+    @property
+    def runs(self) -> int:
+        """Return how many runs were offered."""
+        return self._offered
+
+    async def _move(self) -> None:
+        self._moved.clear()
+        await self._moved.wait()
+
+    def _publish(self, events: Events, values: Numbers) -> None:
+        """Publish events in their order; what can be told at once, together."""
+        if not len(events):
+            return
+        kinds = events["kind"]
+        starts = np.concatenate([[0], np.cumsum(NUM_VALUES[kinds])])
+        edges = [0, *(np.flatnonzero(_parted(events)) + 1).tolist(), len(events)]
+        for first, last in pairwise(edges):
+            self._tell(events[first:last], values[starts[first] : starts[last]])
+
+    def _tell(self, events: Events, values: Numbers) -> None:
+        kind, number = int(events["kind"][0]), int(events["a"][0])
+        if kind == LOADED:
+            triangles = values.reshape(-1, 3, 3)[bool(number & CLEAR) :]
+            loaded = Loaded(number & OF_B, bool(number & CLEAR), triangles, bool(number & WITH_RUN))
+            self.publish[LoadMonitor](loaded)
+        elif kind == ACCEPTED:
+            x, y, z, margin, mode = values.tolist()
+            self.publish[RunMonitor](RunAccepted(RunRequest((x, y, z), margin, mode), bool(number)))
+        elif kind == ABORTED:
+            self.publish[RunMonitor](AbortAsked(number))
+        elif kind == SUMMARY:
+            *numbers, held_a, held_b, overfull = values.tolist()
+            self.publish[SummaryMonitor](Summary(*numbers, held=(held_a, held_b), overfull=overfull))
+        elif kind == RESET:
+            self.publish[SummaryMonitor](ResetSeen())
+        else:
+            self._tell_pairs(events)
+
+    def _tell_pairs(self, events: Events) -> None:
+        reached, near = pairs_of(events, REACHED), pairs_of(events, NEAR)
+        if len(reached):
+            self.publish[CoreMonitor](CorePairs(reached))
+        if len(near):
+            wait = int(events["c"][events["kind"] == NEAR].max())
+            self.publish[NearMonitor](NearTaken(near, wait))
 
 
-def _traffic(random: Random, paces: tuple[Pace, ...], abort_at: int = -1) -> Traffic:
-    """Return stalls that come as often as at the slowest of some paces."""
-    off = 1 - min(pace.duty for pace in paces)
-    return Traffic(random.randrange(1, 1 << 60), min(250, int(256 * off)), abort_at)
+def _parted(events: Events) -> npt.NDArray[np.bool_]:
+    """Return whether each event but the first is to be told apart from the one before it: (N - 1,).
+
+    Triangles of one load are together, and all pairs between two events of another kind.
+    """
+    kinds, numbers = events["kind"], events["a"]
+    loads, pairs = kinds == LOADED, kinds >= NEAR
+    # The one that empties the mesh begins a load.
+    alike = ((numbers[:-1] & ~np.uint32(CLEAR)) == numbers[1:]) & loads[:-1] & loads[1:]
+    return ~(alike | (pairs[:-1] & pairs[1:]))
 
 
 class BareLoadDriver(LoadDriver):
-    """Loads whole meshes."""
+    """Hands meshes to the model."""
 
     def start_of_simulation_phase(self) -> None:
-        """Take hold of the engine."""
-        self.bfm = bfm_of(self)
+        """Take hold of the model."""
+        self.bfm: BareBfm = bfm_of(self)
+        self.rng = np.random.default_rng([settings_of(self).seed, *b"load"])
 
     async def drive(self, item: LoadItem) -> None:
-        """Load the mesh."""
-        self.bfm.load(item, self.random)
+        """Offer the triangles until the last is accepted."""
+        await self.bfm.load(item, self.rng)
 
 
 class BareRunDriver(RunDriver):
-    """Runs whole runs."""
+    """Hands runs to the model."""
 
     def start_of_simulation_phase(self) -> None:
-        """Take hold of the engine."""
-        self.bfm = bfm_of(self)
-        self.random = Random(f"runs {settings_of(self).seed}")
+        """Take hold of the model."""
+        self.bfm: BareBfm = bfm_of(self)
 
-    async def drive(self, item: RunItem) -> None:
-        """Run."""
-        self.bfm.run(item, self.random)
+    async def offer(self, item: RunItem) -> None:
+        """Offer the run."""
+        self.bfm.offer(item)
+
+    async def accepted(self) -> None:
+        """Wait until it is accepted."""
+        await self.bfm.accepted()
+
+    def withdraw(self) -> None:
+        """Do nothing: the model offers it once."""
+
+    async def ended(self, item: RunItem, more: bool) -> int:
+        """Wait for the summary."""
+        return await self.bfm.ended(self.bfm.runs - more)
 
 
 def _told(pins: Any) -> type:
@@ -152,11 +240,17 @@ BareSummaryMonitor = _told(SummaryMonitor)
 
 
 class BareReadyDriver(ResultReadyDriver):
-    """Drives nothing: the engine's harness stalls by itself."""
+    """Sets the paces at which the model takes results."""
 
     def start_of_simulation_phase(self) -> None:
-        """Leave the pins, which are not there."""
-        self.near, self.done = FULL_SPEED, FULL_SPEED
+        """Take hold of the model."""
+        self.bfm: BareBfm = bfm_of(self)
+        self.rng = np.random.default_rng([settings_of(self).seed, *b"results"])
+
+    def write(self, tt: RunTraffic) -> None:
+        """Take results at these paces from now on."""
+        self.near, self.done = tt.near, tt.done
+        self.bfm.player.set_paces(self.near.runs(self.rng, _RUNS), self.done.runs(self.rng, _RUNS))
 
 
 def use_bare_engine() -> None:

@@ -2,7 +2,7 @@
 
 from triaxis.verif.mesh.bare_agents import BareBfm, use_bare_engine
 from triaxis.verif.mesh.env import MeshEnv
-from triaxis.verif.mesh.items import RunItem, Scene
+from triaxis.verif.mesh.items import Scene
 from triaxis.verif.mesh.sequences import SceneSequence
 from triaxis.verif.mesh.shapes import Shapes
 from triaxis.verif.testbench.environment import EnvironmentTest, create
@@ -24,7 +24,7 @@ class MeshEngineTest(EnvironmentTest):
     def fast_model(self) -> BareBfm:
         """Return the bare engine's model."""
         use_bare_engine()
-        return BareBfm(self.settings.mesh_configuration)
+        return BareBfm()
 
     async def traffic(self) -> None:
         """Run `stimulus`; a summary too many would show after it."""
@@ -33,12 +33,15 @@ class MeshEngineTest(EnvironmentTest):
         board, env = self.env.scoreboard, self.env
         board.runs_sent, board.triangles_sent = env.run_agent.driver.sent, env.load.driver.sent
 
-    async def send(self, scene: Scene) -> list[RunItem]:
-        """Load a scene and run its runs; return the runs' items."""
-        loads, runs = self.env.load.sequencer, self.env.run_agent.sequencer
-        sequence = SceneSequence(scene, loads, runs, self.on_pins)
+    async def send(self, scene: Scene) -> SceneSequence:
+        """Load a scene and run its runs; return what was sent."""
+        sequence = self.sequence(scene)
         await sequence.start()
-        return sequence.asked
+        return sequence
+
+    def sequence(self, scene: Scene) -> SceneSequence:
+        """Return the sequence of a scene, to be started."""
+        return SceneSequence(scene, self.env.load.sequencer, self.env.run_agent.sequencer)
 
     @property
     def unfinished(self) -> bool:

@@ -18,7 +18,8 @@ Integers = npt.NDArray[np.int64]
 class LoadItem(uvm_sequence_item):
     """Triangles (N, 3, 3) for mesh 0 (A) or 1 (B), with gaps; more than fit are allowed.
 
-    ``clear``: the mesh is emptied first. On the pins it need not be: then they are appended.
+    ``clear``: the mesh is emptied first; otherwise they are appended. ``clocks``: what it took,
+    the driver's answer.
     """
 
     def __init__(
@@ -35,6 +36,7 @@ class LoadItem(uvm_sequence_item):
         self.triangles = triangles
         self.gaps = gaps
         self.clear = clear
+        self.clocks = 0
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,8 @@ class RunTraffic:
 class RunItem(uvm_sequence_item):
     """A run, and how its streams are treated.
 
-    ``clocks``: from its acceptance until its summary was offered, or taken; the driver's answer.
+    ``following``: a run that is offered as soon as this one is accepted, and waits for its end. ``clocks``:
+    from its acceptance until its summary was taken; the driver's answer.
     """
 
     def __init__(self, request: RunRequest, traffic: RunTraffic | None = None, name: str = "run") -> None:
@@ -70,6 +73,7 @@ class RunItem(uvm_sequence_item):
         super().__init__(name)
         self.request = request
         self.traffic = traffic or RunTraffic()
+        self.following: RunItem | None = None
         self.clocks = 0
 
 
@@ -78,7 +82,8 @@ class Scene:
     """A whole scene: meshes to load, None where the one that is there stays, and the runs on them.
 
     ``gaps``: on loading. ``early``: the first run is offered together with the last mesh's triangles, and
-    takes what is there when the engine accepts it.
+    takes what is there when the engine accepts it. ``chained``: each run but the first is offered while
+    the one before goes on. ``append``: triangles are added to the meshes that are there.
     """
 
     a: Integers | None
@@ -86,6 +91,8 @@ class Scene:
     runs: tuple[tuple[RunRequest, RunTraffic], ...]
     gaps: Pace = FULL_SPEED
     early: bool = False
+    chained: bool = False
+    append: bool = False
     kind: str = field(default="", compare=False)
 
 

@@ -9,11 +9,14 @@ from typing import Any
 
 import numpy as np
 from cocotb.triggers import RisingEdge
+from cocotb.utils import get_sim_time
 from cocotb_bus.drivers import BitDriver
 from pyuvm import uvm_agent, uvm_analysis_port, uvm_driver, uvm_monitor, uvm_subscriber
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.player import HANGS
 from triaxis.verif.core.items import FULL_SPEED, Pace, ResetSeen
 from triaxis.verif.mesh.items import (
     AbortAsked,
@@ -32,7 +35,7 @@ from triaxis.verif.mesh.items import (
     unpack_triangle,
 )
 from triaxis.verif.testbench.environment import StimulusAgent, create, dut_of, settings_of
-from triaxis.verif.testbench.failures import HungError
+from triaxis.verif.testbench.failures import HungError, found
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
 
@@ -69,6 +72,7 @@ class LoadDriver(uvm_driver):
         beats = [(0, 2 | item.mesh)] if item.clear else []
         rows = item.triangles.reshape(-1, 9).tolist()
         beats += [(pack_triangle(row, width), item.mesh) for row in rows]
+        start = get_sim_time("ns")
         on = 0
         for data, user in beats:
             on -= 1
@@ -77,6 +81,7 @@ class LoadDriver(uvm_driver):
                 await self._pause(item.gaps)
             await self._send(data, user)
         self.dut.s_axis_load_tvalid_i.value = 0
+        item.clocks = round((get_sim_time("ns") - start) / PERIOD_NS)
 
     async def _pause(self, gaps: Pace) -> None:
         self.dut.s_axis_load_tvalid_i.value = 0
@@ -164,13 +169,32 @@ class RunDriver(uvm_driver):
         """Drive items as they come."""
         while True:
             item: RunItem = await self.seq_item_port.get_next_item()
-            self.sent += 1
-            self.traffic_ap.write(item.traffic)
+            self.begin(item)
             await self.drive(item)
             self.seq_item_port.item_done()
 
     async def drive(self, item: RunItem) -> None:
-        """Offer the run, see it end."""
+        """Offer the run, see it end; then those that follow it, each offered while the one before goes on."""
+        await self.offer(item)
+        while True:
+            await self.accepted()
+            self.withdraw()
+            following = item.following
+            if following:
+                await self.offer(following)
+            item.clocks = await self.ended(item, following is not None)
+            if following is None:
+                return
+            item = following
+            self.begin(item)
+
+    def begin(self, item: RunItem) -> None:
+        """Say how the results of the run are to be taken."""
+        self.sent += 1
+        self.traffic_ap.write(item.traffic)
+
+    async def offer(self, item: RunItem) -> None:
+        """Offer the run."""
         dut = self.dut
         if item.traffic.idle_abort:
             dut.abort_i.value = 1
@@ -180,14 +204,23 @@ class RunDriver(uvm_driver):
         dut.s_axis_run_tdata_i.value = data
         dut.s_axis_run_tuser_i.value = user
         dut.s_axis_run_tvalid_i.value = 1
-        await self.edge
-        while not int(dut.s_axis_run_tready_o.value) or not int(dut.rst_ni.value):
-            await self.edge
-        dut.s_axis_run_tvalid_i.value = 0
-        item.clocks = await self._until_done(item.traffic)
 
-    async def _until_done(self, traffic: RunTraffic) -> int:
-        dut = self.dut
+    async def accepted(self) -> None:
+        """Wait until the run is accepted."""
+        await self.edge
+        while not int(self.dut.s_axis_run_tready_o.value) or not int(self.dut.rst_ni.value):
+            await self.edge
+
+    def withdraw(self) -> None:
+        """Offer no run."""
+        self.dut.s_axis_run_tvalid_i.value = 0
+
+    async def ended(self, item: RunItem, more: bool) -> int:
+        """Wait for the summary, or for a reset; return the clocks since the run was accepted.
+
+        ``more``: another run is offered already.
+        """
+        dut, traffic = self.dut, item.traffic
         limit = _LEAST_CLOCKS + _CLOCKS_A_PAIR * min(self.configuration.depth, 256) ** 2
         for clock in range(limit):
             dut.abort_i.value = int(clock in traffic.aborts)
@@ -196,6 +229,7 @@ class RunDriver(uvm_driver):
             if taken or not int(dut.rst_ni.value):
                 dut.abort_i.value = 0
                 return clock + 1
+        found(HANGS)
         raise HungError(f"no summary in {limit} clocks: the engine hangs")
 
 

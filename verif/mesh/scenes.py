@@ -58,8 +58,9 @@ def random_margin(rng: np.random.Generator, configuration: MeshConfiguration) ->
 
 PACES = (FULL_SPEED, Pace(1, 1), Pace(1, 12), Pace(8, 3), Pace(3, 30))
 _MODES = (*Mode, Mode.ALL, 3)
-# Of so many scenes one is given more triangles than fit, and one keeps a mesh of the scene before.
-_OVERFULL_ONE_IN, _KEEPS_ONE_IN = 25, 4
+# Of so many scenes one is given more triangles than fit, one keeps a mesh of the scene before, and one has
+# each run offered while the one before goes on.
+_OVERFULL_ONE_IN, _KEEPS_ONE_IN, _CHAINED_ONE_IN = 25, 4, 4
 # Scenes of more pairs are of kinds of which little is left to be tested, and in spatial order: a run in which
 # nothing is skipped takes a clock for each pair.
 _LARGE = 1 << 20
@@ -89,7 +90,7 @@ def random_scene(
         return Scene(a, b, ((RunRequest(move, margin), RunTraffic()),), kind=kind)
     others = 0 if large else int(rng.integers(0, 3))
     runs = tuple(_run(shapes, move, margin, first=n == 0) for n in range(1 + others))
-    scene = Scene(a, b, runs, _pace(rng), kind=kind)
+    scene = Scene(a, b, runs, _pace(rng), chained=rng.integers(_CHAINED_ONE_IN) == 0, kind=kind)
     if rng.integers(_OVERFULL_ONE_IN) == 0:
         scene = replace(scene, **{str(rng.choice(["a", "b"])): too_many(shapes)})
     elif rng.integers(_KEEPS_ONE_IN) == 0 and configuration.depth**2 <= _LARGE:
@@ -225,6 +226,70 @@ def _scene(shapes: Shapes, a: np.ndarray, b: np.ndarray, move: tuple[int, int, i
     margin, mode = random_margin(shapes.rng, shapes.configuration), int(shapes.rng.choice(list(Mode)))
     run = RunRequest(move, margin, mode)
     return Scene(a, b, ((run, RunTraffic()),), kind="range")
+
+
+# Meshes of large memories are filled up to here only, or it would be runs of minutes.
+MOST_FULL = 128
+
+
+def extreme_scenes(shapes: Shapes) -> Iterator[Scene]:
+    """Yield full meshes that take counters and memories to their ends.
+
+    All pairs near; all pairs of groups skipped; all groups overlapping and all pairs skipped by their boxes;
+    coordinates at random all over the range, which reach every bit: of triangles, of points, of flat ones.
+    """
+    rng, configuration = shapes.rng, shapes.configuration
+    depth, group = min(configuration.depth, MOST_FULL), configuration.group
+    low, high = coordinate_range(configuration.width)
+    points = np.zeros((depth, 3, 3), np.int64)
+    yield _plain(points, points, (0, 0, 0), (1, 0, 0))
+    # A's triangles and B's in turns along one axis, those of a group all over it.
+    a = points.copy()
+    a[..., 0] = (2 * np.arange(depth) % (2 * shapes.reach) - min(depth, shapes.reach))[:, None]
+    spread = np.arange(depth).reshape(group, -1).T.ravel()
+    yield _plain(a[spread], a[spread] + np.array([1, 0, 0]), (0, 0, 0))
+    flat = np.array([1, 1, 0])
+    for _ in range(2):
+        a, b = rng.integers(low, high + 1, (2, depth, 3, 3))
+        yield _plain(a, b, (0, 0, 0))
+        yield _plain(a[:, :1].repeat(3, 1), b[:, :1].repeat(3, 1), (0, 0, 0))
+        yield _plain(a // 8 * flat, b // 8 * flat, (0, 0, 0))
+
+
+def growing_scenes(shapes: Shapes) -> Iterator[Scene]:
+    """Yield scenes that add one triangle each to A, and then to B, up to a full mesh against one triangle."""
+    depth = min(shapes.configuration.depth, MOST_FULL // 2)
+    size = max(1, shapes.reach // 16)
+    for mesh in range(2):
+        triangles = shapes.cloud(depth, shapes.somewhere(), size, size)
+        ends = [triangles[:0], triangles[:1]]
+        yield Scene(ends[mesh], ends[1 - mesh], ())
+        run = (RunRequest((0, 0, 0), random_margin(shapes.rng, shapes.configuration)), RunTraffic())
+        for number in range(depth):
+            one = triangles[number : number + 1]
+            a, b = (one, None) if mesh == 0 else (None, one)
+            yield Scene(a, b, (run,), early=bool(number % 2), append=True)
+
+
+def _plain(a: Integers, b: Integers, *moves: Move) -> Scene:
+    return Scene(a, b, tuple((RunRequest(move), RunTraffic()) for move in moves), kind="extreme")
+
+
+# Triangles of the meshes of `clock_scenes` at most, and their runs: the first right after the loading.
+_MOST_TIMED = 64
+_TIMED = (Mode.ALL, Mode.ALL, Mode.FIRST)
+
+
+def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]]:
+    """Yield the scenes whose clocks are kept, by name: the same ones always, without stalls."""
+    shapes = Shapes(np.random.default_rng(1), configuration)
+    depth, group = min(configuration.depth, _MOST_TIMED), configuration.group
+    margin = min(configuration.max_margin, shapes.reach // 16)
+    for counts in ((depth, depth), (min(group + 1, depth), min(2 * group, depth))):
+        for kind, make in KINDS.items():
+            a, b = make(shapes, *counts, margin)
+            runs = [(RunRequest(margin=margin, mode=int(mode)), RunTraffic()) for mode in _TIMED]
+            yield f"{kind} {counts[0]} x {counts[1]}", Scene(a, b, tuple(runs), kind=kind)
 
 
 # Margins are this part of the range.

@@ -18,7 +18,7 @@ from triaxis.verif.mesh.items import (
     Summary,
 )
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
-from triaxis.verif.testbench.failures import Blame
+from triaxis.verif.testbench.failures import Blame, found
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
 
@@ -44,6 +44,10 @@ class RunMatcher:
         """Return whether a run has no summary yet."""
         return self._run is not None
 
+    def _told_of(self, stray: str) -> None:
+        self.stray.append(stray)
+        found(stray)
+
     def load(self, datum: Loaded) -> None:
         """Follow a load."""
         self.triangles += len(datum.triangles)
@@ -53,7 +57,7 @@ class RunMatcher:
             return
         # Accepted at the very edge at which the run was: it belongs to it.
         if not datum.with_run:
-            self.stray.append(f"mesh {datum.mesh} was loaded during a run")
+            self._told_of(f"mesh {datum.mesh} was loaded during a run")
         self._show_meshes(self._run)
         self._run.loaded_with_run = True
 
@@ -64,7 +68,7 @@ class RunMatcher:
                 self._run.aborts.append(datum.at)
             return
         if self._run is not None:
-            self.stray.append("a run was accepted during a run")
+            self._told_of("a run was accepted during a run")
         self.accepted += 1
         self._run = ObservedRun(datum, _EMPTY, _EMPTY, (False, False), (False, False))
         self._show_meshes(self._run)
@@ -82,14 +86,14 @@ class RunMatcher:
         if self._run is not None:
             self._run.near.append(datum)
         elif len(datum.pairs):
-            self.stray.append(f"{len(datum.pairs)} near pairs without a run")
+            self._told_of(f"{len(datum.pairs)} near pairs without a run")
 
     def core(self, datum: CorePairs) -> None:
         """Note pairs that reached the core."""
         if self._run is not None:
             self._run.reached.append(datum)
         elif len(datum.pairs):
-            self.stray.append(f"{len(datum.pairs)} pairs in the core without a run")
+            self._told_of(f"{len(datum.pairs)} pairs in the core without a run")
 
     def summary(self, datum: Summary | ResetSeen) -> None:
         """End a run; or forget it and the meshes: a reset empties them."""
@@ -97,7 +101,7 @@ class RunMatcher:
             self._reset()
             return
         if self._run is None:
-            self.stray.append(f"a summary without a run: status {datum.status}")
+            self._told_of(f"a summary without a run: status {datum.status}")
             return
         run, self._run = self._run, None
         for mesh in self._meshes:

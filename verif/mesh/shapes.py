@@ -144,6 +144,29 @@ def one_contact(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tupl
     return a, b
 
 
+def late_contacts(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """All in one place, but for most of B's first groups: much is skipped while the first near pairs wait."""
+    a, b = in_one_place(shapes, count_a, count_b, margin)
+    few = min(max(count_b - shapes.configuration.group, 0), 4 * shapes.configuration.group)
+    return a, _some_away(shapes, b, (np.arange(count_b) < few) & (shapes.rng.integers(0, 5, count_b) > 0))
+
+
+def every_other(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
+    """All in one place, but for every other triangle of B, and of A from one on: all groups overlap."""
+    a, b = in_one_place(shapes, count_a, count_b, margin)
+    odd_a, odd_b = (np.arange(count) % 2 == 1 for count in (count_a, count_b))
+    odd_a &= np.arange(count_a) > shapes.rng.integers(0, max(count_a, 1))
+    return _some_away(shapes, a, odd_a), _some_away(shapes, b, odd_b)
+
+
+def _some_away(shapes: Shapes, triangles: Integers, which: np.ndarray) -> Integers:
+    """Return triangles (N, 3, 3) of which those marked (N,) lie at the end of the range that is farther."""
+    side = -1 if triangles.size and triangles[..., 0].mean() > 0 else 1
+    away = triangles.copy()
+    away[which, :, 0] = side * (shapes.reach - 1)
+    return away
+
+
 def planes(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
     """Triangles of two parallel tilted planes: boxes overlap, and the core finds nothing near."""
     size = max(8, shapes.reach // 8)
@@ -168,6 +191,8 @@ KINDS: dict[str, SceneKind] = {
         in_one_place,
         clusters,
         one_contact,
+        late_contacts,
+        every_other,
         planes,
     )
 }

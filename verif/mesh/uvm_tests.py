@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 from itertools import cycle, product
+from pathlib import Path
 
 import cocotb
 import numpy as np
+from cocotb.task import Task
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.broadphase import spatial_order
 from triaxis.sim.clocking import PERIOD_NS
@@ -14,9 +15,14 @@ from triaxis.sim.mesh_engine import Mode
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
+from triaxis.verif.mesh.kept_clocks import FoundClocks
 from triaxis.verif.mesh.scenes import (
+    MOST_FULL,
     PACES,
+    clock_scenes,
+    extreme_scenes,
     gap_scenes,
+    growing_scenes,
     random_margin,
     random_scene,
     range_scenes,
@@ -40,6 +46,10 @@ ONE_GROUP = "mesh_w10_m3_d8_g8_l1"
 NO_GROUPS = "mesh_w9_m9_d16_g1_l1"
 _ON_PINS = (SQUARE, WORDS)
 
+# Triangles of the meshes that are to fill all queues at most; and of so many scenes one has such meshes.
+_CROWD, _FULL_ONE_IN = 64, 6
+# Resets strike up to two to this power of clocks after a scene begins.
+_LAST_RESET = 8.7
 # Scenes that are sent at least, whatever number of pairs was asked for.
 _LEAST_SCENES = 40
 # A run of mode all is complete; what is none of them is refused.
@@ -123,8 +133,9 @@ class MeshLimitsTest(MeshEngineTest):
         sizes = sorted({0, 1, depth} | {size for size in around if size < depth})
         for count_a, count_b in product([*sizes, depth + 1], repeat=2):
             await self.send(self.of_sizes(count_a, count_b))
-        for scene in range_scenes(self.shapes):
-            await self.send(scene)
+        for scenes in (range_scenes, extreme_scenes, growing_scenes):
+            for scene in scenes(self.shapes):
+                await self.send(scene)
         await self.full_again()
         for place in (0, 1, 2, 5):
             await self.first_at(place)
@@ -149,9 +160,7 @@ class MeshLimitsTest(MeshEngineTest):
         """Fill both meshes in one place, where all is near; then see them emptied by loading less."""
         depth = self.configuration.depth
         low, high = coordinate_range(self.configuration.width)
-        pairs = depth * depth
-        # Of large memories only a part, or it would be a run of minutes.
-        count = depth if pairs <= 1 << 14 else 1 << 7
+        count = min(depth, MOST_FULL)
         triangle = np.array([[low, low, low], [high, high, high], [low, high, 0]])
         full = np.repeat(triangle[None], count, 0)
         runs = tuple((RunRequest((0, 0, 0), 0, mode), RunTraffic()) for mode in _EVERY_MODE)
@@ -176,13 +185,15 @@ class MeshLimitsTest(MeshEngineTest):
 class MeshAbortTest(MeshEngineTest):
     """An abort at every clock of short runs, and at places all over long ones; the next run is whole."""
 
-    # Those in which the scan has something to do everywhere.
+    # Those in which the scan has something to do everywhere, and those that fill all queues.
     kinds = ("in_one_place", "clusters", "cloud", "one_contact")
+    crowded = ("in_one_place", "clusters", "late_contacts", "every_other")
 
     async def stimulus(self) -> None:
         """Find out how long a run takes, then abort it everywhere."""
         while True:
             await self.sweep()
+            await self.crowd()
             if not self.unfinished:
                 return
 
@@ -196,20 +207,31 @@ class MeshAbortTest(MeshEngineTest):
         for mode in _EVERY_MODE:
             asked = replace(request, mode=int(mode))
             plain = (asked, RunTraffic())
-            length = (await self.send(replace(scene, runs=(plain,))))[0].clocks
+            length = (await self.send(replace(scene, runs=(plain,)))).runs[0].clocks
             for at in self.moments(length):
-                await self.send(Scene(None, None, (self.aborted(asked, at, length), plain)))
+                await self.send(Scene(None, None, (self.aborted(asked, at), plain)))
+
+    async def crowd(self) -> None:
+        """Abort a run on full meshes while near pairs are held back, at every clock until nothing moves."""
+        depth = min(self.configuration.depth, _CROWD)
+        scene = random_scene(self.shapes, True, (depth, depth), self.crowded)
+        request = scene.runs[0][0]
+        await self.send(scene)
+        held = Pace(1, 300)
+        for at in range(0, 6 if self.on_pins else 80):
+            await self.send(Scene(None, None, ((request, RunTraffic(held, aborts=(at,))),)))
+        await self.send(Scene(None, None, ((request, RunTraffic()),)))
 
     def moments(self, length: int) -> list[int]:
-        """Return the clocks at which to abort: all or many on the bare engine, a part on the pins."""
+        """Return the clocks at which to abort: all or many, a few on the pins."""
         most = 6 if self.on_pins else 100
         if length < most:
             return list(range(length + 1))
         some = self.rng.integers(0, length + 1, most).tolist()
         return sorted({0, 1, 2, 3, length - 2, length - 1, *some} - {-1})
 
-    def aborted(self, request: RunRequest, at: int, length: int) -> tuple[RunRequest, RunTraffic]:
-        """Return the run with an abort, and on the pins now and then with several, and one before it."""
+    def aborted(self, request: RunRequest, at: int) -> tuple[RunRequest, RunTraffic]:
+        """Return the run with an abort, now and then with several, and one before it."""
         stalled = Pace(1, int(self.rng.choice([0, 0, 3, 12])))
         aborts = (at, at + 1, at + int(self.rng.integers(2, 12)))
         traffic = RunTraffic(stalled, stalled, aborts if self.rng.integers(2) else (at,), True)
@@ -219,47 +241,54 @@ class MeshAbortTest(MeshEngineTest):
 @listed(
     "V1",
     Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
+    Runs((*_ON_PINS, ONE_LANE, NARROW), 5000, 8, seeds=3, smoke=(WORDS,)),
     why_seeds="Three: other scenes and stalls.",
 )
 class MeshStallsTest(MeshEngineTest):
-    """Gaps on loading, back-pressure on near pairs and summaries, runs offered while a mesh is loaded."""
+    """Gaps on loading, back-pressure on near pairs and summaries, runs and meshes offered too early."""
 
-    paces = (*PACES, Pace(1, 40))
+    # The last is for runs that are not on the pins: near pairs wait while all that can goes on.
+    paces = (*PACES, Pace(1, 40), Pace(64, 400))
 
     async def stimulus(self) -> None:
-        """Send scenes with near pairs at every combination of paces."""
-        traffic = cycle(product(self.paces, repeat=2))
-        while True:
-            for gaps in (FULL_SPEED, Pace(1, 6)):
-                for _ in range(len(self.paces) ** 2):
-                    near, done = next(traffic)
-                    await self.send(self.stalled(gaps, RunTraffic(near, done)))
-            if not self.unfinished:
-                return
+        """Send scenes with near pairs at every combination of paces, the next mesh offered during a run."""
+        paces = self.paces[:-1] if self.on_pins else self.paces
+        before: Task[None] | None = None
+        for number, (near, done) in enumerate(cycle(product(paces, repeat=2))):
+            if number >= len(paces) ** 2 and not self.unfinished:
+                break
+            gaps = (FULL_SPEED, Pace(1, 6))[int(self.rng.integers(2))]
+            sequence = self.sequence(self.stalled(gaps, RunTraffic(near, done)))
+            going = cocotb.start_soon(sequence.start())
+            await sequence.loaded.wait()
+            if before:
+                await before
+            if self.rng.integers(2):
+                await going
+            before = going
+        if before:
+            await before
 
     def stalled(self, gaps: Pace, traffic: RunTraffic) -> Scene:
-        """Return a small scene."""
+        """Return a small scene; now and then, but on the pins, one that fills all queues."""
         depth = self.configuration.depth
         counts = self.rng.integers(1, min(depth, 3 * self.configuration.group) + 1, 2).tolist()
+        if not self.on_pins and self.rng.integers(_FULL_ONE_IN) == 0:
+            counts = [min(depth, _CROWD)] * 2
         scene = random_scene(self.shapes, True, (counts[0], counts[1]))
         request = replace(scene.runs[0][0], mode=int(self.rng.choice([Mode.FIRST, Mode.ALL, Mode.ALL])))
-        early = bool(self.rng.integers(2))
-        return replace(scene, runs=((request, traffic),) * 2, gaps=gaps, early=early)
+        early, chained = (bool(self.rng.integers(2)) for _ in range(2))
+        return replace(scene, runs=((request, traffic),) * 2, gaps=gaps, early=early, chained=chained)
 
 
 @listed(
     "V2",
     Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
+    Runs((*_ON_PINS, ONE_LANE, NARROW), 5000, 8, seeds=3),
     why_seeds="Three: other scenes and places of resets.",
 )
 class MeshResetsTest(MeshEngineTest):
-    """Resets at any moment, while meshes are loaded and while runs go on. On the pins only."""
-
-    def build_phase(self) -> None:
-        """Refuse the bare engine, which nobody resets."""
-        super().build_phase()
-        if not self.on_pins:
-            raise InputError("MeshResetsTest: needs --agent pin")
+    """Resets at any moment, while meshes are loaded and while runs go on."""
 
     async def stimulus(self) -> None:
         """Send scenes while resets strike; end with undisturbed ones."""
@@ -269,12 +298,36 @@ class MeshResetsTest(MeshEngineTest):
             sent += 2
             traffic = cocotb.start_soon(self.send(random_scene(self.shapes)))
             await self.between_edges()
-            await self.clocks(int(moments.integers(1, 400)))
-            if not traffic.done():
+            await self.clocks(int(2 ** moments.uniform(0, _LAST_RESET)))
+            struck = not traffic.done()
+            if struck:
                 late = int(moments.integers(0, PERIOD_NS - 1))
                 await self.reset(int(moments.choice([1, 2, 3, 30])), late)
             await traffic
-            await self.send(random_scene(self.shapes, calm=True))
+            await self.send(self.afterwards(struck))
+
+    def afterwards(self, struck: bool) -> Scene:
+        """Return a scene; after a reset, at times one that empties no mesh, but relies on what it finds."""
+        scene = random_scene(self.shapes, calm=True)
+        return replace(scene, append=struck and bool(self.rng.integers(2)))
+
+
+@listed(
+    "V2",
+    Runs((SQUARE, WORDS, ONE_LANE, WIDEST, BOARD), 1, 16, seeds=1),
+    Runs((NARROW,), 1, 16, seeds=1, smoke=(NARROW,), signoff=False),
+    why_seeds="One: the scenes are the same with every seed.",
+)
+class MeshClocksTest(MeshEngineTest):
+    """The clocks of fixed scenes without stalls are those that are kept: no engine gets slower unseen."""
+
+    async def stimulus(self) -> None:
+        """Send them, and compare what loading and runs take."""
+        clocks = FoundClocks(self.settings.config, Path(self.settings.folder))
+        for name, scene in clock_scenes(self.configuration):
+            sent = await self.send(scene)
+            clocks.add(name, [item.clocks for item in (*sent.loads, *sent.runs)])
+        clocks.check()
 
 
 @listed("V3", Runs((BOARD,), 1, smoke=(BOARD,)), why_seeds="One: only a margin is random.")
