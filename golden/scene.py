@@ -8,6 +8,7 @@ that they leave is decided by the bulk checker.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -45,30 +46,30 @@ class SceneAnswer:
         """Return how many pairs of groups their boxes leave."""
         return self.groups_apart.size - self.group_pairs_skipped
 
-    @property
+    @cached_property
     def pairs_skipped(self) -> int:
         """Return how many pairs within the groups left are decided by their own boxes."""
         pairs_opened = self.boxes_apart.size - int(self.in_groups_apart.sum())
         return pairs_opened - self.tested
 
-    @property
+    @cached_property
     def tested(self) -> int:
         """Return how many pairs no box decides."""
         return self.boxes_apart.size - int(self.boxes_apart.sum())
 
-    @property
+    @cached_property
     def in_groups_apart(self) -> Mask:
         """Return which pairs lie in groups that are apart: (N, M)."""
         count_a, count_b = self.boxes_apart.shape
         by_a = np.repeat(self.groups_apart, self.group, axis=0)[:count_a]
         return np.repeat(by_a, self.group, axis=1)[:, :count_b]
 
-    @property
+    @cached_property
     def to_be_tested(self) -> Integers:
         """Return the pairs that no box decides, (K, 2), in the order of the scan."""
         return in_scan_order(np.argwhere(~self.boxes_apart), self.group)
 
-    @property
+    @cached_property
     def near_pairs(self) -> Integers:
         """Return the near pairs, (K, 2), in the order of the scan."""
         return in_scan_order(np.argwhere(self.near), self.group)

@@ -18,7 +18,7 @@ from triaxis.sim.mesh_engine import Mode, Status
 from triaxis.verif.mesh.expectation import begins, difference, expected_status, first_of, moved
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
-from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.failures import Blame, ends_at_first, found
 
 # Failures described in full; beyond that they are only counted.
 DESCRIBED = 10
@@ -81,7 +81,7 @@ class SceneChecker:
             self.tested += answer.tested
             self.near += summary.near
         # What else is not a status has no place in the coverage model.
-        if summary.status in list(Status):
+        if summary.status in list(Status) and not ends_at_first():
             self._on_checked(row_of(self.configuration, run, summary, answer))
 
     def _answer(self, run: ObservedRun) -> SceneAnswer:

@@ -27,6 +27,11 @@ def listen(conclude: Callable[[str, int], None]) -> None:
     _listener = conclude
 
 
+def ends_at_first() -> bool:
+    """Return whether the run ends at its first failure: nothing else of it is looked at."""
+    return _listener is not None
+
+
 def found(message: str, pairs: int = 0) -> None:
     """Tell of a failure whoever listens; to a run that goes on to its end nobody does."""
     if _listener:
