@@ -10,7 +10,7 @@ import numpy.typing as npt
 Codes = npt.NDArray[np.uint8]
 Column = npt.NDArray[np.int64]
 
-# A number that nobody could measure: the bare engine does not say how long what it offers waits.
+# A number that nobody could measure, as the wait of near pairs where there was none.
 UNKNOWN = -1
 
 

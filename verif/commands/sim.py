@@ -50,8 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--agent", choices=(PIN, BURST), default=PIN,
-        help="who drives the streams: pin by pin, or whole bursts by a bus-functional model; for the mesh "
-        "engine whole runs of the bare engine (pin)",
+        help="who drives the streams: pin by pin, or a bus-functional model of the Verilated library (pin)",
     )  # fmt: skip
     parser.add_argument(
         "--judged", type=int, default=1, metavar="N",

@@ -69,11 +69,16 @@ def main(configs: list[str]) -> None:
         if not file.exists():
             raise InputError(f"{config}: no clocks were found: see {result.log}")
         known[config] = json.loads(file.read_text())
-    scenes = {
-        config: [f"    {json.dumps(n)}: {c}" for n, c in known[config].items()] for config in sorted(known)
-    }
-    lines = [f"  {json.dumps(config)}: {{\n" + ",\n".join(rows) + "\n  }" for config, rows in scenes.items()]
-    write_whole(KEPT, "{\n" + ",\n".join(lines) + "\n}\n")
+        _write(known)
+
+
+def _write(known: dict[str, Clocks]) -> None:
+    """Write a scene a line."""
+    blocks = [
+        f'  "{config}": {{\n' + ",\n".join(f'    "{name}": {at}' for name, at in clocks.items()) + "\n  }"
+        for config, clocks in sorted(known.items())
+    ]
+    write_whole(KEPT, "{\n" + ",\n".join(blocks) + "\n}\n")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
-from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes
+from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place
 
 
 def as_move(values: Integers) -> Move:
@@ -278,6 +278,7 @@ def _plain(a: Integers, b: Integers, *moves: Move) -> Scene:
 # Triangles of the meshes of `clock_scenes` at most, and their runs: the first right after the loading.
 _MOST_TIMED = 64
 _TIMED = (Mode.ALL, Mode.ALL, Mode.FIRST)
+_TIMED_ABORTS = (0, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89)
 
 
 def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]]:
@@ -290,6 +291,14 @@ def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]
             a, b = make(shapes, *counts, margin)
             runs = [(RunRequest(margin=margin, mode=int(mode)), RunTraffic()) for mode in _TIMED]
             yield f"{kind} {counts[0]} x {counts[1]}", Scene(a, b, tuple(runs), kind=kind)
+    a, b = in_one_place(shapes, depth, depth, margin)
+    aborts = tuple((RunRequest(), RunTraffic(aborts=(at,))) for at in _TIMED_ABORTS)
+    yield "aborted", Scene(a, b, aborts, kind="aborted")
+    far = (2 * shapes.reach - 1, 0, 0)
+    refused = (RunRequest(mode=3), RunRequest(far), RunRequest())
+    yield "refused", Scene(a, too_many(shapes), tuple((run, RunTraffic()) for run in refused), kind="refused")
+    empty = tuple((run, RunTraffic()) for run in (RunRequest(far), RunRequest()))
+    yield "empty", Scene(a, b[:0], empty, early=True, chained=True, kind="empty")
 
 
 # Margins are this part of the range.

@@ -12,6 +12,7 @@ module triaxis_mesh_rest_sva (
     input logic first,
     input logic summary,
     input logic reads,
+    input logic answers,
     input logic core_as_asked
 );
 
@@ -26,6 +27,11 @@ module triaxis_mesh_rest_sva (
   NothingAfterReset :
   assert property (@(posedge clk_i) $rose(rst_ni) |-> settled && !first && !summary)
   else $error("something of before a reset is left after it");
+
+  // The engine wakes in the clock after the reset.
+  QuietInReset :
+  assert property (@(posedge clk_i) !rst_ni || $rose(rst_ni) |-> !answers)
+  else $error("in a reset, or right after it, something is accepted, offered or held");
 
   CoreAsAsked :
   assert property (@(posedge clk_i) core_as_asked)
@@ -44,5 +50,15 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
       cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
     } != '0),
     .reads(row_read || word_read || box_a_read || box_b_read || triangle_read),
+    .answers({
+      s_axis_load_tready_o,
+      s_axis_run_tready_o,
+      busy_o,
+      m_axis_near_tvalid_o,
+      m_axis_done_tvalid_o,
+      count_a_o,
+      count_b_o,
+      overfull_o
+    } != '0),
     .core_as_asked(u_core.Gating == Gating && u_core.EdgeBox == EdgeBox)
 );

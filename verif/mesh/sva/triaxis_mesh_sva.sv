@@ -53,6 +53,16 @@ module triaxis_mesh_sva
   ))
   else $error("a summary changed while it waited");
 
+  // Its values can be read until the next run is accepted.
+  SummaryKept :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      (m_axis_done_tvalid_o || !busy_o) && !(s_axis_run_tvalid_i && s_axis_run_tready_o) |=> $stable(
+      status_o
+  ) && $stable(
+      counters
+  ))
+  else $error("a summary changed although no run was accepted");
+
   // The same rule for whoever drives the inputs.
   TriangleHeld :
   assert property (@(posedge clk_i) disable iff (!rst_ni)

@@ -1,4 +1,4 @@
-"""The engine's environment: its tests pass on the pins and bare, and count alike; lies are seen."""
+"""The engine's environment: its tests pass with either agent, and count alike; lies are seen."""
 
 import argparse
 
@@ -7,10 +7,12 @@ import pytest
 from triaxis.coverage.counts import load
 from triaxis.golden.errors import InputError
 from triaxis.verif.commands import sim
+from triaxis.verif.mesh.kept_clocks import FoundClocks, kept
 from triaxis.verif.mesh.uvm_tests import SQUARE
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
+from triaxis.verif.testbench.test_table import table
 
 pytestmark = pytest.mark.simulator
 
@@ -29,6 +31,7 @@ SAID = {
     "MeshNothingTest": "0 runs checked",
     "MeshOnlyEmptyTest": "no pair was checked",
 }
+STREAMS = ("mesh_near_wait", "mesh_done_wait", "mesh_load_run")
 COUNTERS = ("group_pairs_skipped", "group_pairs_opened", "pairs_skipped", "tested", "near")
 
 
@@ -43,11 +46,15 @@ def passed(folder, test, seed, pairs, agent):
     return result
 
 
-@pytest.mark.parametrize("test", ["MeshRandomTest", "MeshAbortTest", "MeshResetsTest"])
-def test_pins(tmp_path, seed, test):
-    result = passed(tmp_path / "run", test, seed, 300, PIN)
+@pytest.mark.parametrize("agent", [PIN, BURST])
+@pytest.mark.parametrize("test", ["MeshRandomTest", "MeshAbortTest", "MeshStallsTest", "MeshResetsTest"])
+def test_agents(tmp_path, seed, test, agent):
+    result = passed(tmp_path / "run", test, seed, 300, agent)
     assert result.counts and result.counts["runs"] > 10
     assert (result.counts["resets"] > 2) == (test == "MeshResetsTest")
+    hits = load(result.coverage, model_of(SQUARE)).hits
+    for item in {"MeshAbortTest": ["mesh_abort"], "MeshStallsTest": STREAMS}.get(test, ()):
+        assert (hits[item] > 0).all(), item
 
 
 def test_both_agents_send_and_find_the_same(tmp_path, seed):
@@ -58,12 +65,26 @@ def test_both_agents_send_and_find_the_same(tmp_path, seed):
     assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
 
 
-def test_volume_and_aborts_on_the_bare_engine(tmp_path, seed):
+def test_volume(tmp_path, seed):
     result = passed(tmp_path / "volume", "MeshVolumeTest", seed, 20_000, BURST)
     assert result.counts and result.counts["judged_by_golden_model"] > 100
-    hits = load(passed(tmp_path / "abort", "MeshAbortTest", seed, 300, BURST).coverage, model_of(SQUARE)).hits
-    # The bare engine is not aborted twice, nor where there is no run.
-    assert (hits["mesh_abort"] > 0).sum() == 3
+
+
+def test_clocks_are_those_that_are_kept(tmp_path, seed, monkeypatch):
+    config, other = "mesh_a", {"mesh_a": {"one": [9, 9, 50], "two": [1]}}
+    monkeypatch.setattr("triaxis.verif.mesh.kept_clocks.kept", lambda: other)
+    clocks = FoundClocks(config, tmp_path)
+    clocks.add("one", [9, 9, 50])
+    with pytest.raises(AssertionError, match="scenes that there are not: two"):
+        clocks.check()
+    clocks.add("two", [2])
+    with pytest.raises(AssertionError, match=r"two: \[2\] clocks .*, \[1\] are kept; .*kept_clocks mesh_a"):
+        clocks.check()
+    # Every configuration in which the test runs has kept ones.
+    configs = {name for runs in table()["MeshClocksTest"].runs for name in runs.configs}
+    monkeypatch.undo()
+    assert configs <= kept().keys()
+    passed(tmp_path / "clocks", "MeshClocksTest", seed, 1, BURST)
 
 
 @pytest.mark.parametrize("name", SAID)

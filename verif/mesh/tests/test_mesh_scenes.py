@@ -16,7 +16,9 @@ from triaxis.verif.mesh.scenes import (
     LEVELS,
     PAIR,
     ROW,
+    extreme_scenes,
     gap_scene,
+    growing_scenes,
     random_scene,
     range_scenes,
 )
@@ -113,3 +115,27 @@ def test_beats_come_back_as_they_were(shapes):
             assert data < 1 << 9 * configuration.width
             assert (unpack_triangle(data, configuration.width) == triangle).all()
     assert unpack_pair(3 << configuration.index_bits | 2, configuration) == (2, 3)
+
+
+def test_extreme_scenes_take_every_counter_to_its_end(shapes):
+    depth, group = shapes.configuration.depth, shapes.configuration.group
+    answers = []
+    for scene in extreme_scenes(shapes):
+        a, b = meshes_of(scene)
+        answers += [scene_answer(moved(a, run.translation), b, run.margin, group) for run, _ in scene.runs]
+    for name in ("pairs_skipped", "tested") if group > 1 else ("tested",):
+        assert max(getattr(answer, name) for answer in answers) == depth**2
+    for name in ("group_pairs_skipped", "group_pairs_opened"):
+        assert max(getattr(answer, name) for answer in answers) == (depth // group) ** 2
+    assert max(answer.near.sum() for answer in answers) == depth**2
+
+
+def test_meshes_grow_through_every_size(shapes):
+    sizes, seen = [0, 0], set()
+    for scene in growing_scenes(shapes):
+        for mesh, triangles in enumerate((scene.a, scene.b)):
+            if triangles is not None:
+                sizes[mesh] = len(triangles) + (sizes[mesh] if scene.append else 0)
+        seen.add(tuple(sizes))
+    every = range(1, shapes.configuration.depth + 1)
+    assert seen >= {(size, 1) for size in every} | {(1, size) for size in every}
