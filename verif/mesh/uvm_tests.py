@@ -208,7 +208,7 @@ class MeshAbortTest(MeshEngineTest):
             asked = replace(request, mode=int(mode))
             plain = (asked, RunTraffic())
             length = (await self.send(replace(scene, runs=(plain,)))).runs[0].clocks
-            for at in self.moments(length):
+            for at in self.moments(length, 100 if mode == Mode.ALL else 40):
                 await self.send(Scene(None, None, (self.aborted(asked, at), plain)))
 
     async def crowd(self) -> None:
@@ -222,9 +222,9 @@ class MeshAbortTest(MeshEngineTest):
             await self.send(Scene(None, None, ((request, RunTraffic(held, aborts=(at,))),)))
         await self.send(Scene(None, None, ((request, RunTraffic()),)))
 
-    def moments(self, length: int) -> list[int]:
-        """Return the clocks at which to abort: all or many, a few on the pins."""
-        most = 6 if self.on_pins else 100
+    def moments(self, length: int, most: int) -> list[int]:
+        """Return the clocks at which to abort: all or so many, a few on the pins."""
+        most = 6 if self.on_pins else most
         if length < most:
             return list(range(length + 1))
         some = self.rng.integers(0, length + 1, most).tolist()
