@@ -54,9 +54,12 @@ module triaxis_mesh_sva
   else $error("a summary changed while it waited");
 
   // Its values can be read until the next run is accepted.
+  logic run_accepted;
+  assign run_accepted = s_axis_run_tvalid_i && s_axis_run_tready_o;
+
   SummaryKept :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
-      (m_axis_done_tvalid_o || !busy_o) && !(s_axis_run_tvalid_i && s_axis_run_tready_o) |=> $stable(
+      (m_axis_done_tvalid_o || !busy_o) && !run_accepted |=> $stable(
       status_o
   ) && $stable(
       counters
@@ -88,8 +91,7 @@ module triaxis_mesh_sva
   else $error("ready for a run during a run");
 
   BusyOnceAccepted :
-  assert property (@(posedge clk_i) disable iff (!rst_ni)
-      s_axis_run_tvalid_i && s_axis_run_tready_o |=> busy_o)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) run_accepted |=> busy_o)
   else $error("not busy although a run was accepted");
 
   BusyUntilSummary :
