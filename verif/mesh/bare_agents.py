@@ -122,11 +122,6 @@ class BareBfm(FastModel[MeshPlayer]):
             await self._move()
         return self._clocks
 
-    @property
-    def runs(self) -> int:
-        """Return how many runs were offered."""
-        return self._offered
-
     async def _move(self) -> None:
         self._moved.clear()
         await self._moved.wait()
@@ -200,6 +195,7 @@ class BareRunDriver(RunDriver):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the model."""
         self.bfm: BareBfm = bfm_of(self)
+        self.over = 0
 
     async def offer(self, item: RunItem) -> None:
         """Offer the run."""
@@ -209,12 +205,10 @@ class BareRunDriver(RunDriver):
         """Wait until it is accepted."""
         await self.bfm.accepted()
 
-    def withdraw(self) -> None:
-        """Do nothing: the model offers it once."""
-
-    async def ended(self, item: RunItem, more: bool) -> int:
-        """Wait for the summary."""
-        return await self.bfm.ended(self.bfm.runs - more)
+    async def ended(self, item: RunItem) -> int:
+        """Wait for the summary, or for a reset."""
+        self.over += 1
+        return await self.bfm.ended(self.over)
 
 
 def _told(pins: Any) -> type:

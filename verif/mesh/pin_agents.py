@@ -178,11 +178,10 @@ class RunDriver(uvm_driver):
         await self.offer(item)
         while True:
             await self.accepted()
-            self.withdraw()
             following = item.following
             if following:
                 await self.offer(following)
-            item.clocks = await self.ended(item, following is not None)
+            item.clocks = await self.ended(item)
             if following is None:
                 return
             item = following
@@ -210,16 +209,10 @@ class RunDriver(uvm_driver):
         await self.edge
         while not int(self.dut.s_axis_run_tready_o.value) or not int(self.dut.rst_ni.value):
             await self.edge
-
-    def withdraw(self) -> None:
-        """Offer no run."""
         self.dut.s_axis_run_tvalid_i.value = 0
 
-    async def ended(self, item: RunItem, more: bool) -> int:
-        """Wait for the summary, or for a reset; return the clocks since the run was accepted.
-
-        ``more``: another run is offered already.
-        """
+    async def ended(self, item: RunItem) -> int:
+        """Wait for the summary, or for a reset; return the clocks since the run was accepted."""
         dut, traffic = self.dut, item.traffic
         limit = _LEAST_CLOCKS + _CLOCKS_A_PAIR * min(self.configuration.depth, 256) ** 2
         for clock in range(limit):

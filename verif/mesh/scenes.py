@@ -1,19 +1,16 @@
-"""Scenes: random ones of all kinds, exact gaps, the ends of the range, and real meshes.
+"""Scenes: random ones of all kinds, exact gaps, the ends of the range and of the memories, and timed ones.
 
 A scene's translation takes A back from where it is to come, as far as the range and the port allow.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from itertools import product
 
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.broadphase import spatial_order
-from triaxis.host.quantise import centred_grid, quantise
-from triaxis.host.scenes import machine_scenes, mesh_data, scenes
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
 from triaxis.verif.core.items import FULL_SPEED, Pace
@@ -299,19 +296,3 @@ def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]
     yield "refused", Scene(a, too_many(shapes), tuple((run, RunTraffic()) for run in refused), kind="refused")
     empty = tuple((run, RunTraffic()) for run in (RunRequest(far), RunRequest()))
     yield "empty", Scene(a, b[:0], empty, early=True, chained=True, kind="empty")
-
-
-# Margins are this part of the range.
-_MARGIN_PART = 256
-
-
-def real_scenes(configuration: MeshConfiguration) -> Iterator[tuple[Integers, Integers, int]]:
-    """Yield meshes (N, 3, 3), (M, 3, 3) in LSB, and a margin. Each scene fills most of the range."""
-    data = mesh_data()
-    width = configuration.width
-    for scene in scenes() + (machine_scenes(data) if data else []):
-        points = np.concatenate([scene.a, scene.b]).reshape(-1, 3)
-        extent = float(np.ptp(points.astype(np.float64), 0).max())
-        grid = centred_grid([scene.a, scene.b], Fraction(extent * 1.1) / (1 << width), width)
-        a, b = quantise(scene.a, grid, f"{scene.name}: A"), quantise(scene.b, grid, f"{scene.name}: B")
-        yield a, b, min(configuration.max_margin, (1 << width) // _MARGIN_PART)

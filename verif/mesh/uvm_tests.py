@@ -9,7 +9,6 @@ import numpy as np
 from cocotb.task import Task
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.broadphase import spatial_order
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import Mode
 from triaxis.verif.core.items import FULL_SPEED, Pace
@@ -23,10 +22,8 @@ from triaxis.verif.mesh.scenes import (
     extreme_scenes,
     gap_scenes,
     growing_scenes,
-    random_margin,
     random_scene,
     range_scenes,
-    real_scenes,
     too_many,
 )
 from triaxis.verif.testbench.settings import PIN
@@ -328,23 +325,3 @@ class MeshClocksTest(MeshEngineTest):
             sent = await self.send(scene)
             clocks.add(name, [item.clocks for item in (*sent.loads, *sent.runs)])
         clocks.check()
-
-
-@listed("V3", Runs((BOARD,), 1, smoke=(BOARD,)), why_seeds="One: only a margin is random.")
-class MeshRealTest(MeshEngineTest):
-    """Parts of a real machine, and solids of our own where those are absent, at several translations."""
-
-    async def stimulus(self) -> None:
-        """Send each pair of meshes in spatial order, and once as it comes in its file."""
-        group, depth = self.configuration.group, self.configuration.depth
-        for a, b, margin in real_scenes(self.configuration):
-            a, b = a[:depth], b[:depth]
-            orders = [(spatial_order(a, group), spatial_order(b, group))]
-            orders += [(np.arange(len(a)), np.arange(len(b)))] if len(a) * len(b) < 1 << 20 else []
-            for order_a, order_b in orders:
-                runs = (
-                    RunRequest((0, 0, 0), margin, Mode.ALL),
-                    RunRequest((0, 0, 0), 0, Mode.FIRST),
-                    RunRequest((0, 0, 0), random_margin(self.rng, self.configuration) // 64, Mode.COUNT),
-                )
-                await self.send(Scene(a[order_a], b[order_b], tuple((run, RunTraffic()) for run in runs)))
