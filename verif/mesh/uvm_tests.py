@@ -238,7 +238,8 @@ class MeshAbortTest(MeshEngineTest):
 @listed(
     "V1",
     Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
-    Runs((*_ON_PINS, ONE_LANE, NARROW), 5000, 8, seeds=3, smoke=(WORDS,)),
+    Runs((*_ON_PINS, ONE_LANE), 5000, 8, seeds=3, smoke=(WORDS,)),
+    Runs((NARROW,), 5000, 8, seeds=3, signoff=False),
     why_seeds="Three: other scenes and stalls.",
 )
 class MeshStallsTest(MeshEngineTest):
@@ -281,7 +282,8 @@ class MeshStallsTest(MeshEngineTest):
 @listed(
     "V2",
     Runs(_ON_PINS, 1000, agent=PIN, seeds=3, smoke=(SQUARE,)),
-    Runs((*_ON_PINS, ONE_LANE, NARROW), 5000, 8, seeds=3),
+    Runs((*_ON_PINS, ONE_LANE), 5000, 8, seeds=3),
+    Runs((NARROW,), 5000, 8, seeds=3, signoff=False),
     why_seeds="Three: other scenes and places of resets.",
 )
 class MeshResetsTest(MeshEngineTest):
