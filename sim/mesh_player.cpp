@@ -101,7 +101,7 @@ class Player {
  public:
   explicit Player(uint32_t selected) : bench(selected), engine_(bench.model()), root_(*engine_.rootp) {
     engine_.m_axis_near_tready_i = engine_.m_axis_done_tready_i = 1;
-    bench.Fall();
+    Guarded([this] { bench.Fall(); });
   }
 
   void Start(const Load& load) {
@@ -109,7 +109,7 @@ class Player {
     next_word_ = load.clear ? -1 : 0;
     gaps_.Set(load.runs, load.num_runs);
     OfferWord();
-    bench.Eval();
+    Settle();
   }
 
   void Start(const Run& run) {
@@ -122,7 +122,7 @@ class Player {
       PutRun(0);
       engine_.s_axis_run_tvalid_i = 1;
     }
-    bench.Eval();
+    Settle();
   }
 
   void SetPaces(const uint16_t* near, int64_t num_near, const uint16_t* done, int64_t num_done) {
@@ -133,17 +133,13 @@ class Player {
   // Between two edges, at once.
   void SetReset(bool active) {
     engine_.rst_ni = !active;
-    bench.Eval();
+    Settle();
   }
 
   // Runs for some clocks, or until a load is over, a run is accepted or ended, or there is something to be said.
-  void Go(int64_t clocks) {
-    const Progress before = progress();
-    for (; clocks > 0; --clocks) {
-      Clock();
-      const bool moved = before.accepted != accepted_ || before.ended != ended_ || before.loading != loading();
-      if (moved || events.size() >= kFull || hung() || before.asserted != bench.asserted()) return;
-    }
+  Symptom Forward(int64_t clocks) {
+    Guarded([=, this] { Go(clocks); });
+    return diverged_ ? triaxis::kDiverged : triaxis::kPassed;
   }
 
   Progress progress() const {
@@ -159,6 +155,29 @@ class Player {
   std::vector<int64_t> values;
 
  private:
+  // Combinational logic may not settle: the next run says so.
+  template <typename Action>
+  void Guarded(Action action) {
+    try {
+      action();
+    } catch (const std::runtime_error&) {
+      diverged_ = true;
+    }
+  }
+
+  void Settle() {
+    Guarded([this] { bench.Eval(); });
+  }
+
+  void Go(int64_t clocks) {
+    const Progress before = progress();
+    for (; clocks > 0; --clocks) {
+      Clock();
+      const bool moved = before.accepted != accepted_ || before.ended != ended_ || before.loading != loading();
+      if (moved || events.size() >= kFull || hung() || before.asserted != bench.asserted()) return;
+    }
+  }
+
   bool loading() const { return engine_.s_axis_load_tvalid_i || next_word_ < load_.count; }
   bool hung() const { return patience_ < 0; }
 
@@ -367,6 +386,7 @@ class Player {
   int64_t clocks_ = 0;
   int64_t clock_ = 0;
   int64_t patience_ = kPatience;
+  bool diverged_ = false;
   bool in_reset_ = true;
   bool aborted_idle_ = false;
   uint32_t seen_run_clock_ = 0;
@@ -403,13 +423,7 @@ void triaxis_reset(void* player, int32_t active) { Of(player).SetReset(active); 
 
 // Runs for so many clocks at most. Returns the symptom.
 int32_t triaxis_run(void* player, int64_t clocks, Progress* progress) {
-  Symptom symptom = triaxis::kPassed;
-  try {
-    Of(player).Go(clocks);
-  } catch (const std::runtime_error&) {
-    // Combinational logic that does not settle.
-    symptom = triaxis::kDiverged;
-  }
+  const Symptom symptom = Of(player).Forward(clocks);
   *progress = Of(player).progress();
   return symptom;
 }
