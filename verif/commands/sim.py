@@ -1,4 +1,4 @@
-"""``triaxis sim``: one test by name and seed, on the simulated core."""
+"""``triaxis sim``: one test by name and seed, on the simulated core or mesh engine."""
 
 import argparse
 import sys
@@ -50,8 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--agent", choices=(PIN, BURST), default=PIN,
-        help="who drives the streams: pin by pin, or whole bursts by a bus-functional model; for the mesh "
-        "engine whole runs of the bare engine (pin)",
+        help="who drives the streams: pin by pin, or a bus-functional model of the Verilated library (pin)",
     )  # fmt: skip
     parser.add_argument(
         "--judged", type=int, default=1, metavar="N",
@@ -59,7 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "checks every pair",
     )  # fmt: skip
     parser.add_argument(
-        "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
+        "--soak",
+        action="store_true",
+        help="for long runs: no assertions, coverage samples one batch in eight",
     )
     parser.add_argument(
         "--fault",
