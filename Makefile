@@ -59,17 +59,17 @@ $(VENV)/.ready-peers: requirements-peers.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
 	@touch $@
 
-signoff: $(READY) $(YOSYS) ## simulate, measure, prove: verdict and report in build/signoff/
+signoff: $(READY) $(YOSYS) ## simulate, measure, prove, try every mutant: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED)
 
-regress: $(READY) $(DVSIM) $(YOSYS) ## every test and every configuration at least once, on dvsim: minutes
+regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least once, on dvsim, and the tests too long for `make test`
 	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
 	@$(BIN)/pytest -n 2 -m regress
 
 nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
 	@$(BIN)/triaxis regress run nightly --launcher $(LAUNCHER)
 
-mutate: $(READY) $(YOSYS) ## change dut/ in 3,600 ways; see each mutant killed, or shown equivalent
+mutate: $(READY) $(YOSYS) ## change dut/ in 3,600 ways; see each noticed by a test, or shown to change nothing
 	@$(BIN)/triaxis prove mutate --seed $(SEED)
 
 faults: $(READY) ## build every fault of the catalogue and see it caught
@@ -93,7 +93,7 @@ COLD_BUSY ?= 1
 cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: an hour or two
 	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" .ci/cold
 
-lint: $(READY) ## check style, types and imports: Verilator, verible, ruff, import-linter, basedpyright
+lint: $(READY) ## check style, types, imports and the testplan
 	@$(BIN)/python -m triaxis.verif.lint
 
 format: $(READY) ## format the RTL and the Python code
@@ -108,7 +108,7 @@ GRID ?= 4
 exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: make exhaustive GRID=4
 	@$(BIN)/triaxis prove exhaustive --grid $(GRID) --seed $(SEED)
 
-code-coverage: $(READY) ## measure line, branch, expression and toggle coverage of dut/
+code-coverage: $(READY) ## measure what the tests reach of dut/: lines, branches, expressions, toggles
 	@$(BIN)/triaxis coverage code --seed $(SEED)
 
 bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them

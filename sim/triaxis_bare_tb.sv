@@ -1,8 +1,8 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A simulation with nothing in it: where the bare engine is driven in whole runs, cocotb still needs
-// a simulator to live in.
+// A simulation with nothing in it: where what is under test is a library beside it, cocotb still needs a
+// simulator to live in.
 
 module triaxis_bare_tb (
     // cocotb finds no module without a signal.

@@ -1,1 +1,1 @@
-"""The environment that signs the core off: agents, sequences, scoreboard, tests, builds."""
+"""The environments, and the methods that use them, by which the design is signed off."""

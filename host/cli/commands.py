@@ -76,7 +76,7 @@ COMMANDS = {
         "put known faults into the design, and see each caught", "verif.commands.prove", ("all caught", "not")
     ),
     "prove mutate": Command(
-        "put small faults into dut/, and see each found out or proved to change nothing",
+        "put small faults into dut/, and see each noticed by a test or shown to change nothing",
         "verif.commands.prove", ("every mutant killed or equivalent", "not"),
     ),
     "coverage plan": Command(
@@ -91,7 +91,9 @@ COMMANDS = {
         "write stored coverage as an lcov tracefile and as UCIS XML", "verif.commands.coverage",
         ("written",), {"--lcov": Answer(), "--ucis": Answer()},
     ),
-    "signoff": Command("simulate, measure, prove, and give a verdict", "verif.commands.signoff"),
+    "signoff": Command(
+        "simulate, measure, prove, try every mutant, and give a verdict", "verif.commands.signoff"
+    ),
     "bench error": Command(
         "measure run time against error, also of other packages", "bench.error.report",
         ("everything demanded is reached", "something is not"),

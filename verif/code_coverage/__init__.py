@@ -1,1 +1,1 @@
-"""Code coverage of the RTL: builds with counters, and what is played on them."""
+"""Code coverage of the RTL: builds with counters, and the tests that run on them."""

@@ -228,9 +228,10 @@ def _how(outcome: Outcome) -> str:
 def add_mutate(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove mutate``."""
     parser.description = (
-        "Generate mutants of every file of dut/, play them with short directed runs and those that survive "
-        "with volume, and prove those listed in verif/mutation/equivalents.toml equivalent. Writes "
-        "build/mutation/mutation.json, which sign-offs of the same RTL and the same tests take."
+        "Generate mutants of every file of dut/, let the environment's own tests look for them, short ones "
+        "first and volume for those that survive, and check the evidence that those listed in "
+        "verif/mutation/equivalents.toml change nothing. Writes build/mutation/mutation.json, which "
+        "sign-offs of the same RTL and the same tests take."
     )
     add_seed(parser)
     parser.add_argument(

@@ -31,8 +31,8 @@ Evidence = dict[str, Any]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
-        "Run every test in every configuration of the core, measure coverage, catch the faults of the "
-        "catalogue, prove, run every mutant, and judge. Writes build/signoff/."
+        "Run every test in its configurations, measure coverage, catch the faults of the catalogue, prove, "
+        "try every mutant, and judge. Writes build/signoff/."
     )
     add_seed(parser)
     parser.add_argument(

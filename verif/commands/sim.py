@@ -1,4 +1,4 @@
-"""``triaxis sim``: one test by name and seed, on the simulated core."""
+"""``triaxis sim``: one test by name and seed, on the simulated core or mesh engine."""
 
 import argparse
 import sys
@@ -58,7 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "checks every pair",
     )  # fmt: skip
     parser.add_argument(
-        "--soak", action="store_true", help="coverage samples one batch in eight, for long runs"
+        "--soak",
+        action="store_true",
+        help="for long runs: no assertions, coverage samples one batch in eight",
     )
     parser.add_argument(
         "--fault",

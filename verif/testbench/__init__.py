@@ -1,1 +1,1 @@
-"""What every environment stands on: one run of one test in its own simulator process."""
+"""What every environment stands on: runs of tests, each in a process of its own."""
