@@ -33,8 +33,8 @@ _CORE_TESTS = {
     "FarTest": 150, "RegressionsTest": 1, "ResetsTest": 3000, "MixedTest": 6000,
 }  # fmt: skip
 _MESH_TESTS = {
-    "MeshRandomTest": 2000, "MeshGapsTest": 200, "MeshLimitsTest": 1, "MeshStallsTest": 2000,
-    "MeshAbortTest": 1000, "MeshResetsTest": 2000, "MeshClocksTest": 1,
+    "MeshRandomTest": 1, "MeshClocksTest": 1, "MeshGapsTest": 1, "MeshResetsTest": 1, "MeshStallsTest": 1,
+    "MeshAbortTest": 1, "MeshLimitsTest": 1,
 }  # fmt: skip
 # Pairs of the volume, in the narrowest model, which is the fastest, and in others.
 _VOLUME, _OTHER_VOLUME, _MESH_VOLUME = 1 << 20, 1 << 17, 100_000
@@ -120,11 +120,10 @@ class EngineTarget:
     def build(self, dut: Path) -> Build:
         """Return the build of the RTL in a folder, quickly made, without assertions."""
         made = mesh_build(self.configuration, dut)
-        # Nothing public: what is seen of a mutant is what it says.
-        sources = (path for path in made.sources if path.suffix == ".sv")
+        sources = made.sources
         if self.exact_core:
-            sources = (EXACT_CORE / path.name if path.name == _DATAPATH else path for path in sources)
-        return replace(made, sources=tuple(sources), speed=QUICK)
+            sources = tuple(EXACT_CORE / one.name if one.name == _DATAPATH else one for one in sources)
+        return replace(made, sources=sources, speed=QUICK)
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
