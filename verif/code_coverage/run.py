@@ -37,12 +37,12 @@ from triaxis.sim.paths import BUILD, SIM, mesh_sources, rtl_sources
 from triaxis.sim.validity import Sources
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.core.detector_check import ask_at_random
-from triaxis.verif.testbench.settings import BURST, TEST_MODULES, counters_file
+from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, counters_file
 from triaxis.verif.testbench.simulation import RunResult, run, run_settings
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
-SOURCES = Sources(("triaxis.verif.code_coverage.run", *TEST_MODULES), ("coverage/waivers.toml",))
+SOURCES = Sources(("triaxis.verif.code_coverage.run", *TEST_MODULES), ("coverage/waivers.toml", *TEST_DATA))
 
 # Together they elaborate every generate block of dut/; the run fails if one is missing.
 CORES = (

@@ -10,12 +10,12 @@ from triaxis.sim.evidence import write_evidence
 from triaxis.sim.validity import Sources
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.faults.known_faults import FAULTS, Fault
-from triaxis.verif.testbench.settings import TEST_MODULES
+from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 
 RESULT = FOLDER / "faults.json"
 SOURCES = Sources(
     ("triaxis.verif.faults.catching", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
-    ("verif/faults/patches/*.patch",),
+    ("verif/faults/patches/*.patch", *TEST_DATA),
 )
 
 

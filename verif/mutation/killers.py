@@ -5,7 +5,7 @@ from pathlib import Path
 from triaxis.sim.build import content_hash
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
-from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS
+from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
 
 # What generates, plays, judges and excuses mutants: most of these modules are named by none of the
 # others. And the tests, but for those of real solids, which try no mutant and would bring host/ in.
@@ -16,7 +16,7 @@ KILLERS = Sources(
         "verif/mutation/*.toml",
         "verif/core/sva/*",
         "verif/mesh/sva/*",
-        "verif/core/kept/*.json",
+        *TEST_DATA,
         "verif/formal/rtl/*.sv",
     ),
 )

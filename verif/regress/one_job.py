@@ -25,10 +25,10 @@ from triaxis.verif.regress.records import (
     record_of,
     write_record,
 )
-from triaxis.verif.testbench.settings import BURST, PIN, TEST_MODULES
+from triaxis.verif.testbench.settings import BURST, PIN, TEST_DATA, TEST_MODULES
 from triaxis.verif.testbench.simulation import build_for, run_settings
 
-SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), ("verif/core/kept/*.json",))
+SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), TEST_DATA)
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
 ANY = "any"
 # Tests send whole groups: some pairs less than they were asked for.

@@ -10,7 +10,7 @@ from triaxis.coverage.waiver_upkeep import waiver_problems
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.validity import Sources
-from triaxis.verif.testbench.settings import TEST_MODULES
+from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 
 # The parts of the evidence, in the order of the report.
 PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
@@ -22,7 +22,7 @@ SOURCES = Sources(
     (
         "coverage/*.toml",
         "coverage/testplan.hjson",
-        "verif/core/kept/*.json",
+        *TEST_DATA,
         "verif/faults/patches/*.patch",
         "verif/mutation/equivalents.toml",
     ),

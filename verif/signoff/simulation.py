@@ -24,10 +24,10 @@ from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.one_job import MOST_OF
 from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
-from triaxis.verif.testbench.settings import TEST_MODULES, RunSettings
+from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for
 
-SOURCES = Sources(("triaxis.verif.signoff.simulation", *TEST_MODULES), ("verif/core/kept/*.json",))
+SOURCES = Sources(("triaxis.verif.signoff.simulation", *TEST_MODULES), TEST_DATA)
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,8 @@ CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
 MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
 ENTRY = "triaxis.verif.testbench.entry"
 TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS)
+# What tests read: counterexamples that were kept, and clocks.
+TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json")
 
 
 def width_of(config: str) -> int:
