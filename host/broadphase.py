@@ -1,4 +1,4 @@
-"""Which facet pairs can be near at all, and the orders in which neighbours in space stand side by side.
+"""Which facet pairs can be near at all.
 
 Which boxes of two sets overlap is found without comparing all with all, by two trees of boxes, opened
 together. A tree stands over its boxes in Morton order (G. M. Morton, A computer oriented geodetic data base
@@ -12,7 +12,6 @@ comparisons are of integers.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -220,27 +219,3 @@ def _in_order(number_a: Integers, number_b: Integers, i: Integers, j: Integers) 
     key = np.sort(i * len(number_b) + j)
     i = key // len(number_b)
     return number_a[i], number_b[key - i * len(number_b)]
-
-
-def spatial_order(triangles: npt.NDArray[Any], group: int) -> Integers:
-    """Return the numbers of triangles (N, 3, 3) in an order with compact groups of ``group``: (N,).
-
-    The set is cut in two across the longest side of the box of its boxes' centres, at a multiple of
-    the group next to the median, and each part again, as a k-d tree is built.
-    """
-    # Twice the centres of the boxes, in the unit of the coordinates.
-    centres = triangles.min(1).astype(np.float64) + triangles.max(1).astype(np.float64)
-    parts = [np.arange(len(triangles))]
-    done: list[Integers] = []
-    while parts:
-        part = parts.pop()
-        if len(part) <= group:
-            done.append(part)
-            continue
-        groups = -(-len(part) // group)
-        # All groups but the last are full: the first part takes whole ones.
-        half = groups // 2 * group
-        axis = int(np.argmax(np.ptp(centres[part], axis=0)))
-        sorted_part = part[np.argsort(centres[part, axis], kind="stable")]
-        parts += [sorted_part[half:], sorted_part[:half]]
-    return np.concatenate(done) if done else np.zeros(0, np.int64)

@@ -16,11 +16,10 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
-from triaxis.host.broadphase import spatial_order
 from triaxis.host.scene import Decide, FacetPairs, in_order, near_facets
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import MeshEngine, Mode, Status
+from triaxis.sim.mesh_engine import MeshEngine, Mode, Status, spatial_order
 
 RTL, BULK, GOLDEN = "rtl", "bulk", "golden"
 ENGINES = (RTL, BULK, GOLDEN)

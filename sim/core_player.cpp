@@ -134,7 +134,7 @@ void Unpack(const uint32_t* words, int32_t* coordinates) {
 
 class Player {
  public:
-  explicit Player(uint32_t selected) : bench(selected), core_(bench.model()) { bench.Fall(); }
+  explicit Player(uint32_t selected) : bench(selected), core_(bench.model()) {}
 
   void Start(const Burst& burst) {
     burst_ = burst;
@@ -145,11 +145,13 @@ class Player {
   // Between two edges, at once.
   void SetReset(bool active) {
     core_.rst_ni = !active;
-    bench.Eval();
+    settled_ = false;
   }
 
   // Runs for some clocks, or to the end of the burst, or until there is something to be fetched or to be said.
   void Run(int64_t clocks) {
+    if (!settled_) bench.Eval();
+    settled_ = true;
     const bool burst = active();
     const bool asserted = bench.asserted();
     for (; clocks > 0; --clocks) {
@@ -256,6 +258,7 @@ class Player {
   int64_t last_ = -1;
   uint32_t padding_ = 1;
   bool waiting_ = false;
+  bool settled_ = false;
 };
 
 Player& Of(void* player) { return *static_cast<Player*>(player); }

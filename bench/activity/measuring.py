@@ -22,14 +22,13 @@ from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.host.broadphase import spatial_order
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.scenes import scenes
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import MeshEngine, Mode
+from triaxis.sim.mesh_engine import MeshEngine, Mode, spatial_order
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import followed
 from triaxis.verif.core.expectation import expected_words

@@ -14,10 +14,10 @@ import numpy as np
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.scene import SceneAnswer, scene_answer
-from triaxis.host.broadphase import spatial_order
 from triaxis.host.engines import Integers
 from triaxis.host.scene import in_order
 from triaxis.sim.mesh_configuration import MeshConfiguration
+from triaxis.sim.mesh_engine import spatial_order
 
 # The first axes of their kinds behind the three box axes; see `triaxis.golden.axes`.
 _NORMALS, _EDGES, _EDGE_BOXES = 3, 5, 14

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import serial
 
-from triaxis.host.broadphase import spatial_order
 from triaxis.host.engines import STILL
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -16,6 +15,7 @@ from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import Code, Command, Flag, Mode, Pose, ReplyHead, Results, twice
 from triaxis.host.link.wire import Deframer, encode
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
+from triaxis.sim.mesh_engine import spatial_order
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
 B = 100 + np.arange(5 * 9).reshape(5, 3, 3)

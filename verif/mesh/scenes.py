@@ -10,9 +10,8 @@ from itertools import product
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.broadphase import spatial_order
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.sim.mesh_engine import Mode, Move, spatial_order
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place

@@ -5,11 +5,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from triaxis.host.broadphase import spatial_order
 from triaxis.host.quantise import centred_grid, quantise
 from triaxis.host.scenes import machine_scenes, mesh_data, scenes
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode
+from triaxis.sim.mesh_engine import Mode, spatial_order
 from triaxis.verif.mesh.base_test import MeshEngineTest
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.scenes import random_margin

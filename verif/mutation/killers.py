@@ -18,6 +18,7 @@ KILLERS = Sources(
         "verif/mesh/sva/*",
         *TEST_DATA,
         "verif/formal/rtl/*.sv",
+        "requirements.lock",
     ),
 )
 

@@ -96,23 +96,24 @@ class Hunt:
             return
         library = self._library(stage.target)
         models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
-        self._try(stage, [Model(_ORIGINAL, str(library)), *models])
+        self._try(stage, models, Model(_ORIGINAL, str(library)))
 
     def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
         """Try mutants that need a library each; one that is elaborated to what the original is needs none."""
         alive = self.alive(stage.target, mutants)
-        original = elaboration_hash(stage.target, self.dut, stage.assertions) if alive else ""
-        for start in range(0, len(alive), _AT_A_TIME):
-            with temporary() as folder, ThreadPoolExecutor(self.jobs) as pool:
-                jobs = [
-                    pool.submit(self._own_library, stage, mutant, original, folder / str(number))
-                    for number, mutant in enumerate(alive[start : start + _AT_A_TIME])
-                ]
-                models = [model for job in jobs if (model := job.result())]
-                if start == 0:
-                    healthy = mutant_library(stage.target, self.dut, folder / "original", stage.assertions)
-                    models.insert(0, Model(_ORIGINAL, str(healthy)))
-                self._try(stage, models)
+        if not alive:
+            return
+        original = elaboration_hash(stage.target, self.dut, stage.assertions)
+        with temporary() as whole, ThreadPoolExecutor(self.jobs) as pool:
+            healthy = mutant_library(stage.target, self.dut, whole / "original", stage.assertions)
+            for start in range(0, len(alive), _AT_A_TIME):
+                with temporary() as folder:
+                    jobs = [
+                        pool.submit(self._own_library, stage, mutant, original, folder / str(number))
+                        for number, mutant in enumerate(alive[start : start + _AT_A_TIME])
+                    ]
+                    models = [model for job in jobs if (model := job.result())]
+                    self._try(stage, models, Model(_ORIGINAL, str(healthy)))
 
     def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
         with mutated(self.dut, mutant) as dut:
@@ -143,11 +144,11 @@ class Hunt:
         self.killed[name] = killed
         self._progress(1)
 
-    def _try(self, stage: Stage, models: Sequence[Model]) -> None:
-        """Let the tests run on the models, in as many simulators as there are jobs."""
+    def _try(self, stage: Stage, models: Sequence[Model], original: Model) -> None:
+        """Let the tests run on the models, in as many simulators as there are jobs, and on the original."""
         name = stage.target.name
         if stage.target.combinational:
-            self._ask_wrapper(stage.target, models)
+            self._ask_wrapper(stage.target, [original, *models])
             return
         # Those that are shown to be equivalent are tried all the same, but by one test.
         excused = [model for model in models if model.name in self.excused]
@@ -161,12 +162,14 @@ class Hunt:
                 place.mkdir()
                 if share:
                     there = tuple(replace(test, folder=str(place)) for test in tests)
-                    trials.append(Trials(there, tuple(share), place))
-            for done, _ in zip(trials, pool.map(run_trials, trials), strict=True):
-                for verdict in done.verdicts():
-                    if verdict.symptom:
-                        said = _first_line(verdict.symptom)
-                        self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs))
+                    trials.append(Trials(there, (original, *share), place))
+            # Whatever ends a long run, what it found out is kept.
+            try:
+                list(pool.map(run_trials, trials))
+            finally:
+                for verdict in (verdict for done in trials for verdict in done.verdicts() if verdict.symptom):
+                    said = _first_line(verdict.symptom)
+                    self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs))
         self.store.save()
 
     def _ask_wrapper(self, target: AnyTarget, models: Sequence[Model]) -> None:

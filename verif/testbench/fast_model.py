@@ -131,4 +131,5 @@ class FastModel(Generic[PlayerT]):
     def close(self, counters: Path) -> None:
         """Write what the library's build has counted; raise AssertionError where an assertion has failed."""
         self.player.write_coverage(counters)
-        assert not self._asserted, "an assertion failed"
+        if self._asserted:
+            raise AssertionError("an assertion failed")

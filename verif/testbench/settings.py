@@ -52,7 +52,7 @@ class RunSettings:
 
     @property
     def time_limit(self) -> float:
-        """Return the seconds after which the run is ended: many times what it should take.
+        """Return the seconds of the processor after which the run is ended: many times what it should take.
 
         Pin by pin, and where the golden model judges all, a pair takes up to a millisecond.
         """

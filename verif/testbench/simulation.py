@@ -182,6 +182,8 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
                 **environment,
                 "COCOTB_ANSI_OUTPUT": "0",
                 "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+                # What the environment asserts is never left out.
+                "PYTHONOPTIMIZE": "",
                 # A crash must end the process: the solver's loader would fork a debugger, which hangs.
                 "CYSIGNALS_CRASH_NDEBUG": "1",
                 # For a quick start: no rewriting of assert statements, no threads for linear algebra.

@@ -8,7 +8,6 @@ It ends at the first failure. What came of it is a line in a file.
 
 import json
 import os
-import resource
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,9 +19,6 @@ from triaxis.verif.testbench import failures
 from triaxis.verif.testbench.settings import RunSettings, put_into_environment
 
 _VARIABLE = "TRIAXIS_TRIALS"
-# Seconds of the processor's time after which a trial is given up, undecided: models that hang are found to by
-# clocks long before.
-_CPU_LIMIT = 600
 _PASSED = ""
 
 
@@ -67,6 +63,11 @@ class Trials:
         path = self.folder / "trials.json"
         path.write_text(json.dumps(plan))
         return {_VARIABLE: str(path)}
+
+    @property
+    def log(self) -> Path:
+        """Return the file with what the last trial said."""
+        return self.folder / "trial.log"
 
     @property
     def told(self) -> int:
@@ -114,6 +115,8 @@ def next_test(settings: RunSettings) -> RunSettings:
     trials = _planned()
     if trials is None:
         return settings
+    # An interrupt ends all of these processes at once.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     status = 0
     for test in trials.tests:
         if not trials.unnoticed():
@@ -144,7 +147,8 @@ def next_model(test: str, model: Model) -> Model:
             return one
         status = os.waitpid(child, 0)[1]
         if trials.told == before:
-            os.write(2, f"ERROR {one.name}: {test} ended without a verdict: {_said(status)}\n".encode())
+            said = f"{one.name}: {test} ended without a verdict: {_said(status)}, see {trials.log}"
+            os.write(2, f"ERROR {said}\n".encode())
             os._exit(1)
     os._exit(0)
 
@@ -153,17 +157,15 @@ def _said(status: int) -> str:
     if not os.WIFSIGNALED(status):
         return f"exit status {os.waitstatus_to_exitcode(status)}"
     number = os.WTERMSIG(status)
-    if number == signal.SIGXCPU:
-        return f"not decided in {_CPU_LIMIT} seconds of the processor"
+    if number in (signal.SIGXCPU, signal.SIGKILL):
+        return "killed: it had no memory, or no more time of the processor"
     return f"killed by {signal.Signals(number).name}"
 
 
 def _begin(trials: Trials, model: Model, test: str) -> None:
     """Make this process that of a trial."""
-    resource.setrlimit(resource.RLIMIT_CPU, (_CPU_LIMIT, _CPU_LIMIT + 1))
-    # Assertions report each time.
-    silent = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(silent, 1)
+    # Of the last trial alone: assertions report each time.
+    os.dup2(os.open(trials.log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
 
     def conclude(symptom: str, pairs: int) -> None:
         verdict = Verdict(model.name, test, symptom, pairs)
@@ -178,13 +180,17 @@ def _begin(trials: Trials, model: Model, test: str) -> None:
 def judged() -> Iterator[None]:
     """Conclude a trial with the end of its test, or with the error that ends it; do nothing in other runs.
 
-    What speaks against the machine or the test's own settings is no verdict.
+    Only what a test asserts is a verdict. Whatever else ends it speaks of the environment or the machine, and
+    ends its process here: that of a simulator which was forked could not end by itself.
     """
     try:
         yield
-    except (InputError, MemoryError, OSError):
-        raise
-    except Exception as error:
+    except AssertionError as error:
         failures.found(f"{type(error).__name__}: {error}")
+        raise
+    except BaseException as error:
+        if _planned() is not None:
+            os.write(2, f"ERROR {type(error).__name__}: {error}\n".encode())
+            os._exit(1)
         raise
     failures.found(_PASSED)

@@ -23,6 +23,11 @@ module triaxis_core_sva #(
     input logic [$clog2(Depth):0] queued
 );
 
+  // Nothing is offered and nothing taken in reset.
+  QuietInReset :
+  assert property (@(posedge clk_i) !rst_ni |-> !m_axis_tvalid_o && !s_axis_tready_o)
+  else $error("the core is not quiet in reset");
+
   // A result offered and not taken stays as it is.
   ResultStable :
   assert property (@(posedge clk_i) disable iff (!rst_ni)

@@ -114,7 +114,11 @@ def test_what_is_no_diff_is_refused(tmp_path):
 # --- Faults of the core ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", CORE)
+# Each needs builds of its own: one for every day, all of them where the catalogue is run.
+@pytest.mark.simulator
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.regress if n else ()) for n, name in enumerate(CORE)]
+)
 def test_caught_with_a_small_counterexample(seed, name):
     fault = fault_of(name)
     outcome = catch(fault, seed)
@@ -145,6 +149,7 @@ def wrong_answers(name, pairs):
     return core.symptoms_together(pairs[:, None], zeros) != Symptom.RIGHT
 
 
+@pytest.mark.simulator
 def test_a_zero_normal_is_all_that_misleads_f8(rng):
     """Its branch and its axes are right for every triangle A."""
     pairs = mixed_pairs(rng, 20_000, 16)
@@ -155,6 +160,7 @@ def test_a_zero_normal_is_all_that_misleads_f8(rng):
     assert (facts.coplanar & (facts.rank_a == 2)).sum() > 100
 
 
+@pytest.mark.simulator
 def test_f2_takes_the_wrong_branch_and_no_other_way(rng):
     """Wrong only where one plane's normals differ, or different planes have the same N . vertex."""
     pairs = mixed_pairs(rng, 20_000, 13)
@@ -175,6 +181,7 @@ def test_truncations_are_of_large_numbers_only(rng, name, bits):
     assert wrong_answers(name, pairs << 8).any()
 
 
+@pytest.mark.simulator
 def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch):
     """And turns the result red."""
     few = replace(rtl_faults.SEARCHES[Kind.CORE], tests=("RandomTest", "StallsTest"))
@@ -189,6 +196,8 @@ def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch)
     assert found.problems == ["comment (a comment) is not caught: RandomTest, StallsTest pass"]
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 def test_nothing_is_caught_where_there_is_no_fault(seed):
     chosen = [fault for fault in FAULTS if fault.replaced]
     assert control(chosen, seed) == []
@@ -201,6 +210,7 @@ def test_a_core_that_is_always_caught_fails_the_control(seed):
     assert found[0].startswith("RandomTest: core says")
 
 
+@pytest.mark.simulator
 def test_a_run_without_a_verdict_catches_nothing(tmp_path, seed, monkeypatch):
     """A simulator that cannot start finds no fault."""
 
@@ -276,6 +286,7 @@ def test_a_wrong_answer_of_no_kept_pair_counts_for_nothing(tmp_path):
     assert design_sign_of(failed_run(tmp_path, [WRONG], kept=False)) is None
 
 
+@pytest.mark.simulator
 def test_a_fault_of_the_engine_is_caught(seed):
     """One that only the order of loading and running shows, and nothing where there is none."""
     outcome = catch(fault_of("engine-memory-read"), seed)
@@ -297,6 +308,7 @@ def test_an_engine_that_never_fails_is_not_caught(tmp_path, seed, monkeypatch):
 # --- Faults of the wrapper ---------------------------------------------------------------------------
 
 
+@pytest.mark.simulator
 def test_given_normals_are_caught(seed):
     outcome = catch(fault_of("F7"), seed)
     example = outcome.example
@@ -309,6 +321,7 @@ def test_given_normals_are_caught(seed):
     assert detect(pair, normals, faulty_rtl(fault_of("F7"))) != detect(pair, normals)
 
 
+@pytest.mark.simulator
 def test_f7_trusts_the_normals_and_is_right_where_they_are(rng):
     pairs = mixed_pairs(rng, 3000, 8) // 2
     p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
@@ -319,6 +332,7 @@ def test_f7_trusts_the_normals_and_is_right_where_they_are(rng):
 # --- Faults of a testbench ---------------------------------------------------------------------------
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize("name", list(environment_faults.ENTRANCES))
 def test_every_way_in_refuses_what_does_not_fit(tmp_path, name):
     enter = environment_faults.ENTRANCES[name]
@@ -352,6 +366,8 @@ def test_command_line_refuses_vectors_that_do_not_fit(tmp_path, capsys):
     assert not (tmp_path / "out.npy").exists()
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 @pytest.mark.parametrize("agent", [BURST, PIN])
 def test_drivers_refuse_vectors_that_do_not_fit(seed, agent):
     found = run_test("WrappingVectorsTest", CONFIG, seed, agent, DUT, agent, 360)
@@ -360,6 +376,7 @@ def test_drivers_refuse_vectors_that_do_not_fit(seed, agent):
     assert sign and "stimulus: pair 0, triangle B, vertex 1, coordinate x: 33243 is outside" in sign.message
 
 
+@pytest.mark.simulator
 def test_a_way_in_that_is_open_is_reported(seed, monkeypatch):
     ways = {**environment_faults.ENTRANCES, "back door": lambda *_: None}
     monkeypatch.setattr(environment_faults, "ENTRANCES", ways)
@@ -368,6 +385,7 @@ def test_a_way_in_that_is_open_is_reported(seed, monkeypatch):
     assert outcome.reason == "let in, or refused without the limit: back door"
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize("name", ["F9", "F10-late", "F10-unsent", "F10-unseen"])
 def test_faults_of_a_testbench_are_caught(seed, name):
     outcome = catch(fault_of(name), seed)
@@ -377,6 +395,7 @@ def test_faults_of_a_testbench_are_caught(seed, name):
         assert outcome.catch.clocks and outcome.catch.clocks > 0
 
 
+@pytest.mark.simulator
 def test_an_environment_that_lets_it_pass_is_reported(seed, monkeypatch):
     table = {
         "F10-unsent": ("RandomTest", BURST, Blame.TEST),
@@ -432,6 +451,8 @@ def test_evidence_is_of_whole_runs_only(tmp_path):
     assert len(content["problems"]) == 14
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 def test_command_line(seed, capsys, monkeypatch):
     assert main(["prove", "faults", "--list"]) == 0
     listed = capsys.readouterr().out
@@ -455,6 +476,8 @@ def test_command_line(seed, capsys, monkeypatch):
     assert "PROBLEM F2 (coplanarity) is not caught: all pass" in capsys.readouterr().out
 
 
+@pytest.mark.regress
+@pytest.mark.simulator
 def test_sim_runs_on_a_broken_core(seed, capsys):
     arguments = ["RandomTest", "--agent", "burst", "--pairs", "2000", "--seed", str(seed + 7000)]
     before = [sorted(folder.glob("*")) for folder in (REGRESSIONS, FOUND)]
