@@ -192,7 +192,7 @@ class SceneChecker:
             found.append(f"near {summary.near}, among the {summary.tested} tested: {near.sum()}")
         if run.request.mode != Mode.COUNT and summary.near != len(run.near_pairs):
             found.append(f"near {summary.near}, {len(run.near_pairs)} were sent")
-        if summary.status == Status.FIRST and not (summary.tested and near[summary.tested - 1]):
+        if summary.status == Status.FIRST and not near[max(0, summary.tested - 1) : summary.tested].any():
             found.append(f"stopped after {summary.tested} pairs, where none is near")
         groups = answer.groups_apart.size
         if summary.group_pairs_skipped > answer.group_pairs_skipped:

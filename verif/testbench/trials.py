@@ -9,7 +9,7 @@ It ends at the first failure. What came of it is a line in a file.
 import json
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -33,12 +33,16 @@ class Model:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a test said of a model: the symptom, "" where it noticed nothing, and the pairs until then."""
+    """What a test said of a model: the symptom, "" where it noticed nothing, and the pairs until then.
+
+    ``trouble``: why it came to no verdict, "" where it did.
+    """
 
     name: str
     test: str
     symptom: str
     pairs: int
+    trouble: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,8 +84,8 @@ class Trials:
         return [Verdict(**json.loads(line)) for line in lines]
 
     def unnoticed(self) -> list[Model]:
-        """Return the models that no test has noticed so far."""
-        noticed = {verdict.name for verdict in self.verdicts() if verdict.symptom}
+        """Return the models that no test has noticed so far, nor come to no verdict on."""
+        noticed = {verdict.name for verdict in self.verdicts() if verdict.symptom or verdict.trouble}
         return [model for model in self.models if model.name not in noticed]
 
     def check(self, log: Path) -> None:
@@ -90,12 +94,16 @@ class Trials:
         for model in self.models:
             for test in self.tests:
                 verdict = verdicts.get((model.name, test.test))
-                if verdict is None:
-                    lines = log.read_text(errors="replace").splitlines() if log.exists() else []
-                    said = next((line for line in lines if "ERROR" in line), f"see {log}")
+                if verdict is None or verdict.trouble:
+                    said = verdict.trouble if verdict else _error_line(log)
                     raise InputError(f"{model.name}: no verdict of {test.test}: {said}")
                 if verdict.symptom:
                     break
+
+
+def _error_line(log: Path) -> str:
+    lines = log.read_text(errors="replace").splitlines() if log.exists() else []
+    return next((line for line in lines if "ERROR" in line), f"see {log}")
 
 
 def _planned() -> Trials | None:
@@ -147,9 +155,7 @@ def next_model(test: str, model: Model) -> Model:
             return one
         status = os.waitpid(child, 0)[1]
         if trials.told == before:
-            said = f"{one.name}: {test} ended without a verdict: {_said(status)}, see {trials.log}"
-            os.write(2, f"ERROR {said}\n".encode())
-            os._exit(1)
+            _tell(trials, Verdict(one.name, test, "", 0, f"{_said(status)}: see {trials.log}"))
     os._exit(0)
 
 
@@ -168,12 +174,30 @@ def _begin(trials: Trials, model: Model, test: str) -> None:
     os.dup2(os.open(trials.log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
 
     def conclude(symptom: str, pairs: int) -> None:
-        verdict = Verdict(model.name, test, symptom, pairs)
-        with trials.results.open("a") as file:
-            file.write(json.dumps(asdict(verdict)) + "\n")
+        _tell(trials, Verdict(model.name, test, symptom, pairs))
         os._exit(0)
 
     failures.listen(conclude)
+    global _trouble
+
+    def give_up(said: str) -> None:
+        _tell(trials, Verdict(model.name, test, "", 0, said))
+
+    _trouble = give_up
+
+
+def _tell(trials: Trials, verdict: Verdict) -> None:
+    with trials.results.open("a") as file:
+        file.write(json.dumps(asdict(verdict)) + "\n")
+
+
+def _say(said: str) -> None:
+    """Say why the tests cannot run, before any model is tried."""
+    os.write(2, f"ERROR {said}\n".encode())
+
+
+# What a process does that comes to no verdict, before it ends.
+_trouble: Callable[[str], None] = _say
 
 
 @contextmanager
@@ -185,12 +209,21 @@ def judged() -> Iterator[None]:
     """
     try:
         yield
-    except AssertionError as error:
-        failures.found(f"{type(error).__name__}: {error}")
-        raise
-    except BaseException as error:
+    except BaseException as raised:
+        error = _first_error() or raised
+        said = f"{type(error).__name__}: {error}"
+        if isinstance(error, AssertionError):
+            failures.found(said)
         if _planned() is not None:
-            os.write(2, f"ERROR {type(error).__name__}: {error}\n".encode())
+            _trouble(said)
             os._exit(1)
         raise
     failures.found(_PASSED)
+
+
+def _first_error() -> BaseException | None:
+    """Return what ended the test, where that was in a task of its own: the test itself is not told."""
+    from cocotb import _test_manager as manager
+
+    running = manager._current_test
+    return running.exception() if running else None

@@ -130,7 +130,7 @@ def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, touching, seed):
 
 
 @pytest.mark.simulator
-def test_a_trial_that_crashes_gives_no_verdict(tmp_path):
+def test_a_trial_that_fails_for_another_reason_gives_no_verdict(tmp_path):
     settings = MAIN.tests(1)[:1]
     place = tmp_path / "trials"
     place.mkdir()
@@ -145,7 +145,7 @@ def test_a_trial_that_crashes_gives_no_verdict(tmp_path):
     trials = Trials(
         tuple(replace(one, folder=str(place)) for one in settings), (Model("m", str(crashing)),), place
     )
-    with pytest.raises(InputError, match=r"m: no verdict of ExtremesTest: .*killed by SIG"):
+    with pytest.raises(InputError, match=r"m: no verdict of ExtremesTest: .*triaxis_close"):
         run_trials(trials)
 
 
