@@ -6,8 +6,9 @@ volume after, for those that survive.
 """
 
 import multiprocessing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -63,6 +64,16 @@ class Stage:
     assertions: bool = True
 
 
+@contextmanager
+def _threads(jobs: int) -> Iterator[ThreadPoolExecutor]:
+    """Provide threads; whatever ends the block, nothing more is begun."""
+    pool = ThreadPoolExecutor(jobs)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
 class Hunt:
     """Tries mutants stage by stage; knows what became of them so far."""
 
@@ -104,7 +115,7 @@ class Hunt:
         if not alive:
             return
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
-        with temporary() as whole, ThreadPoolExecutor(self.jobs) as pool:
+        with temporary() as whole, _threads(self.jobs) as pool:
             healthy = mutant_library(stage.target, self.dut, whole / "original", stage.assertions)
             for start in range(0, len(alive), _AT_A_TIME):
                 with temporary() as folder:
@@ -155,7 +166,7 @@ class Hunt:
         others = [model for model in models if model.name not in self.excused]
         brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
         shares = [(others[number :: self.jobs], stage.tests) for number in range(self.jobs)]
-        with temporary() as folder, ThreadPoolExecutor(self.jobs) as pool:
+        with temporary() as folder, _threads(self.jobs) as pool:
             trials: list[Trials] = []
             for number, (share, tests) in enumerate([*shares, (excused, brief)]):
                 place = folder / str(number)
