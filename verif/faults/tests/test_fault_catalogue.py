@@ -173,6 +173,7 @@ def test_f2_takes_the_wrong_branch_and_no_other_way(rng):
     assert (wrong & ~coplanar).any()
 
 
+@pytest.mark.simulator
 @pytest.mark.parametrize(("name", "bits"), [("F4", 7), ("F5", 15), ("F6", 10)])
 def test_truncations_are_of_large_numbers_only(rng, name, bits):
     """What fits the width that they keep is answered rightly."""
@@ -203,6 +204,7 @@ def test_nothing_is_caught_where_there_is_no_fault(seed):
     assert control(chosen, seed) == []
 
 
+@pytest.mark.simulator
 def test_a_core_that_is_always_caught_fails_the_control(seed):
     broken = faulty_rtl(fault_of("F4"))
     found = control([fault_of("F2")], seed, broken)
