@@ -215,8 +215,11 @@ def judged() -> Iterator[None]:
         if isinstance(error, AssertionError):
             failures.found(said)
         if _planned() is not None:
-            _trouble(said)
-            os._exit(1)
+            # A full disk must not keep it from ending.
+            try:
+                _trouble(said)
+            finally:
+                os._exit(1)
         raise
     failures.found(_PASSED)
 
