@@ -127,6 +127,7 @@ def test_no_miss_mode_keeps_its_word_and_a_broken_one_is_noticed(asked, no_rtl, 
     assert core_point(rounded, truth, WIDTH, NO_MISS).beyond_band > 0
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_a_sample_runs_through_the_rtl(asked, monkeypatch):
     rounded, truth = asked

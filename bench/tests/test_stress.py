@@ -230,6 +230,7 @@ def test_far_pairs_fit_the_core_all_the_same(rng):
     assert measured.own_width == 16 and measured.resolution == 1 and measured.rounded.wrong == 0
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_simulated_core_has_no_problem(rng):
     pairs = near_misses(rng, 300, 16)

@@ -69,6 +69,7 @@ def test_counts_are_kept_for_these_sources_only(tmp_path, monkeypatch):
             DspCounts(DUT, kept).core(8, 0)
 
 
+@pytest.mark.regress
 @pytest.mark.synthesiser
 def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path):
     shapes = {

@@ -85,6 +85,7 @@ def test_exact_nearness_is_that_of_the_golden_model(rng):
         exact_near(a, a, NOWHERE, Fraction(0), 5, 0)
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_work_of_the_engine_is_bounded_on_both_sides(rng):
     """More facets than the engine holds: several parts."""

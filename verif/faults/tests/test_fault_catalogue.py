@@ -182,6 +182,7 @@ def test_truncations_are_of_large_numbers_only(rng, name, bits):
     assert wrong_answers(name, pairs << 8).any()
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_a_fault_that_changes_nothing_is_not_caught(tmp_path, seed, monkeypatch):
     """And turns the result red."""

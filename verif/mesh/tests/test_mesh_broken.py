@@ -78,9 +78,9 @@ def broken(fault):
     return built(BUILD / "faults" / f"mesh-{key[:12]}", make)
 
 
-# One of each kind is enough for every day: each needs a build of its own.
+# One that the account of pairs finds is enough for every day: each needs a build of its own.
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.regress if n % 2 else ()) for n, name in enumerate(FAULTS)]
+    "name", [pytest.param(name, marks=pytest.mark.regress if n else ()) for n, name in enumerate(FAULTS)]
 )
 def test_a_broken_engine_is_caught(tmp_path, seed, name):
     fault = FAULTS[name]

@@ -103,6 +103,7 @@ def leave_only(monkeypatch, test, pairs):
     monkeypatch.setattr(targets, "_runs", lambda *a: (replace(real(*a)[0], test=test, pairs=pairs),))
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_see_it(
     tmp_path, seed, monkeypatch
