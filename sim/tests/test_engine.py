@@ -15,8 +15,8 @@ pytestmark = pytest.mark.simulator
 
 # Wide cores take most of a minute to build.
 _WIDE = [
-    pytest.param(24, 1 << 23, marks=pytest.mark.regress),
-    pytest.param(32, (1 << 32) - 1, marks=pytest.mark.regress),
+    pytest.param(width, largest, marks=pytest.mark.regress)
+    for width, largest in ((24, 1 << 23), (32, (1 << 32) - 1))
 ]
 _WIDEST = [pytest.param(width, width, marks=pytest.mark.regress) for width in (16, 24, 32)]
 
