@@ -12,6 +12,7 @@ from triaxis.golden.pairs import Pairs, coordinate_range
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.detector import WIDTH, DetectorPlayer, detect, detector_inputs
 from triaxis.verif.core.stimulus.families import mixed_pairs
+from triaxis.verif.core.stimulus.general import at_corners
 from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
 
 SEED_VECTORS = 15
@@ -28,10 +29,12 @@ class DetectorResult:
 
 
 def _random_questions(seed: int, width: int) -> tuple[Pairs, npt.NDArray[np.int64]]:
-    """Return random pairs (N, 2, 3, 3), and random normals handed in (N, 2, 3)."""
+    """Return random pairs (N, 2, 3, 3), half of them at corners, and random normals handed in (N, 2, 3)."""
     rng = np.random.default_rng([seed, width])
     low, high = coordinate_range(width)
-    return mixed_pairs(rng, _PAIRS, width), rng.integers(low, high + 1, (_PAIRS, 2, 3))
+    corners = at_corners(rng, _PAIRS // 2, width, 0).pairs
+    pairs = np.concatenate([mixed_pairs(rng, _PAIRS - len(corners), width), corners])
+    return pairs.astype(np.int64), rng.integers(low, high + 1, (_PAIRS, 2, 3))
 
 
 def wrapper_questions(seed: int) -> tuple[Pairs, npt.NDArray[np.int64]]:

@@ -166,11 +166,15 @@ def corner_pairs(rng: Rng, count: int, width: int) -> Pairs:
 
 
 def at_corners(rng: Rng, count: int, width: int, largest_margin: int) -> Stimulus:
-    """Return pairs of all these kinds; half without a margin, which would hide what a bound does."""
+    """Return pairs of all these kinds.
+
+    Half have no margin, which would hide what a bound does; a quarter has the largest, where thresholds are.
+    """
     kinds = (largest_pairs, largest_pairs, diagonal_pairs, corner_pairs)
     each = -(-count // len(kinds))
     pairs = np.concatenate([kind(rng, each, width) for kind in kinds]).astype(np.int32)
     pairs = pairs[rng.permutation(len(pairs))[:count]]
     margins = at_any_margin(rng, pairs, largest_margin).astype(np.uint32)
     margins[::2] = 0
+    margins[1::4] = largest_margin
     return Stimulus(np.ascontiguousarray(pairs), margins)
