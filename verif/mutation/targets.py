@@ -37,7 +37,10 @@ _MESH_TESTS = {
     "MeshAbortTest": 1, "MeshLimitsTest": 1,
 }  # fmt: skip
 # Pairs of the volume, in the narrowest model, which is the fastest, and in others.
-_VOLUME, _OTHER_VOLUME, _MESH_VOLUME = 1 << 20, 1 << 17, 100_000
+_VOLUME, _OTHER_VOLUME = 1 << 20, 1 << 17
+_MESH_VOLUME = {
+    "MeshResetsTest": 20_000, "MeshStallsTest": 20_000, "MeshRandomTest": 100_000, "MeshAbortTest": 10_000,
+}  # fmt: skip
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
@@ -135,9 +138,7 @@ class EngineTarget:
 
     def volume(self, seed: int) -> tuple[RunSettings, ...]:
         """Return the long tests."""
-        return _runs(
-            {"MeshRandomTest": _MESH_VOLUME, "MeshAbortTest": _MESH_VOLUME // 10}, self.name, seed + 1
-        )
+        return _runs(_MESH_VOLUME, self.name, seed + 1)
 
 
 AnyTarget = Target | EngineTarget
