@@ -36,6 +36,19 @@ class Pace:
         return runs.astype(np.uint16).ravel()
 
 
+@dataclass(frozen=True)
+class Steady(Pace):
+    """So many cycles on and off, always the same."""
+
+    def draw(self, random: Random) -> tuple[int, int]:
+        """Return cycles on and off."""
+        return self.on, self.off
+
+    def runs(self, rng: np.random.Generator, count: int) -> npt.NDArray[np.uint16]:
+        """Return them once: they are used over and over."""
+        return np.array([self.on, self.off], np.uint16)
+
+
 FULL_SPEED = Pace()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move, spatial_order
-from triaxis.verif.core.items import FULL_SPEED, Pace
+from triaxis.verif.core.items import FULL_SPEED, Pace, Steady
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place
 
@@ -274,11 +274,14 @@ def _plain(a: Integers, b: Integers, *moves: Move) -> Scene:
 # Triangles of the meshes of `clock_scenes` at most, and their runs: the first right after the loading.
 _MOST_TIMED = 64
 _TIMED = (Mode.ALL, Mode.ALL, Mode.FIRST)
+# The beginning of the names of scenes with stalls.
+STALLED = "stalled"
+_TIMED_STALLS = (1, 3, 12, 40)
 _TIMED_ABORTS = (0, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89)
 
 
 def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]]:
-    """Yield the scenes whose clocks are kept, by name: the same ones always, without stalls."""
+    """Yield the scenes whose clocks are kept, by name: the same ones always; stalls last."""
     shapes = Shapes(np.random.default_rng(1), configuration)
     depth, group = min(configuration.depth, _MOST_TIMED), configuration.group
     margin = min(configuration.max_margin, shapes.reach // 16)
@@ -295,3 +298,9 @@ def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]
     yield "refused", Scene(a, too_many(shapes), tuple((run, RunTraffic()) for run in refused), kind="refused")
     empty = tuple((run, RunTraffic()) for run in (RunRequest(far), RunRequest()))
     yield "empty", Scene(a, b[:0], empty, early=True, chained=True, kind="empty")
+    # Near pairs that wait while others are looked for.
+    for off in _TIMED_STALLS:
+        for kind, make in KINDS.items():
+            a, b = make(shapes, depth, depth, margin)
+            stalled = (RunRequest(margin=margin), RunTraffic(Steady(1, off), Steady(1, off)))
+            yield f"{STALLED} 1 in {1 + off}, {kind}", Scene(a, b, (stalled,), kind=kind)

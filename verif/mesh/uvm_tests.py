@@ -18,6 +18,7 @@ from triaxis.verif.mesh.kept_clocks import FoundClocks
 from triaxis.verif.mesh.scenes import (
     MOST_FULL,
     PACES,
+    STALLED,
     clock_scenes,
     extreme_scenes,
     gap_scenes,
@@ -318,12 +319,18 @@ class MeshResetsTest(MeshEngineTest):
     why_seeds="One: the scenes are the same with every seed.",
 )
 class MeshClocksTest(MeshEngineTest):
-    """The clocks of fixed scenes without stalls are those that are kept: no engine gets slower unseen."""
+    """The clocks of fixed scenes are those that are kept: no engine gets slower unseen.
+
+    On the pins those without stalls: where in its pattern a stall begins is not the same there.
+    """
 
     async def stimulus(self) -> None:
         """Send them, and compare what loading and runs take."""
         clocks = FoundClocks(self.settings.config, Path(self.settings.folder))
+        left_out = STALLED if self.on_pins else ""
         for name, scene in clock_scenes(self.configuration):
+            if left_out and name.startswith(left_out):
+                break
             sent = await self.send(scene)
             clocks.add(name, [item.clocks for item in (*sent.loads, *sent.runs)])
-        clocks.check()
+        clocks.check(left_out)
