@@ -127,10 +127,13 @@ class Build:
 
     @property
     def hashed(self) -> str:
-        """Return a hash of everything that goes in. The folder of the RTL stands for its contents."""
+        """Return a hash of everything that goes in. The folder of the RTL stands for its contents.
+
+        Where cocotb's libraries are is in every program: in a checkout that was moved they are elsewhere.
+        """
         files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
         return content_hash(
-            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_SHARED,
+            files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_linked(self),
             self.speed,
             repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
             # Counters are told by the files that they are of.
