@@ -84,7 +84,7 @@ gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
 	@$(BIN)/pytest -n 2 -m "not regress"
 
-unit: $(READY) ## the tests that need no simulator, prover or synthesiser: within a minute
+unit: $(READY) ## the tests that need no simulator, prover or synthesiser: about a minute
 	@$(BIN)/pytest -n 2 -m "not (simulator or prover or synthesiser or regress)"
 
 # What `make cold` runs, and whether all cores are kept busy meanwhile.

@@ -38,7 +38,6 @@ namespace triaxis {
 // What is wrong with a play, if anything; player.py names them.
 enum Symptom : int32_t {
   kPassed = 0,
-  kWrongWord,
   kAssertion,
   kDiverged,
 };

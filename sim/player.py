@@ -8,7 +8,7 @@ from typing import Any
 
 # What is wrong with a play, if anything, in the order of player.h.
 ASSERTION, HANGS = "assertion", "hangs"
-SYMPTOMS = ("", "wrong word", ASSERTION, "does not settle")
+SYMPTOMS = ("", ASSERTION, "does not settle")
 
 
 class Player:

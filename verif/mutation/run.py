@@ -49,7 +49,7 @@ def mutate(
     if fresh:
         forget_proofs()
     evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
-    # The smallest widths alone say too little: what only they show is played in volume as well.
+    # The smallest widths alone say too little: what only they show is tried in volume as well.
     excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
     outcomes = judge(found, seed, jobs, excused, dut, targets, fresh, with_volume, progress)
     fates = tuple(fate_of(outcome, outcome.mutant.id in evidence.equivalent) for outcome in outcomes)
