@@ -49,6 +49,15 @@ class Steady(Pace):
         return np.array([self.on, self.off], np.uint16)
 
 
+@dataclass(frozen=True)
+class Once(Steady):
+    """So many cycles on and then off, once; on from then on, for longer than any test of clocks."""
+
+    def runs(self, rng: np.random.Generator, count: int) -> npt.NDArray[np.uint16]:
+        """Return them, and as many cycles on as can be said."""
+        return np.array([self.on, self.off, np.iinfo(np.uint16).max, 1], np.uint16)
+
+
 FULL_SPEED = Pace()
 
 

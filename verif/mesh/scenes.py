@@ -12,9 +12,9 @@ import numpy as np
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move, spatial_order
-from triaxis.verif.core.items import FULL_SPEED, Pace, Steady
+from triaxis.verif.core.items import FULL_SPEED, Once, Pace, Steady
 from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
-from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place
+from triaxis.verif.mesh.shapes import KINDS, Integers, Shapes, in_one_place, slots
 
 
 def as_move(values: Integers) -> Move:
@@ -274,10 +274,15 @@ def _plain(a: Integers, b: Integers, *moves: Move) -> Scene:
 # Triangles of the meshes of `clock_scenes` at most, and their runs: the first right after the loading.
 _MOST_TIMED = 64
 _TIMED = (Mode.ALL, Mode.ALL, Mode.FIRST)
+# Aborts at every clock until the first verdict, and later.
+_TIMED_ABORTS = (*range(48), 55, 89, 144, 233)
 # The beginning of the names of scenes with stalls.
 STALLED = "stalled"
 _TIMED_STALLS = (1, 3, 12, 40)
-_TIMED_ABORTS = (0, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89)
+# By then near pairs wait, and all queues are full.
+_STALLED_ABORT = 150
+# A pause in which all queues fill, early or late, in a scan with gaps between pairs before and after it.
+_LONG_PAUSE, _LATEST_PAUSE, _TIMED_SLOTS = 400, 100, 24
 
 
 def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]]:
@@ -285,22 +290,34 @@ def clock_scenes(configuration: MeshConfiguration) -> Iterator[tuple[str, Scene]
     shapes = Shapes(np.random.default_rng(1), configuration)
     depth, group = min(configuration.depth, _MOST_TIMED), configuration.group
     margin = min(configuration.max_margin, shapes.reach // 16)
-    for counts in ((depth, depth), (min(group + 1, depth), min(2 * group, depth))):
+    few, some = min(group + 1, depth), min(2 * group, depth)
+    for counts in dict.fromkeys(((depth, depth), (few, some), (some, few))):
         for kind, make in KINDS.items():
             a, b = make(shapes, *counts, margin)
             runs = [(RunRequest(margin=margin, mode=int(mode)), RunTraffic()) for mode in _TIMED]
             yield f"{kind} {counts[0]} x {counts[1]}", Scene(a, b, tuple(runs), kind=kind)
-    a, b = in_one_place(shapes, depth, depth, margin)
-    aborts = tuple((RunRequest(), RunTraffic(aborts=(at,))) for at in _TIMED_ABORTS)
-    yield "aborted", Scene(a, b, aborts, kind="aborted")
+    # A pair of groups has nothing behind it that takes longer to end than the pairs in it.
+    for count in (group, depth):
+        a, b = in_one_place(shapes, count, count, margin)
+        aborts = tuple((RunRequest(), RunTraffic(aborts=(at,))) for at in _TIMED_ABORTS)
+        yield f"aborted, {count} x {count}", Scene(a, b, aborts, kind="aborted")
     far = (2 * shapes.reach - 1, 0, 0)
     refused = (RunRequest(mode=3), RunRequest(far), RunRequest())
     yield "refused", Scene(a, too_many(shapes), tuple((run, RunTraffic()) for run in refused), kind="refused")
     empty = tuple((run, RunTraffic()) for run in (RunRequest(far), RunRequest()))
     yield "empty", Scene(a, b[:0], empty, early=True, chained=True, kind="empty")
-    # Near pairs that wait while others are looked for.
+    # Near pairs that wait while others are looked for, or while all others are dropped.
     for off in _TIMED_STALLS:
         for kind, make in KINDS.items():
             a, b = make(shapes, depth, depth, margin)
-            stalled = (RunRequest(margin=margin), RunTraffic(Steady(1, off), Steady(1, off)))
-            yield f"{STALLED} 1 in {1 + off}, {kind}", Scene(a, b, (stalled,), kind=kind)
+            pace = Steady(1, off)
+            runs = tuple(
+                (RunRequest(margin=margin, mode=int(mode)), RunTraffic(pace, pace, aborts))
+                for mode, aborts in ((Mode.ALL, ()), (Mode.FIRST, ()), (Mode.ALL, (_STALLED_ABORT,)))
+            )
+            yield f"{STALLED} 1 in {1 + off}, {kind}", Scene(a, b, runs, kind=kind)
+    for number in range(_TIMED_SLOTS):
+        a, b = slots(shapes, depth, depth - number % group, number % 2 == 0)
+        pause = Once(int(shapes.rng.integers(1, _LATEST_PAUSE)), _LONG_PAUSE)
+        run = (RunRequest(), RunTraffic(pause))
+        yield f"{STALLED} once, slots {number}", Scene(a, b, (run,), kind="slots")

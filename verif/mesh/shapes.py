@@ -136,6 +136,21 @@ def clusters(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[I
     return shapes.by_groups(count_a, centres, 1), shapes.by_groups(count_b, centres, 1)
 
 
+def slots(shapes: Shapes, count_a: int, count_b: int, of_groups: bool) -> tuple[Integers, Integers]:
+    """Triangles, or whole groups, at random in a few places apart: where both are in the same, all is near.
+
+    What is decided by boxes, and what is not, come in any order.
+    """
+    groups, places = shapes.configuration.group if of_groups else 1, int(shapes.rng.integers(2, 12))
+    pitch = max(3, 2 * shapes.reach // places)
+
+    def mesh(count: int) -> Integers:
+        chosen = np.repeat(shapes.rng.integers(0, places, -(-count // groups)), groups)[:count]
+        return np.array([[0, 0, 0], [2, 0, 1], [0, 2, 1]]) + (chosen * pitch - shapes.reach)[:, None, None]
+
+    return mesh(count_a), mesh(count_b)
+
+
 def one_contact(shapes: Shapes, count_a: int, count_b: int, margin: int) -> tuple[Integers, Integers]:
     """A lattice in which one triangle of A is one of B."""
     a, b = lattice(shapes, count_a, count_b, margin)
