@@ -8,7 +8,7 @@ from triaxis.sim.build import core_files, mesh_files
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
-from triaxis.sim.verilate import QUICK, Build, Form
+from triaxis.sim.verilate import FAST, QUICK, Build, Form
 
 CORE_TOP, MESH_TOP, DETECTOR_TOP, BOARD_TOP = (
     "triaxis_core", "triaxis_mesh", "CollisionDetector", "nexys4ddr_top",
@@ -23,6 +23,11 @@ def assertions(folder: Path) -> tuple[Path, ...]:
     return tuple(sorted(folder.glob("*.sv")))
 
 
+def _speed(dut: Path) -> str:
+    """Return how fast a model of the RTL in a folder is to be: a changed copy runs for a moment."""
+    return FAST if dut == DUT else QUICK
+
+
 def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
     """Return the core as a library; see core_engine.py."""
     defines = {
@@ -32,7 +37,7 @@ def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
     }
     return Build(
         configuration.name, CORE_TOP, configuration.parameters, tuple(rtl_sources(dut)),
-        (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=defines, dut=dut,
+        (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=defines, dut=dut, speed=_speed(dut),
     )  # fmt: skip
 
 
@@ -61,7 +66,7 @@ def mesh_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:
     return Build(
         f"mesh_{configuration.name}", MESH_TOP, configuration.parameters,
         (*rtl_sources(dut), *mesh_sources(dut), SIM / "mesh_public.vlt"), (SIM / "mesh_player.cpp",),
-        tuple(mesh_files(dut)), defines=defines, dut=dut,
+        tuple(mesh_files(dut)), defines=defines, dut=dut, speed=_speed(dut),
     )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ COUNTERS = (
 # Older ones count toggles without their direction.
 _OLDEST_WITH_COUNTERS = (5, 48)
 
-_RUNTIME = ("verilated", "verilated_dpi", "verilated_vpi", "verilated_threads")
+_RUNTIME, _FOR_COCOTB = ("verilated", "verilated_threads"), ("verilated_dpi", "verilated_vpi")
 _CONTROL = ".vlt"
 # A library may be loaded into a program that has a model of the same name in it.
 _SHARED = ("-shared", "-Wl,-Bsymbolic")
@@ -224,10 +224,14 @@ def compiler(build: Build, speed: str) -> list[str]:
 
 def _runtime(build: Build) -> Path:
     """Return Verilator's own library, compiled once for all models of a kind: it is most of a small build."""
-    names = [*_RUNTIME, *(["verilated_cov"] if build.counters else ())]
-    sources = [
-        _include() / f"{name}.cpp" for name in [*names, *(["verilated_saif_c"] if build.traced else ())]
-    ]
+    names = [*_RUNTIME]
+    if build.form is not Form.LIBRARY:
+        names += _FOR_COCOTB
+    if build.counters:
+        names.append("verilated_cov")
+    if build.traced:
+        names.append("verilated_saif_c")
+    sources = [_include() / f"{name}.cpp" for name in names]
     command = compiler(build, FAST)
     key = content_hash(sources, str(verilator()), target(cxx()), *_without_folders(command))
 

@@ -55,9 +55,8 @@ def cross_products(pairs):
 
 
 @pytest.mark.simulator
-@pytest.mark.parametrize(
-    "configuration", [GATED, pytest.param(UNGATED, marks=pytest.mark.regress)], ids=lambda c: c.name
-)
+@pytest.mark.regress
+@pytest.mark.parametrize("configuration", [GATED, UNGATED], ids=lambda c: c.name)
 def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, configuration, monkeypatch):
     file = tmp_path / "core.saif"
     assert trace(stream, configuration, file).multipliers == 24 + 30
