@@ -22,6 +22,8 @@ module triaxis_extent #(
   // Bit i: point i lies below point i+1, cyclically.
   logic [2:0] below_d, below_q;
   coord_t points_q[3];
+  // Which point is the lowest, which the highest: one bit each.
+  logic [2:0] low, high;
   coord_t low_d, high_d;
 
   for (genvar i = 0; i < 3; i++) begin : g_below
@@ -34,15 +36,17 @@ module triaxis_extent #(
   // Point i is a lowest one where it lies below its successor and its predecessor does not lie
   // below it; a highest one the other way round. Where neither of the first two qualifies, the
   // third does: with all three equal, any will do.
-  always_comb begin
-    if (below_q[0] && !below_q[2]) low_d = points_q[0];
-    else if (below_q[1] && !below_q[0]) low_d = points_q[1];
-    else low_d = points_q[2];
+  assign low[0] = below_q[0] && !below_q[2];
+  assign low[1] = below_q[1] && !below_q[0];
+  assign low[2] = !low[0] && !low[1];
+  assign high[0] = !below_q[0] && below_q[2];
+  assign high[1] = !below_q[1] && below_q[0];
+  assign high[2] = !high[0] && !high[1];
 
-    if (!below_q[0] && below_q[2]) high_d = points_q[0];
-    else if (!below_q[1] && below_q[0]) high_d = points_q[1];
-    else high_d = points_q[2];
-  end
+  assign low_d = ({W{low[0]}} & points_q[0]) | ({W{low[1]}} & points_q[1]) |
+      ({W{low[2]}} & points_q[2]);
+  assign high_d = ({W{high[0]}} & points_q[0]) | ({W{high[1]}} & points_q[1]) |
+      ({W{high[2]}} & points_q[2]);
 
   `TRIAXIS_STAGE(low_o, low_d)
   `TRIAXIS_STAGE(high_o, high_d)

@@ -4,8 +4,7 @@
 // Computes: whether the points lie beyond the interval spanned by 0 and own_i, all on the same
 // side, by more than the threshold. Strictly, so a zero axis separates nothing.
 // Widths: Width bits signed for everything; own_i +- threshold must fit (see triaxis_pkg).
-// Latency: interval_latency(M): order, margin (only where M > 0), comparison. The threshold is due
-// one clock after the points.
+// Latency: interval_latency(M): margin (only where M > 0), comparison.
 
 `include "triaxis_stage.svh"
 
@@ -25,35 +24,28 @@ module triaxis_interval #(
 
   typedef logic signed [Width-1:0] value_t;
 
-  value_t low_d, low_q, high_d, high_q, points_q[Points];
-  value_t floor, ceiling, points[Points];
   logic [Points-1:0] below_d, below_q, above_d, above_q;
-
-  assign low_d  = (own_i < 0) ? own_i : '0;
-  assign high_d = (own_i < 0) ? '0 : own_i;
-  `TRIAXIS_STAGE(low_q, low_d)
-  `TRIAXIS_STAGE(high_q, high_d)
-  `TRIAXIS_STAGE(points_q, points_i)
 
   if (M == 0) begin : g_no_margin
     logic unused_threshold;
     assign unused_threshold = ^threshold_i;
-    assign floor = low_q;
-    assign ceiling = high_q;
-    assign points = points_q;
+    for (genvar i = 0; i < Points; i++) begin : g_side
+      assign below_d[i] = points_i[i] < 0 && points_i[i] < own_i;
+      assign above_d[i] = points_i[i] > 0 && points_i[i] > own_i;
+    end
   end else begin : g_margin
-    value_t floor_d, ceiling_d;
-    assign floor_d   = low_q - value_t'({1'b0, threshold_i});
-    assign ceiling_d = high_q + value_t'({1'b0, threshold_i});
+    value_t floor_d, floor, ceiling_d, ceiling, points[Points];
+    assign floor_d   = ((own_i < 0) ? own_i : '0) - value_t'({1'b0, threshold_i});
+    assign ceiling_d = ((own_i < 0) ? '0 : own_i) + value_t'({1'b0, threshold_i});
     `TRIAXIS_STAGE(floor, floor_d)
     `TRIAXIS_STAGE(ceiling, ceiling_d)
-    `TRIAXIS_STAGE(points, points_q)
+    `TRIAXIS_STAGE(points, points_i)
+    for (genvar i = 0; i < Points; i++) begin : g_side
+      assign below_d[i] = points[i] < floor;
+      assign above_d[i] = points[i] > ceiling;
+    end
   end
 
-  for (genvar i = 0; i < Points; i++) begin : g_side
-    assign below_d[i] = points[i] < floor;
-    assign above_d[i] = points[i] > ceiling;
-  end
   `TRIAXIS_STAGE(below_q, below_d)
   `TRIAXIS_STAGE(above_q, above_d)
 

@@ -129,7 +129,7 @@ package triaxis_pkg;
   endfunction
 
   function automatic int unsigned interval_latency(int unsigned m);
-    return (m == 0) ? 2 : 3;
+    return (m == 0) ? 1 : 2;
   endfunction
 
   // margin * (|c0| + .. + |cn|): absolute values, their sum, product with the margin.

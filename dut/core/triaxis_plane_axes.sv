@@ -5,7 +5,7 @@
 // margins need. Bits and thresholds are numbered as the axes are (see triaxis_pkg).
 // Widths: 2D orientations 2W+1 bits signed; moved by a threshold, 2W+3.
 // Latency: AxisLatency for edge_edge_o; AxisLatency + interval_latency(M) for separated_o. The
-// normals are due at AxisLatency, thresholds at AxisLatency + 1.
+// normals and the thresholds are due at AxisLatency.
 
 module triaxis_plane_axes
   import triaxis_pkg::*;

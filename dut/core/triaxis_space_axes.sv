@@ -4,7 +4,7 @@
 // Computes: which of the eleven three-dimensional axes separate: the normals and edge x edge. Bits
 // and thresholds are numbered as the axes are (see triaxis_pkg).
 // Widths: projections 3W+3 bits signed; moved by a threshold, 3W+4.
-// Latency: ProjectionLatency + interval_latency(M). Thresholds are due at ProjectionLatency + 1.
+// Latency: ProjectionLatency + interval_latency(M). Thresholds are due at ProjectionLatency.
 
 module triaxis_space_axes
   import triaxis_pkg::*;

@@ -6,8 +6,8 @@
 // Zeros, and no logic, where M = 0.
 // Widths: at most 4 L^2 margin, 2W+2+M bits, and 2 L margin, W+1+M bits, unsigned.
 // Latency: counted from the operand register: normals and edge x edge axes arrive at
-// TimeCross + AxisLatency, space_o leaves at TimeDet + ProjectionLatency + 1, plane_o at
-// TimeCross + AxisLatency + 1.
+// TimeCross + AxisLatency, space_o leaves at TimeDet + ProjectionLatency, plane_o at
+// TimeCross + AxisLatency.
 
 module triaxis_thresholds
   import triaxis_pkg::*;
@@ -45,10 +45,9 @@ module triaxis_thresholds
     assign plane_o = '{default: '0};
   end else begin : g_margin
     localparam int unsigned TimeAxis = DiffLatency + cross_latency(W) + AxisLatency;
-    localparam int unsigned SpaceDue = dot_latency(W) + ProjectionLatency + 1 - AxisLatency;
+    localparam int unsigned SpaceDue = dot_latency(W) + ProjectionLatency - AxisLatency;
     localparam int unsigned SpaceWait = SpaceDue - threshold_latency(3, axis_width(W), M);
-    localparam int unsigned PlaneDue = TimeAxis + 1;
-    localparam int unsigned PlaneWait = PlaneDue - 1 - threshold_latency(2, diff_width(W), M);
+    localparam int unsigned PlaneWait = TimeAxis - 1 - threshold_latency(2, diff_width(W), M);
     typedef logic signed [axis_width(W)-1:0] axis_comp_t;
     typedef logic [M-1:0] margin_t;
     typedef logic [axis_threshold_width(W, M)-1:0] space_t[AxisNormalA:AxisEdgeBoxA-1];

@@ -4,7 +4,8 @@
 // Computes: the verdict from the 32 axis bits. Near where no axis separates; otherwise the claim is
 // the lowest-numbered separating axis. Flags count only where the multipliers saw the pair: gated_i
 // says that its boxes decided it and older operands stayed in place.
-// Widths: see verdict_t. Latency: VerdictLatency = 2: axis bits, then claim.
+// Widths: see verdict_t. Latency: VerdictLatency = 2: axis bits, then claim:
+// the lowest bit alone, and of each bit of its number whether it is among the axes that have it.
 
 `include "triaxis_stage.svh"
 
@@ -22,26 +23,27 @@ module triaxis_verdict
     output verdict_t verdict_o
 );
 
-  logic [NumAxes-1:0] separated_q;
-  verdict_t flags_d, flags_q, verdict_d;
+  typedef logic [NumAxes-1:0] axes_t;
 
-  always_comb begin
-    flags_d = '0;
-    flags_d.coplanar = coplanar_i && !gated_i;
-    flags_d.degenerate_a = degenerate_a_i && !gated_i;
-    flags_d.degenerate_b = degenerate_b_i && !gated_i;
-  end
+  axes_t separated_q, lowest;
+  axis_t claim;
+  verdict_t verdict_d;
+  // Degenerate B and A, coplanar: as they stand in a verdict.
+  logic [2:0] flags_d, flags_q;
+
+  assign flags_d = {3{!gated_i}} & {degenerate_b_i, degenerate_a_i, coplanar_i};
 
   `TRIAXIS_STAGE(separated_q, separated_i)
   `TRIAXIS_STAGE(flags_q, flags_d)
 
-  always_comb begin
-    verdict_d = flags_q;
-    verdict_d.is_near = separated_q == '0;
-    for (int i = NumAxes - 1; i >= 0; i--) begin
-      if (separated_q[i]) verdict_d.axis = axis_t'(i);
-    end
+  assign lowest = separated_q & (~separated_q + axes_t'(1));
+  for (genvar b = 0; b < $bits(axis_t); b++) begin : g_claim
+    // The axes whose numbers have bit b.
+    localparam axes_t Having = {NumAxes / (2 << b) {{(1 << b) {1'b1}}, {(1 << b) {1'b0}}}};
+    assign claim[b] = (lowest & Having) != '0;
   end
+
+  assign verdict_d = {claim, flags_q, separated_q == '0};
 
   `TRIAXIS_STAGE(verdict_o, verdict_d)
 

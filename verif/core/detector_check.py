@@ -13,10 +13,11 @@ from triaxis.sim.core_engine import CoreError
 from triaxis.sim.detector import WIDTH, DetectorPlayer, detect, detector_inputs
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.general import at_corners
+from triaxis.verif.core.stimulus.near_miss import sole_axis
 from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
 
 SEED_VECTORS = 15
-_PAIRS = 3_000
+_PAIRS = 6_000
 
 
 @dataclass(frozen=True)
@@ -29,11 +30,16 @@ class DetectorResult:
 
 
 def _random_questions(seed: int, width: int) -> tuple[Pairs, npt.NDArray[np.int64]]:
-    """Return random pairs (N, 2, 3, 3), half of them at corners, and random normals handed in (N, 2, 3)."""
+    """Return random pairs (N, 2, 3, 3), and random normals handed in (N, 2, 3).
+
+    A third of them at corners, a third that one axis alone decides.
+    """
     rng = np.random.default_rng([seed, width])
     low, high = coordinate_range(width)
-    corners = at_corners(rng, _PAIRS // 2, width, 0).pairs
-    pairs = np.concatenate([mixed_pairs(rng, _PAIRS - len(corners), width), corners])
+    corners = at_corners(rng, _PAIRS // 3, width, 0).pairs
+    decided = sole_axis(rng, _PAIRS // 3, width, 0).pairs
+    others = mixed_pairs(rng, _PAIRS - len(corners) - len(decided), width)
+    pairs = np.concatenate([others, corners, decided])
     return pairs.astype(np.int64), rng.integers(low, high + 1, (_PAIRS, 2, 3))
 
 

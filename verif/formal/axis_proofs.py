@@ -163,8 +163,7 @@ class AxisProof:
         size = source.parameters["CWidth"]
         start = self._path.common_age(source.name, *components, margin)
         due = start + self._path.latency("threshold_latency", len(components), size, self._core.margin_bits)
-        # One register before the threshold is added: with registers, it is due a clock after the points.
-        if due + late.pop() != age + self._path.latency("DiffLatency"):
+        if due + late.pop() != age:
             raise NetlistError(f"{cell.name}: its threshold comes at another clock than its points")
         self._room(cell, source, own, points, axis)
 

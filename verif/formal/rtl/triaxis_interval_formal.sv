@@ -26,8 +26,14 @@ module triaxis_interval_check
   localparam int unsigned Latency = interval_latency(M);
   // Two bits more than anything that is compared.
   typedef logic signed [Width+1:0] wide_t;
-  typedef logic signed [Width-1:0] value_t;
-  typedef value_t points_t[Points];
+  // What is to be said of an input, and what it shows.
+  typedef struct packed {
+    logic above;
+    logic below;
+    logic on_the_high_side;
+    logic on_the_low_side;
+    logic touching;
+  } specified_t;
 
   logic separated_o;
 
@@ -40,36 +46,39 @@ module triaxis_interval_check
       .*
   );
 
-  // What went in, and how long ago.
-  `TRIAXIS_PAST(value_t, own_q, own_i, Latency)
-  `TRIAXIS_PAST(points_t, points_q, points_i, Latency)
-  `TRIAXIS_PAST(logic [ThresholdWidth-1:0], threshold_q, threshold_i, Latency - 1)
+  wide_t own, margin, point;
+  specified_t specified;
+  always_comb begin
+    own = wide_t'(own_i);
+    margin = (M == 0) ? '0 : wide_t'({2'b00, threshold_i});
+    point = '0;
+    specified = '{above: 1'b1, below: 1'b1, touching: 1'b0, default: '0};
+    for (int p = 0; p < int'(Points); p++) begin
+      point = wide_t'(points_i[p]);
+      specified.above &= point > own + margin && point > margin;
+      specified.below &= point < own - margin && point < -margin;
+      specified.touching |= point == own + margin;
+    end
+    specified.on_the_high_side = own > 0 && (M == 0 || margin > 0);
+    specified.on_the_low_side  = own < 0 && (M == 0 || margin > 0);
+    Fits :
+    assume (margin < wide_t'(1) <<< (Width - 1) &&
+            own + margin < wide_t'(1) <<< (Width - 1) &&
+            own - margin >= -(wide_t'(1) <<< (Width - 1)));
+  end
+
+  // Of what went in, and how long ago.
+  `TRIAXIS_PAST(specified_t, specified_q, specified, Latency)
   `TRIAXIS_FULL_AFTER(Latency)
 
-  wide_t own, margin, point;
-  logic above, below, touching;
+  specified_t due;
+  assign due = specified_q[Latency-1];
   always_comb begin
-    own = wide_t'(own_q[Latency-1]);
-    margin = (M == 0) ? '0 : wide_t'({2'b00, threshold_q[Latency-2]});
-    point = '0;
-    above = 1'b1;
-    below = 1'b1;
-    touching = 1'b0;
-    for (int p = 0; p < int'(Points); p++) begin
-      point = wide_t'(points_q[Latency-1][p]);
-      above &= point > own + margin && point > margin;
-      below &= point < own - margin && point < -margin;
-      touching |= point == own + margin;
-    end
     if (full) begin
-      Fits :
-      assume (margin < wide_t'(1) <<< (Width - 1) &&
-              own + margin < wide_t'(1) <<< (Width - 1) &&
-              own - margin >= -(wide_t'(1) <<< (Width - 1)));
-      Interval : assert (separated_o == (above || below));
-      SeenAbove : cover (above && own > 0 && (M == 0 || margin > 0));
-      SeenBelow : cover (below && own < 0 && (M == 0 || margin > 0));
-      SeenTouching : cover (touching && own > 0 && (M == 0 || margin > 0) && !above);
+      Interval : assert (separated_o == (due.above || due.below));
+      SeenAbove : cover (due.above && due.on_the_high_side);
+      SeenBelow : cover (due.below && due.on_the_low_side);
+      SeenTouching : cover (due.touching && due.on_the_high_side && !due.above);
     end
   end
 
