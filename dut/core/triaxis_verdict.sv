@@ -28,10 +28,12 @@ module triaxis_verdict
   axes_t separated_q, lowest;
   axis_t claim;
   verdict_t verdict_d;
-  // Degenerate B and A, coplanar: as they stand in a verdict.
+  // Coplanar, degenerate A, degenerate B: as they stand in a verdict.
   logic [2:0] flags_d, flags_q;
 
-  assign flags_d = {3{!gated_i}} & {degenerate_b_i, degenerate_a_i, coplanar_i};
+  assign flags_d[0] = coplanar_i && !gated_i;
+  assign flags_d[1] = degenerate_a_i && !gated_i;
+  assign flags_d[2] = degenerate_b_i && !gated_i;
 
   `TRIAXIS_STAGE(separated_q, separated_i)
   `TRIAXIS_STAGE(flags_q, flags_d)

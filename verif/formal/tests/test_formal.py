@@ -72,7 +72,7 @@ LEAVES = table(
     ("claims the last axis", "verdict_m0", "core/triaxis_verdict.sv",
      "(lowest & Having)", "(separated_q & Having)", "ClaimIsLowest"),
     ("flags of a masked pair", "verdict_m0", "core/triaxis_verdict.sv",
-     "{3{!gated_i}}", "{{2{!gated_i}}, 1'b1}", "FlagCoplanar"),
+     "coplanar_i && !gated_i", "coplanar_i", "FlagCoplanar"),
     ("coplanar without the last triple product", "verdict_m0", "core/triaxis_flags.sv",
      "assign det_zero_d[9] = rst_i == 0;", "assign det_zero_d[9] = 1'b1;", "FlagCoplanar"),
     ("the most negative component overflows", "threshold_space", "core/triaxis_threshold.sv",
