@@ -39,7 +39,8 @@ _MESH_TESTS = {
 # Pairs of the volume, in the narrowest model, which is the fastest, and in others.
 _VOLUME, _OTHER_VOLUME = 1 << 20, 1 << 17
 _MESH_VOLUME = {
-    "MeshResetsTest": 300_000, "MeshStallsTest": 500_000, "MeshRandomTest": 100_000, "MeshAbortTest": 10_000,
+    "MeshResetsTest": 2_000_000, "MeshStallsTest": 500_000,
+    "MeshRandomTest": 100_000, "MeshAbortTest": 10_000,
 }  # fmt: skip
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
