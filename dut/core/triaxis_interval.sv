@@ -4,7 +4,8 @@
 // Computes: whether the points lie beyond the interval spanned by 0 and own_i, all on the same
 // side, by more than the threshold. Strictly, so a zero axis separates nothing.
 // Widths: Width bits signed for everything; own_i +- threshold must fit (see triaxis_pkg).
-// Latency: interval_latency(M): margin (only where M > 0), comparison.
+// Latency: interval_latency(M): margin (only where M > 0), comparison. The threshold is due with the
+// points.
 
 `include "triaxis_stage.svh"
 

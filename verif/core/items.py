@@ -51,7 +51,10 @@ class Steady(Pace):
 
 @dataclass(frozen=True)
 class Once(Steady):
-    """So many cycles on and then off, once; on from then on, for longer than any test of clocks."""
+    """So many cycles on and then off, once; on from then on, for longer than any test of clocks.
+
+    For bursts: on the pins, where each pause is drawn by itself, it is as `Steady`.
+    """
 
     def runs(self, rng: np.random.Generator, count: int) -> npt.NDArray[np.uint16]:
         """Return them, and as many cycles on as can be said."""
