@@ -55,7 +55,8 @@ class Build:
     ``cpp``: of the player or the program; ``headers``, what that includes. ``dut``: the folder of the RTL,
     which may be another one with the same files. ``counters``: of line, toggle and expression coverage.
     ``assertions``: those in the sources are checked. ``traced``: it follows its own switching activity.
-    ``selectable``: it holds mutants, one of which is selected by its number. ``speed``: of the model's code.
+    ``selectable``: it holds mutants, one of which is selected by its number. ``plain``: with Verilator's own
+    arithmetic, not that of arithmetic.h: what the faster one is compared with. ``speed``: of the model's code.
     ``split``: statements in a C++ file, 0 all in one. ``objects``: compiled already.
     """
 
@@ -73,6 +74,7 @@ class Build:
     assertions: bool = False
     traced: bool = False
     selectable: bool = False
+    plain: bool = False
     speed: str = FAST
     split: int | None = None
     objects: tuple[Path, ...] = ()
@@ -81,7 +83,7 @@ class Build:
     def kind(self) -> str:
         """Return in a word for each what is special about it, for the names of folders."""
         marks = {
-            "covered": self.counters, "traced": self.traced, "mutated": self.selectable,
+            "covered": self.counters, "traced": self.traced, "mutated": self.selectable, "plain": self.plain,
             "asserted": self.form is Form.LIBRARY and self.assertions,
         }  # fmt: skip
         return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
@@ -134,14 +136,15 @@ class Build:
         files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
         return content_hash(
             files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_linked(self),
-            self.speed,
+            self.speed, str(self.plain),
             repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
             # Counters are told by the files that they are of.
             str(self.dut) if self.counters else "",
         )  # fmt: skip
 
 
-_PLAYERS = (SIM / "player.h", SIM / "counters" / "verilated_cov.h")
+_ARITHMETIC = SIM / "arithmetic.h"
+_PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "counters" / "verilated_cov.h")
 
 
 def elaboration(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> list[str]:
@@ -222,7 +225,7 @@ def compiler(build: Build, speed: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _runtime(build: Build) -> Path:
+def runtime(build: Build) -> Path:
     """Return Verilator's own library, compiled once for all models of a kind: it is most of a small build."""
     names = [*_RUNTIME]
     if build.form is not Form.LIBRARY:
@@ -245,13 +248,16 @@ def _runtime(build: Build) -> Path:
 
 
 def _headers(build: Build) -> Path:
-    """Return Verilator's headers, compiled once for all models of one kind and speed."""
+    """Return what every model includes, compiled once for all of one kind and speed."""
     command = compiler(build, build.speed)
-    key = content_hash((), "headers", str(verilator()), target(cxx()), *_without_folders(command))
+    included = "verilated.h" if build.plain else _ARITHMETIC.name
+    key = content_hash(
+        [_ARITHMETIC], "headers", included, str(verilator()), target(cxx()), *_without_folders(command)
+    )
 
     def make(partial: Path) -> None:
         header = partial / "model.h"
-        header.write_text("#include <verilated.h>\n")
+        header.write_text(f"#include <{included}>\n")
         run_tool([*command, "-x", "c++-header", str(header), "-o", f"{header}.gch"], partial, "headers")
 
     return built(BUILD / "runtime" / key[:12], make) / "model.h"
@@ -263,7 +269,7 @@ def _without_folders(command: Sequence[str]) -> list[str]:
 
 def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     """Compile what Verilator wrote to ``model``, with the player, into a library or program in ``folder``."""
-    runtime = _runtime(build)
+    runtime = runtime(build)
     places = [f"-I{model}", *(f"-I{place}" for place in sorted({path.parent for path in build.headers}))]
     defines = [f"-D{name}={value}" for name, value in build.defines.items()]
     flags = [

@@ -1,6 +1,8 @@
 """A build has a name of its own for everything that goes in, and every block can be built in every way."""
 
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -18,8 +20,8 @@ from triaxis.sim.models import (
     pin_build,
     safety_build,
 )
-from triaxis.sim.paths import DUT
-from triaxis.sim.verilate import MANY, QUICK, product, verilate_command
+from triaxis.sim.paths import DUT, SIM
+from triaxis.sim.verilate import FAST, MANY, QUICK, compiler, product, runtime, verilate_command
 
 CORE, MESH = Configuration(8, 8), MeshConfiguration(8, 0, depth=16, group=4, lanes=4)
 BLOCKS = (
@@ -34,7 +36,7 @@ def test_every_variant_is_a_build_of_its_own(build, tmp_path):
         replace(build, **change)
         for change in (
             {}, {"counters": True}, {"traced": True}, {"selectable": True}, {"speed": MANY}, {"split": 0},
-            {"assertions": not build.assertions}, {"defines": {"MORE": 1}}, {"parameters": {"W": 9}},
+            {"plain": True}, {"assertions": not build.assertions}, {"defines": {"MORE": 1}}, {"parameters": {"W": 9}},
         )
     ]  # fmt: skip
     assert len({variant.hashed for variant in variants}) == len(variants)
@@ -57,3 +59,24 @@ def test_names_say_what_is_special():
     build = core_build(CORE)
     assert replace(build, counters=True, selectable=True).kind == "w8_m8_covered_mutated"
     assert (product(build), product(pin_build(CORE))) == ("libtop.so", "triaxis_core")
+
+
+def _checked(tmp_path, rng, header):
+    """Compile the comparison of a header with Verilator's arithmetic, and run it."""
+    source = tmp_path / "check.cpp"
+    source.write_text((Path(__file__).parent / "arithmetic_check.cpp").read_text())
+    (tmp_path / "arithmetic.h").write_text(header)
+    build = core_build(CORE)
+    command = [*compiler(build, FAST), "-o", str(tmp_path / "check"), str(source), str(runtime(build))]
+    subprocess.run(command, check=True)
+    return subprocess.run(
+        [tmp_path / "check", str(rng.integers(1 << 32))], capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.simulator
+def test_arithmetic_is_that_of_verilator(rng, tmp_path):
+    header = (SIM / "arithmetic.h").read_text()
+    assert _checked(tmp_path, rng, header).returncode == 0
+    broken = header.replace("(64 - bits)", "(63 - bits)")
+    assert "not what Verilator's gives" in _checked(tmp_path, rng, broken).stdout
