@@ -1,5 +1,6 @@
-"""Models say what is covered; samples are counted as one by one."""
+"""Models say what is covered; samples are counted as one by one; counts merge, and come back from files."""
 
+import json
 from collections import Counter
 from dataclasses import replace
 from typing import Any
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts
 from triaxis.coverage.cover_model import (
     CoverItem,
     CoverModel,
@@ -18,6 +20,7 @@ from triaxis.coverage.cover_model import (
     MaskPoint,
     Sampler,
 )
+from triaxis.golden.errors import InputError
 
 PARITY = Coverpoint[Any]("parity", ("even", "odd"), lambda s: (s % 2).astype(np.uint8))
 SIZE = Coverpoint[Any]("size", ("small", "large"), lambda s: (s > 9).view(np.uint8), partial=True)
@@ -41,33 +44,13 @@ def test_the_hash_follows_everything_that_is_defined(tmp_path):
     source = tmp_path / "sampling.py"
     source.write_text("one")
     model = replace(MODEL, sources=(source,))
-    longer = Coverpoint[Any]("size", ("small", "large", "huge"), SIZE.codes)
-    changed = [
-        replace(IGNORED, **change) for change in ({"reason": "x"}, {"test": "x"}, {"kind": Kind.ILLEGAL})
-    ]
-    changes = [{"name": "other"}, {"meaning": "other"}, {"points": (SIZE, PARITY)}]
-    changes += [{"points": (PARITY, longer)}, {"at_least": 2}]
-    every = ((IGNORED,), (ILLEGAL, IGNORED), *((one, ILLEGAL) for one in changed))
-    changes += [{"exclusions": exclusions} for exclusions in every]
+    changes = [{"name": "other"}, {"meaning": "other"}, {"points": (SIZE, PARITY)}, {"at_least": 2}]
+    other = [replace(IGNORED, **one) for one in ({"reason": "x"}, {"test": "x"}, {"kind": Kind.ILLEGAL})]
+    changes += [{"exclusions": (one, ILLEGAL)} for one in other]
     variants = [replace(model, items=(replace(BOTH, **change), *MODEL.items[1:])) for change in changes]
-    variants += [replace(model, name="other"), replace(model, items=MODEL.items[::-1]), MODEL]
-    before = model.hash
+    hashes = {each.hash for each in (model, *variants, replace(model, name="other"), MODEL)}
     source.write_text("two")
-    hashes = [before, replace(model).hash, *(variant.hash for variant in variants)]
-    assert len(set(hashes)) == len(hashes) == 15
-    source.write_text("one")
-    assert replace(model).hash == before
-
-
-def test_what_cannot_be_sampled_is_refused():
-    with pytest.raises(ValueError, match="only as the first"):
-        CoverItem("wrong", "", (PARITY, BITS))
-    with pytest.raises(ValueError, match="needs points"):
-        CoverItem("wrong", "", ())
-    with pytest.raises(ValueError, match="32 bits"):
-        CoverItem("wrong", "", (MaskPoint[Any]("m", ("",) * 33, lambda s: s),))
-    with pytest.raises(ValueError, match="share a name"):
-        CoverModel("wrong", (BOTH, BOTH))
+    assert len(hashes | {replace(model).hash}) == 3 + len(changes) + 1
 
 
 def point(name, bins, partial):
@@ -127,3 +110,83 @@ def test_a_code_without_a_bin_is_an_error_and_not_another_bin():
         Sampler(sample).hits(CoverItem("item", "", (POINTS[0], POINTS[1])))
     with pytest.raises(ValueError, match="beyond its 19 bins"):
         Sampler(sample).hits(CoverItem("item", "", (MASK,)))
+
+
+DIGIT = Coverpoint[Any]("digit", tuple("0123456789"), lambda s: (s % 10).astype(np.uint8))
+DIGITS = CoverModel("digits", (CoverItem("digit", "", (DIGIT,)), CoverItem("both", "", (DIGIT, PARITY))))
+OTHER = CoverModel("others", (CoverItem("parity", "", (PARITY,)),))
+CHANGED = CoverModel("digits", (CoverItem("digit", "", (DIGIT,), at_least=2), DIGITS.items[1]))
+
+values = st.lists(st.integers(0, 99), max_size=8)
+
+
+def counted(numbers, model=DIGITS):
+    counts = Counts.empty(model)
+    counts.sample(model, np.array(numbers, np.int64))
+    return counts
+
+
+def merge(model, parts):
+    total = Counts.empty(model)
+    for part in parts:
+        total.add(part)
+    return total
+
+
+def flat(counts):
+    return {name: hits.tolist() for name, hits in counts.hits.items()}
+
+
+@given(values, values, values)
+def test_merging_is_associative_and_commutative_with_a_neutral_element(a, b, c):
+    x, y, z = counted(a), counted(b), counted(c)
+    left, right = merge(DIGITS, [merge(DIGITS, [x, y]), z]), merge(DIGITS, [x, merge(DIGITS, [y, z])])
+    assert flat(left) == flat(right) == flat(merge(DIGITS, [z, y, x])) == flat(counted(a + b + c))
+    assert flat(merge(DIGITS, [x, Counts.empty(DIGITS)])) == flat(x)
+
+
+def test_counts_of_another_model_or_definition_are_refused(tmp_path):
+    for wrong in (counted([1], OTHER), counted([1], CHANGED)):
+        with pytest.raises(InputError, match="cannot be merged"):
+            merge(DIGITS, [wrong])
+    with pytest.raises(InputError, match="no such model"):
+        CoverageDatabase([DIGITS]).add(counted([1], OTHER))
+    path = tmp_path / "coverage.json"
+    counted([1]).save(path)
+    with pytest.raises(InputError, match="not among those"):
+        load(path, OTHER)
+    with pytest.raises(InputError, match="another definition of coverage model digits"):
+        load(path, CHANGED)
+
+
+def test_files_come_back_whole(tmp_path):
+    path = tmp_path / "coverage.json"
+    counted([1, 2, 30]).save(path)
+    database = CoverageDatabase([DIGITS, OTHER])
+    database.add_file(path)
+    database.add_file(path)
+    database.add(counted([7], OTHER))
+    database.save(path)
+    digits, others = read_counts(path, [OTHER, DIGITS])
+    assert flat(digits) == flat(counted([1, 2, 30] * 2)) and flat(others) == flat(counted([7], OTHER))
+    assert [p.name for p in tmp_path.iterdir()] == ["coverage.json"]
+
+
+def test_damaged_files_are_refused(tmp_path):
+    path = tmp_path / "coverage.json"
+    counted([1]).save(path)
+    text = path.read_text()
+    for damaged in (
+        text[: len(text) // 2],
+        "",
+        "{}",
+        text.replace("[0, 1,", "[0, 7,", 1),
+        text.replace("triaxis coverage 1", "triaxis coverage 2"),
+        json.dumps({**json.loads(text), "models": []}),
+        text.replace('"digit"', '"tigid"'),
+        "[" * 100_000,
+    ):
+        assert damaged != text
+        path.write_text(damaged)
+        with pytest.raises(InputError, match=r"coverage\.json: .*delete it and run again"):
+            load(path, DIGITS)

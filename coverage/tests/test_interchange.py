@@ -1,0 +1,206 @@
+"""Tracefiles of lcov say what the counters say, and UCIS XML read back by pyucis what the database says."""
+
+from datetime import UTC, datetime
+from itertools import product
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from triaxis.coverage.counts import Counts, CoverageDatabase
+from triaxis.coverage.cover_model import CoverItem, CoverModel, Coverpoint, Exclusion, Kind, MaskPoint
+from triaxis.coverage.interchange.lcov import read_code, write_lcov
+from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
+from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
+from triaxis.golden.errors import InputError
+
+
+@pytest.fixture
+def source(tmp_path):
+    path = tmp_path / "dut" / "leaf.sv"
+    path.parent.mkdir()
+    path.write_text(SOURCE)
+    return path
+
+
+@pytest.fixture
+def models(tmp_path, source):
+    """Counters of two models: the arm in line 10, and the way of line 14, are hit in no instance of any."""
+    one = {
+        FIRST: [10, 4, 6, 9, 0, 2, 7, 0, 5, 1, 2, 8, 3],
+        SECOND: [10, 0, 10, 9, 0, 9, 0, 0, 5, 1, 2, 8, 3],
+    }
+    two = {FIRST: [100, 0, 100, 50, 0, 0, 50, 0, 1, 1, 0, 60, 5]}
+    counts = {"one": one, "two": two}
+    return [write_counters(tmp_path / f"{name}.dat", source, each) for name, each in counts.items()]
+
+
+def tracefile(path):
+    """Return the values in a tracefile by their keys."""
+    found = {}
+    for line in path.read_text().splitlines():
+        key, _, value = line.partition(":")
+        found.setdefault(key, []).append(value)
+    return found
+
+
+def test_counts_are_added_over_instances_and_models(models, tmp_path):
+    lines = {2: 120, 3: 120, 4: 4, 5: 4, 6: 116, 7: 120, 9: 68, 10: 0, 11: 68, 12: 57, 14: 11, 15: 76}
+    # By line, block and way.
+    ways = ["3,0,0,4", "3,0,1,116", "10,0,0,0", "11,0,0,11", "11,0,1,57"]
+    ways += ["14,0,0,0", "14,0,1,11", "14,1,0,3", "14,1,1,4"]
+    assert tracefile(write_lcov(tmp_path / "t.info", models, tmp_path)) == {
+        "TN": ["triaxis"], "SF": ["dut/leaf.sv"], "end_of_record": [""],
+        "DA": [f"{line},{count}" for line, count in lines.items()], "BRDA": ways,
+        "LF": ["12"], "LH": ["11"], "BRF": ["9"], "BRH": ["7"],
+    }  # fmt: skip
+    # A way without statements has no line.
+    models[0].write_text(models[0].read_text().replace("\x01S\x026\x01", "\x01"))
+    found = tracefile(write_lcov(tmp_path / "t.info", models[:1], tmp_path))
+    assert "6,16" not in found["DA"] and "3,0,1,16" in found["BRDA"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("\x01o\x02elsif", "\x01p\x02elsif", r"one\.dat: line 8: damaged"),
+        ("# end\n", "", "cut short after line"),
+        ("# SystemC", "# Another", "line 1 must read"),
+    ],
+)
+def test_damaged_counters_are_refused(models, old, new, said, tmp_path):
+    text = models[0].read_text()
+    assert old in text
+    models[0].write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=said):
+        write_lcov(tmp_path / "t.info", models, tmp_path)
+    assert not list(tmp_path.glob("*.info*")) and not list(tmp_path.glob(".*"))
+
+
+def test_counters_of_another_checkout_or_of_nothing_are_refused(models, tmp_path):
+    with pytest.raises(InputError, match="which is not below"):
+        write_lcov(tmp_path / "t.info", models, tmp_path / "golden")
+    lines = models[0].read_text().splitlines(keepends=True)
+    models[0].write_text("".join(line for line in lines if not ("_line/" in line or "_branch/" in line)))
+    with pytest.raises(InputError, match="no line or branch counters"):
+        write_lcov(tmp_path / "t.info", models, tmp_path)
+
+
+SIZE = Coverpoint[Any]("size", ("<small> & 'low'", "medium", "large", "huge"), lambda s: s)
+SIDE = Coverpoint[Any]("side", ("left", "right"), lambda s: s)
+AXES = MaskPoint[Any]("axes", ("x", "y", "z"), lambda s: s)
+DULL = Exclusion(Kind.IGNORE, "dull", "tests/a", lambda size: size == 2)
+NEVER = Exclusion(Kind.ILLEGAL, "none is that large", "tests/b", lambda size: size == 3)
+NO_Z = Exclusion(Kind.ILLEGAL, "there is no z", "tests/c", lambda axis, side: axis == 2)
+NO_Y = Exclusion(Kind.IGNORE, "y is left", "tests/d", lambda axis, side: axis == 1 and side == 1)
+SMALL = CoverModel(
+    "small",
+    (
+        CoverItem("sizes", "how large", (SIZE,), (DULL, NEVER), at_least=5),
+        CoverItem("crossed", "axes x side", (AXES, SIDE), (NO_Z, NO_Y), at_least=2),
+        CoverItem("mixed", "goals that differ", (SIZE,), at_least=lambda size: 3 - size % 2),
+    ),
+)
+
+
+def database_of(hits):
+    database = CoverageDatabase([SMALL])
+    database.add(Counts("small", SMALL.hash, {item.name: hits(item) for item in SMALL.items}))
+    return database
+
+
+def expected(item, hits):
+    """Return count and kind of each bin by point or cross."""
+    whole = " x ".join(point.name for point in item.points)
+    kinds = [one.exclusion.kind.value if one.exclusion else "bins" for one in item.bins]
+    found = {}
+    for one, kind, count in zip(item.bins, kinds, hits, strict=True):
+        apart = kind != "bins" and len(item.points) > 1
+        found[f"{whole} excluded" if apart else whole, one.name] = count, kind
+    codes = list(product(*(range(len(point.bins)) for point in item.points)))
+    for place, point in enumerate(item.points if len(item.points) > 1 else ()):
+        for code, name in enumerate(point.bins):
+            here = [n for n, every in enumerate(codes) if every[place] == code]
+            why = {kinds[n] for n in here}
+            kind = "bins" if "bins" in why else "illegal" if why == {"illegal"} else "ignore"
+            found[point.name, name] = sum(hits[n] for n in here), kind
+    return found
+
+
+@pytest.fixture
+def ucis() -> Any:
+    """Return pyucis. By name, not by import: what is optional is not known to the type checker either."""
+    pytest.importorskip("ucis", reason="no pyucis here: it is of the dependency group regress")
+    names = "cover_type_t", "history_node_kind", "scope_type_t", "xml.xml_factory"
+    return [pytest.importorskip(f"ucis.{name}") for name in names]
+
+
+def test_pyucis_reads_every_bin_and_every_run(ucis, rng, tmp_path):
+    cover, history, scope, xml = ucis
+    covers, scopes = cover.CoverTypeT, scope.ScopeTypeT
+    kinds = {"bins": covers.CVGBIN, "ignore": covers.IGNOREBIN, "illegal": covers.ILLEGALBIN}
+    database = database_of(lambda item: rng.integers(0, 40, item.size) * rng.integers(0, 2, item.size))
+    runs = [TestRecord("signoff", True, "make signoff", 1), TestRecord("code", False)]
+    path = write_ucis(tmp_path / "t.xml", database, tests=runs, written=datetime(2026, 1, 2, tzinfo=UTC))
+    read = xml.XmlFactory.read(str(path))
+    nodes = read.historyNodes(history.HistoryNodeKind.TEST)
+    assert [(node.getLogicalName(), node.getTestStatus()) for node in nodes] == [
+        ("signoff", True),
+        ("code", False),
+    ]
+    [instance], [(_, counts)], goals = list(read.scopes(scopes.INSTANCE)), database, {}
+    for item, group in zip(SMALL.items, instance.scopes(scopes.COVERGROUP), strict=True):
+        [only] = list(group.scopes(scopes.COVERINSTANCE))
+        points = [*only.scopes(scopes.COVERPOINT), *only.scopes(scopes.CROSS)]
+        found = {
+            (point.getScopeName(), bin_.getName()): (bin_.getCoverData().data, kind)
+            for point in points
+            for kind, number in kinds.items()
+            for bin_ in point.coverItems(number)
+        }
+        assert found == expected(item, counts.hits[item.name].tolist())
+        goals |= {f"{item.name} {p.getScopeName()}": p.getAtLeast() for p in points[: len(item.points)]}
+    assert goals == {"sizes size": 5, "crossed axes": 1, "crossed side": 1, "mixed size": 3}
+
+
+def test_excluded_bins_have_their_reasons_and_a_run_passes_where_all_is_covered(tmp_path):
+    for hits, passed in (
+        (lambda item: item.goals, "true"),
+        (lambda item: item.goals - item.goals, "false"),
+        (lambda item: item.goals + item.illegal, "false"),
+    ):
+        root = ElementTree.parse(write_ucis(tmp_path / "t.xml", database_of(hits))).getroot()
+        assert [node.get("testStatus") for node in root.iter("historyNodes")] == [passed]
+    attributes = {
+        (point.get("name"), one.get("name"), attribute.get("key")): attribute.text
+        for point in root.iter("coverpoint")
+        for one in point.iter("coverpointBin")
+        for attribute in one.iter("userAttr")
+    }
+    assert attributes["size", "huge", "proof"] == "tests/b"
+    assert attributes["axes x side excluded", "z / left", "reason"] == "there is no z"
+    assert {key[1] for key in attributes if key[2] == "at_least"} == {"medium", "huge"}
+
+
+def test_pyucis_reads_line_and_branch_counts_of_each_instance(ucis, source, tmp_path):
+    cover, _, scope, xml = ucis
+    kinds = (
+        (scope.ScopeTypeT.BLOCK, cover.CoverTypeT.STMTBIN, "block"),
+        (scope.ScopeTypeT.BRANCH, cover.CoverTypeT.BRANCHBIN, None),
+    )
+    bins = len(BINS)
+    counts = {FIRST: range(bins), "TOP.top": range(bins, 2 * bins)}
+    code = read_code(write_counters(tmp_path / "one.dat", source, counts), tmp_path)
+    wanted = {(p.instance, p.path, str(p.line), str(p.column), p.what): count for p, count in code.items()}
+    assert sorted(wanted.values()) == [*range(2 * bins)]
+    found = {}
+    read = xml.XmlFactory.read(str(write_ucis(tmp_path / "t.xml", CoverageDatabase([]), {"one": code})))
+    [build] = list(read.scopes(scope.ScopeTypeT.INSTANCE))
+    inner = {f"TOP.top.{one.getScopeName()}": one for one in build.scopes(scope.ScopeTypeT.INSTANCE)}
+    for path, instance in {"TOP.top": build, **inner}.items():
+        for kind, number, what in kinds:
+            for bin_ in (one for each in instance.scopes(kind) for one in each.coverItems(number)):
+                at = bin_.getSourceInfo()
+                place = (at.file.getFileName(), str(at.line), str(at.token), what or bin_.getName())
+                found[path, *place] = bin_.getCoverData().data
+    assert found == wanted
