@@ -1,33 +1,20 @@
 """What all benchmarks are run with: the timer, steps that survive an interruption, peers, reports."""
 
 import json
-import time
 
 import numpy as np
 import pytest
 
 from triaxis.bench import harness
-from triaxis.bench.harness import Findings, StoredSteps, best_times, clocked, report
+from triaxis.bench.harness import Findings, StoredSteps, report
 from triaxis.bench.mesh_cycles import CONFIGURATION
 from triaxis.bench.peers import MESH_PEERS, TRIANGLE_PEERS
-from triaxis.bench.peers.peer import PeerAbsentError, imported, installed_version, present
+from triaxis.bench.peers.peer import present
 from triaxis.bench.skipping.scenes import SURFACES
 from triaxis.bench.skipping.software import Meeting, ask_peer
 from triaxis.bench.skipping.stages import stage_answer
 from triaxis.bench.speed import MEASUREMENTS, findings
 from triaxis.host.cli import DONE, NO
-
-
-def test_times_are_those_of_the_processor():
-    def busy():
-        end = time.process_time() + 0.01
-        while time.process_time() < end:
-            pass
-
-    working, waiting = best_times([busy, lambda: time.sleep(0.002)], 2)
-    assert working >= 0.01 > 0.001 > waiting
-    result, seconds = clocked(lambda: (busy(), "made")[1])
-    assert result == "made" and seconds >= 0.01
 
 
 def test_an_interrupted_measurement_goes_on(tmp_path):
@@ -75,11 +62,6 @@ def test_rates_of_the_simulations_are_no_verdict():
 
 
 def test_absent_packages_say_so(monkeypatch):
-    with pytest.raises(PeerAbsentError, match="no_such_package: not installed: `make peers` installs it"):
-        imported("no_such_package")
-    with pytest.raises(PeerAbsentError, match="no-such-distribution: not installed"):
-        installed_version("no-such-distribution", "json")
-
     def broken(_):
         raise OSError("libGL.so.1: cannot open shared object file")
 
@@ -87,8 +69,7 @@ def test_absent_packages_say_so(monkeypatch):
     there, told = present(TRIANGLE_PEERS)
     assert {peer.distribution for peer, _ in there} <= {"libcgal-dev"}
     reasons = {each.name: each.why_absent for each in told}
-    assert len(reasons) == len(TRIANGLE_PEERS)
-    assert "open3d: installed, but does not start: libGL.so.1" in (reasons["Open3D"] or "")
+    assert len(reasons) == len(TRIANGLE_PEERS) and "libGL" in (reasons["Open3D"] or "")
 
 
 def ready(peer):
