@@ -83,7 +83,7 @@ def _step(kind, cell, ns, net=""):
     return {"type": kind, "to": {"cell": cell}, "delay": ns, "net": net}
 
 
-def _report(tmp_path, mhz=120.0):
+def _report(tmp_path, mhz):
     clock = "$glbnet$clk"
     path = [
         _step("clk-to-q", "u_a.x_q_TRELLIS_FF_Q_14", 0.5),
@@ -108,25 +108,18 @@ def _report(tmp_path, mhz=120.0):
 
 
 def test_the_critical_path_is_told_by_registers(tmp_path):
-    timing = read_timing(_report(tmp_path))
-    assert (timing.mhz, timing.reached, dict(timing.used)) == (120.0, True, {"MULT18X18D": 120})
+    timing = read_timing(_report(tmp_path, TARGET_MHZ - 0.01))
     path = timing.path
     assert (path.start, path.end, path.levels) == ("u_a.x_q[3]", "u_b.y_q", 2)
     assert (path.logic_ns, path.routing_ns) == (1.75, 3.0)
     assert [(hop.net, hop.cells) for hop in path.hops] == [("", 0), ("u_a.x_q[3]", 2), ("sum", 0)]
-    assert sum(hop.logic_ns + hop.routing_ns for hop in path.hops) == pytest.approx(4.75)
-
-
-def test_timing_file(tmp_path):
-    path = tmp_path / "fpga" / "timing.json"
-    missed = read_timing(_report(tmp_path, TARGET_MHZ - 0.01))
-    write_timing(path, missed, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
-    content = json.loads(path.read_text())
+    file = tmp_path / "fpga" / "timing.json"
+    write_timing(file, timing, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
+    content = json.loads(file.read_text())
     assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (99.99, False, "u_b.y_q")
-    for text in ("", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'):
-        path.write_text(text)
-        with pytest.raises(InputError, match="no timing report"):
-            read_timing(path)
+    file.write_text('{"fmax": {}, "critical_paths": [], "utilization": {}}')
+    with pytest.raises(InputError, match="no timing report"):
+        read_timing(file)
 
 
 def _stand_in(tmp_path, monkeypatch, name, script):
@@ -150,10 +143,7 @@ assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
     ("yosys", "nextpnr", "message"),
     [
         (_SYNTHESISE, _ROUTE, None),
-        ("", _ROUTE, "yosys: no result, exit status 0"),
         ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
-        (_SYNTHESISE.replace(TOP, "other"), _ROUTE, f"no netlist of {TOP}"),
-        (_SYNTHESISE, "print('ERROR: unroutable'); sys.exit(1)", "nextpnr: ERROR: unroutable"),
         (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
         (_SYNTHESISE, None, "make fpga-timing"),
     ],

@@ -12,7 +12,7 @@ from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import judge, judge_pairs
-from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
+from triaxis.golden.pairs import NO_AXIS, coordinate_range
 from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs, hard_pairs
 from triaxis.golden.tests.bulk_reference import slow_facts
 
@@ -38,16 +38,11 @@ def test_facts_are_what_they_are_defined_to_be(rng, width):
     for index, ((a, b), margin) in enumerate(zip(pairs.tolist(), margins.tolist(), strict=True)):
         found = {name: int(getattr(facts, name)[index]) for name in NAMES}
         assert found == slow_facts(a, b, margin), f"pair {[a, b]}, margin {margin}"
-    # Nothing above was trivial.
+    # Nothing above was trivial: steps on normals and edge x edge axes, among pairs that fill the range.
     for name in NAMES:
         assert len(np.unique(getattr(facts, name))) > 1, name
-    for name in ("level", "clear_step", "near_step"):
-        assert ((getattr(facts, name) != 0) & (margins > 0)).any(), name
-    assert (set(facts.rank_a), set(facts.order_a)) == ({0, 1, 2}, {0, 1, 2, 3, 4, 5})
-    # Steps on normals and edge x edge axes, and among pairs that fill the range.
     filling = np.ptp(pairs.reshape(len(pairs), 6, 3), axis=1).max(1) >= 1 << (width - 2)
-    assert (facts.clear_step[filling] & 0x3FF8).any()
-    assert (facts.near_step[filling] & 0x3FF8).any()
+    assert (facts.clear_step[filling] & 0x3FF8).any() and (facts.near_step[filling] & 0x3FF8).any()
 
 
 @pytest.mark.parametrize(("width", "count"), [(8, 20000), (16, 20000), (17, 20000), (20, 2000), (32, 2000)])
@@ -74,25 +69,6 @@ def test_the_linear_program_agrees_which_knows_nothing_of_axes(rng, width):
     assert level.any()
     for (a, b), margin in zip(pairs[level].tolist(), margins[level].tolist(), strict=True):
         assert judge(a, b, 0).distance == margin
-
-
-def test_touching_points_lie_on_the_supports(rng):
-    pairs = awkward_pairs(rng, 1500, 16)
-    facts = bulk_facts(pairs, 0)
-    chosen = np.flatnonzero(facts.near & (facts.level != 0))
-    assert len(chosen) > 100
-    for index in chosen:
-        a, b = pairs[index].tolist()
-        witness = judge(a, b, 0).witness
-        assert witness is not None
-        for weights, support in (
-            (witness.weights_a, facts.support_a[index]),
-            (witness.weights_b, facts.support_b[index]),
-        ):
-            assert sum(weight for v, weight in enumerate(weights) if support >> v & 1) == 1
-    supports = zip(facts.support_a.tolist(), facts.support_b.tolist(), strict=True)
-    sizes = {(a.bit_count(), b.bit_count()) for a, b in supports}
-    assert {(1, 1), (1, 2), (1, 3), (2, 2), (2, 1), (3, 1)} <= sizes
 
 
 def test_claims_are_those_of_the_facts(rng):
@@ -140,12 +116,10 @@ def test_bad_input_is_refused():
                 asked(pairs, margins)
 
 
-def test_verdicts_and_progress(rng, monkeypatch):
+def test_verdicts_of_chunks(rng, monkeypatch):
     monkeypatch.setattr(bulk, "_CHUNK", 64)
     pairs = awkward_pairs(rng, 200, 16)
     margins = awkward_margins(rng, pairs, 16)
     done = []
-    verdicts = bulk_verdicts(pairs, margins, done.append)
-    assert verdicts.dtype == VERDICT and (verdicts == bulk_facts(pairs, margins).verdicts).all()
-    assert (len(done), sum(done)) == (-(-len(pairs) // 64), len(pairs))
-    assert len(bulk_verdicts(pairs[:0], 0)) == 0
+    assert (bulk_verdicts(pairs, margins, done.append) == bulk_facts(pairs, margins).verdicts).all()
+    assert sum(done) == len(pairs) and len(bulk_verdicts(pairs[:0], 0)) == 0
