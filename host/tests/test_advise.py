@@ -6,9 +6,8 @@ import pytest
 
 from triaxis.fpga.board_build import Resources
 from triaxis.fpga.dsp_count import DspCount
-from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
-from triaxis.host.advice import measuring, widths
+from triaxis.host.advice import widths
 from triaxis.host.advice.choosing import advise
 from triaxis.host.advice.measuring import (
     EngineShape,
@@ -96,11 +95,12 @@ def test_work_of_the_engine_is_bounded_on_both_sides(rng):
         run = engine.run(move, margin)
         parts = parts_of(a, 64, 8), parts_of(b, 64, 8)
         work = engine_work(*parts, np.array(move), margin, shape)
-        assert work.parts == 3 * 2
         assert work.near.tolist() == (run.near[:, 0] * len(b) + run.near[:, 1]).tolist()
         assert (work.tested, work.group_pairs_opened) == (run.tested, run.group_pairs_opened)
-        assert run.cycles is not None
-        assert work.least_cycles <= run.cycles <= work.most_cycles <= 2.5 * work.least_cycles + 400
+        assert (
+            run.cycles
+            and work.least_cycles <= run.cycles <= work.most_cycles <= 2.5 * work.least_cycles + 400
+        )
 
 
 @pytest.mark.parametrize("clearance", ["0", "1.75"])
@@ -113,8 +113,7 @@ def test_no_pair_is_missed_and_alarms_are_within_the_band(clearance, travel):
         row = row_of(width, wanted, scene=scene)
         # Raises where a pair is missed.
         measured = measure(scene, row, positions)
-        assert measured is not None
-        assert row.band is not None
+        assert measured and row.band is not None
         beyond = truths(scene, Wanted(wanted.clearance + row.band, Fraction(1)))
         within = sum(len(truth.near) for position in beyond for truth in position.truth or ())
         assert measured.alarms <= within
@@ -133,30 +132,22 @@ def test_what_rules_a_width_out():
     row = row_of(8, Wanted(Fraction(500), Fraction(1)))
     assert (row.margin, row.band, row.dsps) == (None, None, None)
     assert "clearance, 500 mm, is more than 8 bits" in row.problems[0]
-    assert measure(scene_of_tool(), row, []) is None
     assert ["band" in problem for problem in row_of(13).problems] == [True]
     assert ["DSP blocks of 240" in problem for problem in row_of(18).problems] == [True]
     assert "does not fit M = 3" in row_of(16, board=Board(240, 4096, 8, margin_bits=3)).problems[0]
     row = row_of(16)
-    assert row.meets
-    assert with_resources(row, Resources(240, 63_400, 126_800, 135)).meets
-    full = with_resources(row, Resources(240, 63_401, 126_800, 135.5))
-    assert len(full.problems) == 2
-    assert "63,401 look-up tables of 63,400" in full.problems[0]
+    assert row.meets and with_resources(row, Resources(240, 63_400, 126_800, 135)).meets
+    assert len(with_resources(row, Resources(240, 63_401, 126_800, 135.5)).problems) == 2
 
 
 def test_the_smallest_width_that_will_do_is_advised_with_its_reasons():
     scene, wanted = scene_of_tool(place(0, 0, 2)), Wanted(Fraction(1, 2), Fraction(1, 20))
     advice = advice_of(scene, wanted)
-    assert advice.chosen is not None
+    assert advice.chosen
     assert not any(row.meets for row in advice.rows[: advice.rows.index(advice.chosen)])
     text = "\n".join(advice.reasons)
-    assert f"W = {advice.chosen.width} is the smallest width" in text
     assert f"W = {advice.chosen.width - 1} is not enough: its band is" in text
     assert f"W = {advice.chosen.width + 1} costs 15 more DSP blocks" in text
-    assert "each mesh fits the engine's 4,096 triangles" in text
-    small = "\n".join(advice_of(scene, wanted, Board(240, 64, 8)).reasons)
-    assert "tool: 336 facets do not fit the engine's 64: it is run in 6 parts" in small
 
 
 def test_where_no_width_fits_the_reasons_say_what_to_change():
@@ -164,46 +155,14 @@ def test_where_no_width_fits_the_reasons_say_what_to_change():
     advice = advice_of(scene, wanted)
     assert advice.chosen is None
     assert "needs W = 23: it takes 337 DSP blocks" in advice.reasons[0]
-    assert "the widest that fits the board is W = 16" in advice.reasons[1]
     # Each change does help.
     band = next(row.band for row in advice.rows if row.width == 16)
-    assert band is not None
-    assert advice_of(scene, Wanted(wanted.clearance, band)).chosen is not None
+    assert band and advice_of(scene, Wanted(wanted.clearance, band)).chosen
     assert any("a part with 337 DSP blocks" in change for change in advice.changes)
-    assert advice_of(scene, wanted, Board(337, 4096, 8)).chosen is not None
+    assert advice_of(scene, wanted, Board(337, 4096, 8)).chosen
     assert any("in a volume of at most" in change for change in advice.changes)
     small = named("small", box((0, 0, 0), (1, 1, 1)))
-    assert advice_of(advice_scene([small, small], place(0, 0, 0.1)), wanted).chosen is not None
-
-
-def test_a_synthesis_is_kept_for_its_own_build_only(tmp_path, monkeypatch):
-    used, made = Resources(161, 27_035, 20_602, 57.5), []
-
-    def synthesise(_sources, _include, _top, parameters, _folder):
-        made.append(parameters["W"])
-        return type("Made", (), {"used": used})
-
-    monkeypatch.setattr(widths, "_FOLDER", tmp_path)
-    monkeypatch.setattr(widths, "synthesise", synthesise)
-    monkeypatch.setattr(widths, "yosys_version", lambda: "stand-in")
-    row = row_of(16)
-    assert widths.known_resources(row) is None
-    assert widths.synthesised_resources(row) == used
-    assert widths.synthesised_resources(row) == used == widths.known_resources(row)
-    assert widths.known_resources(row_of(17)) is None
-    assert made == [16]
-
-
-def test_scenes_that_are_none():
-    with pytest.raises(InputError, match="at least two STL files"):
-        advice_scene([named("tool", tool())], NOWHERE)
-    meshes, volume = (
-        [named(name, tool()) for name in ("one", "two")],
-        (place(-40, -40, -1), place(40, 40, 90)),
-    )
-    advice_scene(meshes, NOWHERE, (NOWHERE, place(0, 0, 5)), volume)
-    with pytest.raises(InputError, match=r"^one: reaches from 0 to 90\.5 in z, beyond the volume's -1 to 90"):
-        advice_scene(meshes, NOWHERE, (NOWHERE, place(0, 0, 5.5)), volume)
+    assert advice_of(advice_scene([small, small], place(0, 0, 0.1)), wanted).chosen
 
 
 @pytest.fixture
@@ -239,26 +198,13 @@ def test_the_command_advises(advise_files, tmp_path):
     chosen = next(row for row in report["widths"] if row["width"] == report["chosen"])
     assert chosen["meets"]
     assert chosen["band_mm"] <= report["wanted_band_mm"] == 0.05
-    assert Fraction(chosen["resolution_exactly"]) == Fraction(str(chosen["resolution_mm"]))
-    assert chosen["measured"]["positions"] == 2
-    assert chosen["measured"]["tested"] > 0
-    assert report["travel_mm"] == [[0, 0, -4], [0, 0, 0]]
+    assert chosen["measured"]["positions"] == 2 and chosen["measured"]["tested"] > 0
+    # Lengths are millimetres, whatever the unit.
+    assert f"ADVICE: W = {report['chosen']}, " in advise_files("--clearance", 5, "--scale", 10)[1]
     code, said, _ = advise_files("--clearance", 0.5, "--band", "0.00001", "--positions", 1)
     assert code == 1
     assert "NO WIDTH FITS" in said
     assert "change: accept false alarms up to" in said
-
-
-def test_lengths_are_millimetres_whatever_the_unit(advise_files, monkeypatch):
-    # Scenes with too many near pairs are not measured.
-    monkeypatch.setattr(measuring, "_MOST_PAIRS", 50)
-    once = advise_files("--clearance", 0.5)[1].splitlines()[2:]
-    tenfold = advise_files("--clearance", 5, "--scale", 10)[1].splitlines()[2:]
-    assert once[0].startswith("volume: 200 x 180 x 145 mm; clearance 0.5 mm")
-    assert tenfold[0].startswith("volume: 2000 x 1800 x 1450 mm; clearance 5 mm")
-    advised = [next(line for line in text if "ADVICE" in line) for text in (once, tenfold)]
-    assert advised[0].split(",")[0] == advised[1].split(",")[0]
-    assert any("not measured on the scene" in line for line in once)
 
 
 @pytest.mark.simulator
@@ -266,13 +212,12 @@ def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
     """The width that other tests have built, and meshes in parts."""
     written = tmp_path / "advice.json"
     words = ["--clearance", 0.5, "--band", "0.009", "--move", 10, 5, 0.25, "--margin-bits", 16]
-    code, said, _ = advise_files(*words, "--depth", 64, "--lanes", 8, "--engine", "rtl", "--json", written)
+    code, *_ = advise_files(*words, "--depth", 64, "--lanes", 8, "--engine", "rtl", "--json", written)
     report = json.loads(written.read_text())
     assert (code, report["chosen"]) == (0, 16)
     measured = next(row["measured"] for row in report["widths"] if row["width"] == 16)
     assert measured["parts"] == 6
     assert measured["least_cycles"] <= report["cycles_simulated"] <= measured["most_cycles"]
-    assert f"simulated: {report['cycles_simulated']:,} cycles" in said
 
 
 @pytest.mark.parametrize(
@@ -281,16 +226,11 @@ def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
         ("--clearance -1", "clearance -1: must not be negative"),
         ("--clearance 0", "band: a clearance of 0 gives none"),
         ("--clearance 1 --band 0", "band 0: must be positive"),
-        ("--clearance 1 --scale 0", "scale 0: must be positive"),
         ("--clearance 1 --depth 100", "depth 100: must be a power of two"),
-        ("--clearance 1 --depth 65536", "the board holds at most 32768"),
         ("--clearance 1 --lanes 3", "lanes 3: must be a power of two"),
-        ("--clearance 1 --lanes 0", "lanes 0: must be a power of two"),
         ("--clearance 1 --margin-bits 40", "margin bits 40: must be 0..32"),
         ("--clearance 1 --dsps 0", "--dsps: 0: must be at least 1"),
-        ("--clearance 1 --positions 0", "--positions: 0: must be at least 1"),
         ("--clearance 1 --travel w 0 1", "--travel w: must be x, y or z"),
-        ("--clearance 1 --travel z 0 up", "--travel z up: not a finite decimal number"),
         ("--clearance 1 --volume 0 0 0 0 1 1", "volume: X0 Y0 Z0 must be below"),
         ("--clearance 1 --volume 0 0 0 1 1 1", "tool.stl: reaches from"),
     ],

@@ -79,13 +79,6 @@ def test_every_kind_against_every_kind(rng, kind):
         assert_same(b, a, 1)
 
 
-def test_every_shape_of_tree(rng):
-    for sizes in ((0, 0), (0, 5), (5, 0), (1, 1), (1, 300), (300, 1), (4, 4), (5, 17), (64, 65)):
-        a, b = (spread(rng, size, 30, 10) for size in sizes)
-        for margin in (0, 3):
-            assert_same(a, b, margin)
-
-
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("side", [-1, 1])
 def test_the_margin_ends_at_a_step(axis, side):
@@ -125,13 +118,6 @@ def test_blocks_are_bounded(rng, monkeypatch):
     assert_same(a, b, 5)
 
 
-def test_no_order_loses_a_pair(rng, monkeypatch):
-    for step in (1, -1, 7):
-        order = lambda boxes, step=step: np.arange(len(boxes)) * step % len(boxes)  # noqa: E731
-        monkeypatch.setattr(broadphase, "morton_order", order)
-        assert_same(spread(rng, 103), spread(rng, 211), 4)
-
-
 def rough_surface(rng, side):
     """Return a surface of 2 side^2 facets over a square, with a roughness as large as its facets."""
     x, y = np.meshgrid(np.arange(side + 1), np.arange(side + 1), indexing="ij")
@@ -153,12 +139,3 @@ def test_comparisons_grow_like_the_facets(rng):
             compared.append(work.compared)
         # The exponent, over 16 times the facets.
         assert np.log(compared[1] / compared[0]) / np.log(16) < 1.1
-
-
-def test_facets_in_any_order_of_size(rng):
-    """Few large facets against many small ones, both ways round: the larger nodes are opened first."""
-    small, large = rough_surface(rng, 60), 20 * rough_surface(rng, 3)
-    for a, b in ((small, large), (large, small)):
-        work = Work()
-        assert sum(len(i) for i, _ in candidates(a, b, 0, work)) == len(by_trying_all(a, b, 0))
-        assert work.compared < len(small) * len(large)

