@@ -8,16 +8,9 @@ import pytest
 from triaxis.coverage.core_coverage import CoreCoverage
 from triaxis.coverage.core_sample import Build, CoreSample, CoreView, Decision
 from triaxis.coverage.report import report
-from triaxis.coverage.tests.core_pairs import (
-    grid_pairs,
-    margins_for,
-    moved,
-    pointing_pairs,
-    related_pairs,
-    samples,
-    true_words,
-)
+from triaxis.coverage.tests.core_samples import samples, true_words
 from triaxis.golden.bulk import bulk_facts
+from triaxis.verif.core.stimulus.families import mixed
 
 VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True, False))
 
@@ -25,17 +18,9 @@ VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True
 @pytest.fixture(params=VIEWED, ids=lambda build: build.name)
 def view(request, rng):
     build = request.param
-    pairs = np.concatenate(
-        [
-            grid_pairs(rng, 1500, 3),
-            grid_pairs(rng, 1500, 12),
-            related_pairs(rng, 3000, 2),
-            pointing_pairs(rng, 500),
-            moved(rng, related_pairs(rng, 1500, 3), build.width, to_limits=True),
-        ]
-    )
-    pairs = rng.permutation(pairs)
-    (sample,) = samples(rng, build, pairs, margins_for(rng, build, pairs))
+    found = mixed(rng, 6000, build.width, build.largest_margin)
+    pairs = found.pairs.astype(np.int64)
+    (sample,) = samples(rng, build, pairs, found.margins)
     waits = rng.integers(0, 2, (2, len(pairs)), np.uint8)
     return CoreView(build, CoreSample(sample.facts, sample.margins, sample.words, *waits))
 
@@ -139,7 +124,7 @@ def test_wrong_answers_hit_illegal_bins():
 
 def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
     build = Build(8, 0, True, True)
-    (sample,) = samples(rng, build, grid_pairs(rng, 4000, 3), np.zeros(4000, np.int64))
+    (sample,) = samples(rng, build, rng.integers(0, 3, (4000, 2, 3, 3)), np.zeros(4000, np.int64))
     sample.facts.rank_a[:] = 0
     coverage = CoreCoverage(8, 0)
     coverage.sample(sample)

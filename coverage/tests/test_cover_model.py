@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts
@@ -93,15 +93,6 @@ def test_counts_are_those_of_counting_one_by_one(rng, chosen):
         hits = Sampler(sample).hits(item)
         found = {b.name: n for b, n in zip(item.bins, hits.tolist(), strict=True) if n}
         assert found == counted_one_by_one(item, sample, count)
-
-
-@settings(max_examples=30, deadline=None)
-@given(st.lists(st.integers(2, 40), min_size=1, max_size=4))
-def test_joint_codes_have_room_whatever_the_sizes(sizes):
-    points = tuple(point(str(k), size, True) for k, size in enumerate(sizes))
-    sample = {str(k): np.array([0, size - 1, size - 1]) for k, size in enumerate(sizes)}
-    hits = Sampler(sample).hits(CoverItem("item", "", points))
-    assert hits[0] == 1 and hits[-1] == 2 and hits.sum() == 3
 
 
 def test_a_code_without_a_bin_is_an_error_and_not_another_bin():

@@ -82,7 +82,6 @@ def test_a_good_plan_is_read_and_clean(tmp_path):
         ('tests: ["SmokeTest", "LongTest"]', "tests: []", "testpoint smoke: no tests"),
         ('["SmokeTest", "LongTest"]', '["N/A"]', "testpoint smoke: nothing runs"),
         ("**Goal**: G.", "**Goal**:", "testpoint rest: no goal"),
-        ("stage: V3", "stage: V4", "testpoint rest: stage V4: must be one of V1, V2, V3"),
         ('mutants: ["fifo/*"]', "mutants: []", "testpoint smoke: no mutants"),
         ("name: rest", "name: smoke", "testpoint smoke: there are 2 of this name"),
         # What it names and is not there.
@@ -108,9 +107,7 @@ def test_each_rule_refuses(tmp_path, old, new, said):
     [
         ("stage: V3", "stage: V3\n stage: V1", "rest: key stage given twice"),
         ('tests: ["N/A"]', "", "testpoint rest: needs `tests`"),
-        ("faults: ", "fault: ", "testpoint rest: fault: no such key"),
         ('["F1"]', "[1]", "testpoint rest: faults: must be a list of texts"),
-        ("**Goal**: G.", "**Goal**: G.\n**Goal**: H.", "testpoint rest: desc: must be"),
         (GOOD, "{ name: [", "not a testplan"),
         (GOOD, "{ name: x\n testpoints: [] }", "at least one"),
     ],
@@ -167,16 +164,13 @@ def status(tmp_path, text=GOOD, **changes):
         ({}, True, True, ""),
         ({"tests": {"SmokeTest": True, "LongTest": False}}, False, True, "LongTest"),
         ({"tests": {"SmokeTest": True}}, None, True, ""),
-        ({"tests": None}, None, True, ""),
         ({"proofs": {"axi": False}}, True, False, "axi"),
-        ({"proofs": {}}, True, None, ""),
         ({"checks": None}, True, None, ""),
         ({"mutants": {**ALL_PASSED["mutants"], "core/swap/2": False}}, True, False, "core/swap/2"),
         ({"mutants": {"fifo/swap/1": True}}, True, None, ""),
         # An equivalent mutant counts neither way, but some mutant must have been killed.
         ({"mutants": {"core/swap/2": True, "fifo/swap/1": True}, "equivalent": frozenset({"core/drop/3"})},
          True, True, ""),
-        ({"equivalent": frozenset({"fifo/swap/1"})}, None, True, ""),
         # A configuration that was not run.
         ({"coverage": (report("narrow"),)}, None, None, ""),
         ({"coverage": (report("narrow"), report("wide", ("near / 1",)))}, False, True, "kind.near / 1"),
@@ -194,16 +188,6 @@ def test_what_was_not_measured_or_does_not_exist_is_not_0(tmp_path):
     tests = smoke.tallies["tests"]
     assert (smoke.passed, smoke.tallies["mutants"], smoke.tallies["bins"]) == (None, None, None)
     assert tests and (tests.passed, tests.failed, tests.not_run) == (2, 0, 1)
-
-
-def test_content_of_a_testpoint(tmp_path):
-    _, rest = status(tmp_path, mutants=None, proofs={"axi": False})
-    measured = {"tests": None, "bins": [2, 2], "mutants": None, "assertions": None, "others": [2, 3]}
-    said = {"name": "rest", "stage": "V3", "goal": "G.", "passed": False, "failing": ["axi"]}
-    assert rest.content() == said | measured
-    # What was measured in part does not look whole.
-    smoke, rest = status(tmp_path, proofs=None)
-    assert (rest.content()["others"], rest.passed, smoke.passed) == (None, None, True)
 
 
 def test_of_several_runs_all_must_pass():
