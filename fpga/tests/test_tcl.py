@@ -1,9 +1,10 @@
-"""The build script, really run by Tcl with the commands of Vivado recorded: order, options, refusals."""
+"""The build script and the constraints, really run by Tcl with the commands of Vivado recorded."""
 
 import contextlib
 import re
 import subprocess
 import time
+import tomllib
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,9 +14,11 @@ from triaxis.fpga.bitstream import STAGES, RefusedError, run_vivado
 from triaxis.fpga.board_build import (
     BUILD_SCRIPT,
     CONSTRAINTS,
+    FPGA,
     PART,
     SIGNED_OFF,
     TOP,
+    TOP_RTL,
     VIVADO,
     Inputs,
     generics,
@@ -149,3 +152,82 @@ def test_scripts_are_plain_ascii_and_name_every_stage():
     for path in VIVADO.iterdir():
         assert path.read_text(encoding="utf-8").isascii()
     assert all(re.search(rf"^\s*stage {name}$", BUILD_SCRIPT.read_text(), re.MULTILINE) for name in STAGES)
+
+
+BOARD = tomllib.loads((FPGA / "nexys4ddr_pins.toml").read_text())
+
+
+def by_bit(names):
+    """Return what each name has, by bit where it has several: ``{"LED[0]": "H17", ..}``."""
+    several = {name: values for name, values in names.items() if not isinstance(values, str)}
+    bits = {f"{name}[{bit}]": value for name, values in several.items() for bit, value in enumerate(values)}
+    return {name: value for name, value in names.items() if name not in several} | bits
+
+
+# The pins as the board's maker publishes them; a port may be on a whole vector of the board.
+PINS = by_bit(BOARD["pins"])
+WHOLE = {name: list(by_bit({name: pins})) for name, pins in BOARD["pins"].items() if isinstance(pins, list)}
+NAMES = {port: WHOLE.get(str(name), name) for port, name in BOARD["ports"].items()}
+PORTS = {port: PINS[name] for port, name in by_bit(NAMES).items()}
+
+
+def constraints(path=CONSTRAINTS):
+    """Run constraints: all calls, and a function that returns (port, value) wherever a property is set."""
+    recorder = Recorder()
+    assert recorder.run(path) == 0
+
+    def properties(wanted):
+        found = []
+        for command, *arguments in recorder.calls:
+            if command == "set_property" and arguments[-1]:
+                words = recorder.split(arguments[1]) if arguments[0] == "-dict" else tuple(arguments[:2])
+                pairs = zip(words[::2], words[1::2], strict=True)
+                found += [(arguments[-1], value) for name, value in pairs if name == wanted]
+        return sorted(found)
+
+    return recorder.calls, properties
+
+
+def test_every_port_is_on_its_published_pin_once_with_the_standard_of_its_bank():
+    calls, properties = constraints()
+    assert BOARD["part"] == PART and len(set(PINS.values())) == len(PINS)
+    assert (PINS["CLK100MHZ"], PINS["LED[15]"], PORTS["seg_no[7]"]) == ("E3", "V11", PINS["DP"])
+    assert properties("PACKAGE_PIN") == sorted(PORTS.items())
+    assert properties("IOSTANDARD") == [(port, BOARD["io_standard"]) for port in sorted(PORTS)]
+    # Go falls and stop rises where nothing drives them.
+    pulls = {"go_o": "PULLDOWN", "stop_o": "PULLUP", "beat_o": "PULLDOWN", "uart_rx_i": "PULLUP"}
+    assert dict(properties("PULLTYPE")) == pulls
+    assert ("set_property", "CFGBVS", "VCCO", "") in calls
+    assert ("set_property", "CONFIG_VOLTAGE", "3.3", "") in calls
+    (clock,) = [call for call in calls if call[0] == "create_clock"]
+    assert clock[-1] == "clk_100mhz_i"
+    assert float(clock[clock.index("-period") + 1]) == 1000 / BOARD["clock_mhz"]
+    # All other pins are declared asynchronous.
+    paths = {port: call[1] for call in calls if call[0] == "set_false_path" for port in call[2].split()}
+    named = {port.partition("[")[0] for port in PORTS} - {"clk_100mhz_i"}
+    assert {port.removesuffix("[*]") for port in paths} == named
+    assert all(way == ("-from" if port.endswith("i") else "-to") for port, way in paths.items())
+    declared = re.findall(
+        r"^\s*(?:input|output)\s+(?:logic\s+)?(?:\[(\d+):0\]\s*)?(\w+)\s*,?\s*(?://.*)?$",
+        TOP_RTL.read_text(),
+        re.MULTILINE,
+    )
+    widths = {name: int(high) + 1 if high else 0 for high, name in declared}
+    bits = {f"{name}[{i}]" for name, width in widths.items() for i in range(width)}
+    assert bits | {name for name, width in widths.items() if not width} == PORTS.keys()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("PACKAGE_PIN C17", "PACKAGE_PIN C16"),
+        ("{led_o[3]}", "{led_o[4]}"),
+        ("[get_ports {stop_o}]", "[get_ports {stop}]"),
+    ],
+)
+def test_a_wrong_pin_is_seen(tmp_path, old, new):
+    text = CONSTRAINTS.read_text()
+    assert text.count(old) == 1
+    broken = tmp_path / "broken.xdc"
+    broken.write_text(text.replace(old, new))
+    assert constraints(broken)[1]("PACKAGE_PIN") != sorted(PORTS.items())

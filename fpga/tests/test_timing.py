@@ -122,13 +122,6 @@ def test_the_critical_path_is_told_by_registers(tmp_path):
         read_timing(file)
 
 
-def _stand_in(tmp_path, monkeypatch, name, script):
-    tool = tmp_path / name
-    tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
-    tool.chmod(0o755)
-    monkeypatch.setattr(ecp5_timing, name, lambda: tool)
-
-
 _SYNTHESISE = f"""
 netlist = sys.argv[2].split("-json ")[1]
 pathlib.Path(netlist).write_text(json.dumps({{"modules": {{"{TOP}": {{"cells": {{}}, "ports": {{}}}}}}}}))
@@ -145,23 +138,20 @@ assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
         (_SYNTHESISE, _ROUTE, None),
         ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
         (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
-        (_SYNTHESISE, None, "make fpga-timing"),
     ],
 )
 def test_the_flow_hands_on_what_each_tool_leaves_or_fails(tmp_path, monkeypatch, yosys, nextpnr, message):
-    _stand_in(tmp_path, monkeypatch, "yosys", yosys)
-    if nextpnr is None:
-        monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
-    else:
-        _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
+    for name, script in (("yosys", yosys), ("nextpnr", nextpnr)):
+        tool = tmp_path / name
+        tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
+        tool.chmod(0o755)
+        monkeypatch.setattr(ecp5_timing, name, lambda tool=tool: tool)
     # What an earlier run left must not be taken for an answer.
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "report.json").write_text("older")
-    done = []
     if message is None:
-        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
+        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", lambda _: None)
         assert report.read_text() == "{}" and absorbed == Absorbed(0, 0, 0)
-        assert len(done) == len(ecp5_timing.STAGES)
     else:
         with pytest.raises(InputError, match=message):
-            route([tmp_path / "a.sv"], {}, tmp_path / "out", done.append)
+            route([tmp_path / "a.sv"], {}, tmp_path / "out", lambda _: None)
