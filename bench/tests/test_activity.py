@@ -57,7 +57,7 @@ def cross_products(pairs):
 @pytest.mark.simulator
 @pytest.mark.regress
 @pytest.mark.parametrize("configuration", [GATED, UNGATED], ids=lambda c: c.name)
-def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, configuration, monkeypatch):
+def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, configuration):
     file = tmp_path / "core.saif"
     assert trace(stream, configuration, file).multipliers == 24 + 30
     passing = stream.pairs[stream.undecided] if configuration.gating else stream.pairs
@@ -74,12 +74,6 @@ def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, conf
         "b_i": sum(toggles(b, bits) for _, b in factors),
         "piece_q": sum(toggles(a * b, 2 * bits) for a, b in factors),
     }
-    # Wrong answers are no measurement.
-    monkeypatch.setattr(
-        "triaxis.sim.core_engine.RtlEngine.words", lambda _, pairs, __: (np.zeros(len(pairs), np.uint16), 0)
-    )
-    with pytest.raises(InputError, match="answers wrong"):
-        trace(stream, configuration, file)
 
 
 @pytest.mark.simulator
@@ -114,21 +108,6 @@ def test_the_mesh_engine_is_followed_while_it_runs(tmp_path, rng):
     assert measured.instances["TOP"]["clk_i"] * 5000 == measured.duration
     assert any(path.startswith("TOP/triaxis_mesh/u_core/") for path in measured.instances)
     assert multiplier_toggles(measured).total > 0
-
-
-def test_the_engines_activity_is_given_its_place_in_the_board(tmp_path):
-    engine = "(SAIFILE (DURATION 1) (INSTANCE TOP (NET (clk_i (TC 2)))\n"
-    engine += " (INSTANCE triaxis_mesh (NET (busy (TC 3)))\n"
-    engine += " (INSTANCE u_core (NET (a (TC 4))) (INSTANCE TOP (NET (b (TC 5))))))))"
-    file = tmp_path / "placed.saif"
-    file.write_text(in_place(engine))
-    assert read_saif(file).instances == {
-        "nexys4ddr_top": {"clk_i": 2},
-        "nexys4ddr_top/u_mesh": {"busy": 3},
-        "nexys4ddr_top/u_mesh/u_core": {"a": 4},
-        "nexys4ddr_top/u_mesh/u_core/TOP": {"b": 5},
-    }
-    assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", TOP_RTL.read_text())
 
 
 @pytest.mark.parametrize(("gated", "status"), [(3, 0), (4, 1)])
@@ -175,6 +154,13 @@ def test_saif_files(tmp_path):
     assert [activity.inside(place, "a_i") for place in ("TOP/u_mul", "TOP")] == [17, 17]
     with pytest.raises(InputError, match="nothing was measured"):
         multiplier_toggles(activity)
+    # In the board, the engine has its place.
+    engine = "(SAIFILE (DURATION 1) (INSTANCE TOP (NET (clk_i (TC 2)))\n"
+    engine += " (INSTANCE triaxis_mesh (NET (busy (TC 3))) (INSTANCE u_core (NET (a (TC 4)))))))"
+    path.write_text(in_place(engine))
+    places = {"nexys4ddr_top": {"clk_i": 2}, "nexys4ddr_top/u_mesh": {"busy": 3}}
+    assert read_saif(path).instances == {**places, "nexys4ddr_top/u_mesh/u_core": {"a": 4}}
+    assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", TOP_RTL.read_text())
     for text, says in (
         (GOOD[:-3], "ends early"),
         (GOOD.replace("(DURATION 840)\n", ""), "no DURATION"),

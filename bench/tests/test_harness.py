@@ -1,20 +1,21 @@
 """What all benchmarks are run with: the timer, steps that survive an interruption, peers, reports."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from triaxis.bench import harness
+from triaxis.bench import harness, mesh_cycles
 from triaxis.bench.harness import Findings, StoredSteps, report
-from triaxis.bench.mesh_cycles import CONFIGURATION
+from triaxis.bench.mesh_cycles import CONFIGURATION, Bound, Case, Row, bench_mesh, cases
 from triaxis.bench.peers import MESH_PEERS, TRIANGLE_PEERS
 from triaxis.bench.peers.peer import present
 from triaxis.bench.skipping.scenes import SURFACES
 from triaxis.bench.skipping.software import Meeting, ask_peer
 from triaxis.bench.skipping.stages import stage_answer
-from triaxis.bench.speed import MEASUREMENTS, findings
 from triaxis.host.cli import DONE, NO
+from triaxis.host.engines import SceneRun
 
 
 def test_an_interrupted_measurement_goes_on(tmp_path):
@@ -55,12 +56,6 @@ def test_a_report_is_shown_and_written(tmp_path, capsys, problems, status):
     assert "a note" in shown and ("PROBLEM it is wrong" in shown) is bool(problems)
 
 
-def test_rates_of_the_simulations_are_no_verdict():
-    told = findings(dict.fromkeys(MEASUREMENTS, 1000.0))
-    assert told.content["ratios"]["burst_checked / pin"] == 1 < told.content["bounds"]["burst_checked / pin"]
-    assert told.content["burst_soak"] == 1000 and told.problems == []
-
-
 def test_absent_packages_say_so(monkeypatch):
     def broken(_):
         raise OSError("libGL.so.1: cannot open shared object file")
@@ -96,3 +91,32 @@ def test_packages_find_the_facets_that_we_find(peer, rng, monkeypatch):
     answer = ask_peer(peer, [Meeting(a, b, near)])
     assert len(near) > 100 and (answer.missed, answer.extra) == (0, 0)
     assert answer.found == len(near) or peer.boxes_only
+
+
+TOUCHING = np.zeros((3, 3, 3), np.int64)
+
+
+@pytest.mark.parametrize(
+    ("bound", "cycles", "passed"),
+    [
+        (Bound(most_cycles=50), 50, True),
+        (Bound(most_cycles=50), 51, False),
+        (Bound(least_pairs_a_cycle=3), 3, True),
+        (Bound(least_pairs_a_cycle=3), 4, False),
+    ],
+)
+def test_bounds_are_judged(bound, cycles, passed):
+    run = SceneRun(tested=9, cycles=cycles)
+    row = Row(Case("scene", TOUCHING, TOUCHING, 0, bound), run, True)
+    assert bool(mesh_cycles.findings([row], False).problems) is not passed
+    assert mesh_cycles.findings([replace(row, right=False)], False).problems == [
+        f"scene: WRONG, {cycles} cycles, {bound}"
+    ]
+
+
+@pytest.mark.simulator
+def test_made_scenes_reach_their_bounds():
+    rows = bench_mesh(cases(None), lambda _: None)
+    assert mesh_cycles.findings(rows, False).problems == []
+    assert rows[0].run.tested == rows[0].pairs == 40_000 and rows[0].run.near_count == 0
+    assert rows[1].run.near_count == 40_000
