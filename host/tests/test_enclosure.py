@@ -64,16 +64,6 @@ def test_who_is_inside_whom(a, b, state, mesh):
     assert [part.mesh for part in found.parts] == ([mesh] if mesh else [])
 
 
-def test_what_comes_to_be_within_something_open_on_its_way():
-    bowl, tool = STOCK[1:], box((40, 40, 140), (60, 60, 160))
-    down = np.array([[[0, 0, -200], [0, 0, 0]]])
-    assert enclosure(tool, bowl).state == State.OUTSIDE
-    assert enclosure(tool, bowl, down).state == enclosure(bowl, tool, -down[:, ::-1]).state == State.UNDECIDED
-    assert enclosure(tool, bowl, down + np.array([70, 0, 0])).state == State.OUTSIDE
-    # Into a closed one it cannot come without touching it.
-    assert enclosure(tool, STOCK, down).state == State.OUTSIDE
-
-
 def test_shells_hang_together_by_vertices_and_are_numbered_by_their_first_facets():
     facets = np.concatenate([box(50, 60), box(0, 10), box(10, 20)[1:]])
     mixed = np.random.default_rng(3).permutation(len(facets))
