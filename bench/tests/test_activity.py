@@ -19,14 +19,10 @@ from triaxis.bench.activity.measuring import (
 from triaxis.bench.activity.saif import read_saif
 from triaxis.bench.activity.streams import UNDECIDED, random_stream
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
-from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import MeshEngine, Mode
 from triaxis.sim.paths import DUT
-from triaxis.sim.player import followed
 
 # The smallest core: what it shows of gating holds for all.
 GATED = Configuration(8, 0, edge_box=False)
@@ -91,23 +87,6 @@ def test_gating_leaves_about_the_undecided_share_and_broken_gating_is_seen(tmp_p
     rows = [Row(stream.name, len(stream.pairs), 20, 0, each, ungated) for each in (gated, broken)]
     assert rows[0].within_bound and 0.5 * UNDECIDED < rows[0].ratio < BOUND
     assert not rows[1].within_bound and rows[1].ratio > 0.9
-
-
-@pytest.mark.simulator
-@pytest.mark.regress
-def test_the_mesh_engine_is_followed_while_it_runs(tmp_path, rng):
-    a, b = rng.integers(-128, 127, (2, 20, 3, 3), endpoint=True)
-    file = tmp_path / "mesh.saif"
-    engine = MeshEngine(MeshConfiguration(8, 0, 64, 4, 2), traced=True)
-    engine.load(a, b)
-    with followed(engine.library, file):
-        near = engine.run(mode=Mode.COUNT).near_count
-    pairs = np.stack([np.repeat(a, 20, 0), np.tile(b, (20, 1, 1))], 1)
-    assert near == bulk_facts(pairs, 0).near.sum() > 0
-    measured = read_saif(file)
-    assert measured.instances["TOP"]["clk_i"] * 5000 == measured.duration
-    assert any(path.startswith("TOP/triaxis_mesh/u_core/") for path in measured.instances)
-    assert multiplier_toggles(measured).total > 0
 
 
 @pytest.mark.parametrize(("gated", "status"), [(3, 0), (4, 1)])

@@ -21,11 +21,9 @@ from triaxis.bench.error.points import (
 )
 from triaxis.bench.error.report import demands, findings
 from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.bench.error.software_points import BulkPoint, PeerPoint, bulk_point, peer_point
+from triaxis.bench.error.software_points import BulkPoint, PeerPoint
 from triaxis.bench.error.truth import exact_truth
 from triaxis.bench.error.workloads import workloads
-from triaxis.bench.peers.peer import Peer
-from triaxis.bench.peers.wheels import one_by_one
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.host.cli import main
 
@@ -82,15 +80,6 @@ def test_a_sample_runs_through_the_rtl(asked):
     assert (point.sampled, point.rtl_differs, point.cycles_per_pair) == (400, 0, 1)
 
 
-def load(a, b):
-    """Ask the bulk checker one by one, as if it were a package."""
-    pairs = np.rint(np.stack([a, b], 1) * 1024).astype(np.int64)
-    return one_by_one(lambda pair: bool(bulk_verdicts(pair[None], 0)["near"][0]), [(p,) for p in pairs])
-
-
-EXACT = Peer("exact", "exact", "exact.ask", lambda: "1", load)
-
-
 def core(width, mode, errors, **changes):
     point = CorePoint(width, mode, errors, (0.5,), int(mode == NO_MISS), 0, 0.5, 100, 0, 1.0, False)
     return replace(point, **changes)
@@ -115,17 +104,6 @@ def measured():
 
 def changed(measured, **changes):
     return replace(measured, results=[replace(measured.results[0], **changes)])
-
-
-def test_software_is_judged_on_all_pairs(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.bench.error.software_points.ROUNDS", 4)
-    workload = workloads(60, 1, None)[0]
-    truth = exact_truth(workload.a, workload.b, folder=tmp_path)
-    point = peer_point(EXACT, "1", workload, on_grid(workload, 32), truth)
-    assert point.errors.pairs == 60 and point.errors.missed + point.errors.false_alarms <= 2
-    assert min(point.run_ns, point.overhead_ns, point.bulk_ns, point.load_ns) > 0
-    bulk = bulk_point(on_grid(workload, 16), 16, NO_MISS)
-    assert 0 < bulk.clear < 60 and bulk.unproven == 0 == bulk.differs
 
 
 def test_demands(measured):

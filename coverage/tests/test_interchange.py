@@ -1,7 +1,6 @@
 """Tracefiles of lcov say what the counters say, and UCIS XML read back by pyucis what the database says."""
 
 from datetime import UTC, datetime
-from itertools import product
 from typing import Any
 
 import pytest
@@ -94,18 +93,16 @@ def database_of(hits):
 
 def expected(item, hits):
     """Return count and kind of each bin by point or cross."""
-    whole = " x ".join(point.name for point in item.points)
+    names = [point.name for point in item.points]
+    whole, found = " x ".join(names), {}
     kinds = [one.exclusion.kind.value if one.exclusion else "bins" for one in item.bins]
-    found = {}
     for one, kind, count in zip(item.bins, kinds, hits, strict=True):
-        apart = kind != "bins" and len(item.points) > 1
+        apart = kind != "bins" and len(names) > 1
         found[f"{whole} excluded" if apart else whole, one.name] = count, kind
-    codes = list(product(*(range(len(point.bins)) for point in item.points)))
-    for place, point in enumerate(item.points if len(item.points) > 1 else ()):
-        for code, name in enumerate(point.bins):
-            here = [n for n, every in enumerate(codes) if every[place] == code]
-            why = {kinds[n] for n in here}
-            kind = "bins" if "bins" in why else "illegal" if why == {"illegal"} else "ignore"
+    for place, point in enumerate(item.points if len(names) > 1 else ()):
+        for name in point.bins:
+            here = [n for n, one in enumerate(item.bins) if one.name.split(" / ")[place] == name]
+            kind = min(kinds[n] for n in here)
             found[point.name, name] = sum(hits[n] for n in here), kind
     return found
 

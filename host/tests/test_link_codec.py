@@ -49,14 +49,6 @@ def test_frames_come_back_after_garbage_and_however_they_are_cut(garbage, sent, 
     assert received[len(received) - len(sent) :] == sent
 
 
-@given(st.lists(streams, max_size=4))
-def test_garbage_is_never_a_frame(pieces):
-    deframer = Deframer()
-    for piece in pieces:
-        # A CRC that fits by chance comes once in 2^32; the empty body's is 0.
-        assert not any(deframer.feed(piece.replace(b"\0\0\0\0", b"")))
-
-
 @given(bodies, st.integers(0, 10**6), st.integers(1, 255))
 @example(b"\0" * 8, 3, 0xC0)
 def test_a_damaged_frame_is_none(body, place, change):
