@@ -73,14 +73,6 @@ def ready(peer):
         pytest.skip(f"{peer.name}: {told.why_absent}")
 
 
-@pytest.mark.parametrize("peer", TRIANGLE_PEERS, ids=lambda peer: peer.name)
-def test_packages_tell_far_from_piercing(peer):
-    ready(peer)
-    a = np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0]]] * 2, float)
-    b = np.array([[[1, 1, -1], [1, 1, 1], [2, 1, 1]], [[9, 9, 9], [9, 9, 8], [9, 8, 8]]], float)
-    assert peer.load(a, b).ask().tolist() == [True, False]
-
-
 @pytest.mark.parametrize("peer", MESH_PEERS, ids=lambda peer: peer.name)
 def test_packages_find_the_facets_that_we_find(peer, rng, monkeypatch):
     """On integers, in general position."""

@@ -48,13 +48,6 @@ def test_contacts_are_as_far_apart_as_said(rng, gap):
         assert found.near or 0.57 * gap < found.distance < 1.01 * gap
 
 
-def test_near_misses_are_one_step_away_or_touch(rng):
-    facts = bulk_facts(near_misses(rng, 900, 16), 0)
-    touching, apart = facts.near & (facts.level != 0), ~facts.near
-    assert (facts.clear_step[apart] != 0).all() and (facts.near_step[facts.near & ~touching] != 0).all()
-    assert 0.25 < touching.mean() < 0.42 and 0.2 < apart.mean() < 0.45
-
-
 def exact_points(pairs) -> Any:
     """Return pairs as exact rationals: (6, 3, N)."""
     points = np.empty((6, 3, len(pairs)), object)

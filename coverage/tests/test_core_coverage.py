@@ -1,7 +1,5 @@
 """What pairs and answers hit in the model of the core."""
 
-from itertools import groupby
-
 import numpy as np
 import pytest
 
@@ -47,12 +45,6 @@ def test_axes_that_decide(view):
         if sole:
             assert view.side[i] == (min(sole) in bits(one.below[0]))
     assert kinds == set(Decision)
-
-
-def test_runs_and_successions(view):
-    waited = [bool(x or y) for x, y in zip(view.sample.waits_in, view.sample.waits_out, strict=True)]
-    assert view.runs.tolist() == [len(list(run)) for wait, run in groupby(waited) if not wait]
-    assert view.previous.tolist() == [3, *view.decision[:-1].tolist()]
 
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]

@@ -3,7 +3,6 @@ import json
 import pytest
 
 from triaxis.fpga.logic_depth import LogicDepth, LogicPath, logic_depth
-from triaxis.golden.errors import InputError
 
 _OUTPUTS = {"O", "Q", "P", "CO", "PCOUT"}
 
@@ -85,16 +84,3 @@ def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells):
     module.add("LUT1", I0="p", O="x2")
     module.register("x2", "b_q")
     assert module.depth(tmp_path).most_cells.cells == cells
-
-
-def test_what_has_no_depth_is_an_error(tmp_path):
-    module = _Module()
-    module.add("LUT2", I0="x1", I1="a", O="x2")
-    module.add("LUT2", I0="x2", I1="a", O="x1")
-    with pytest.raises(InputError, match="circle"):
-        module.depth(tmp_path)
-    path = tmp_path / "netlist.json"
-    for text in ("", "{}", '{"modules": {}}', '{"modules": {"m": {"attributes": {"top": "1"}}}}'):
-        path.write_text(text)
-        with pytest.raises(InputError, match="netlist"):
-            logic_depth(path)

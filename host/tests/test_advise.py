@@ -125,14 +125,14 @@ def test_where_no_width_fits_the_reasons_say_what_to_change():
     advice = advice_of(scene, wanted)
     assert advice.chosen is None
     assert "needs W = 23: it takes 337 DSP blocks" in advice.reasons[0]
-    # Each change does help.
+    # Each change does help: a larger band, a larger part, a smaller volume.
     band = next(row.band for row in advice.rows if row.width == 16)
     assert band and advice_of(scene, Wanted(wanted.clearance, band)).chosen
-    assert any("a part with 337 DSP blocks" in change for change in advice.changes)
     assert advice_of(scene, wanted, Board(337, 4096, 8)).chosen
-    assert any("in a volume of at most" in change for change in advice.changes)
     small = named("small", box((0, 0, 0), (1, 1, 1)))
     assert advice_of(advice_scene([small, small], place(0, 0, 0.1)), wanted).chosen
+    told = ("a part with 337 DSP blocks", "in a volume of at most")
+    assert all(any(what in change for change in advice.changes) for what in told)
 
 
 @pytest.fixture

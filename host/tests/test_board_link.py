@@ -414,18 +414,6 @@ def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(
     )
 
 
-def test_meshes_too_large(board_check, boxes, tmp_path):
-    many = tmp_path / "many.stl"
-    scenes.write_stl(many, np.concatenate([scenes.tool()] * 2))
-    for options, what in (
-        ((many, boxes[1]), "A: 672 facets: the board holds 512 a mesh; split or simplify it"),
-        ((*boxes, "--resolution", "0.0001"), "does not fit 16 bits at resolution 0.0001"),
-        ((*boxes, "--clearance", "700"), "but width 16 allows 65535"),
-    ):
-        status, out, error = board_check(*options)
-        assert (status, out, error.count("\n"), what in error) == (2, "", 1, True)
-
-
 @pytest.mark.parametrize("once", [[], ["--once"]])
 def test_the_simulated_board_as_a_program_of_its_own(once, capsys):
     command = [TRIAXIS, "board", "simulate", "--depth", "512", *once]

@@ -64,21 +64,6 @@ def test_who_is_inside_whom(a, b, state, mesh):
     assert [part.mesh for part in found.parts] == ([mesh] if mesh else [])
 
 
-def test_shells_hang_together_by_vertices_and_are_numbered_by_their_first_facets():
-    facets = np.concatenate([box(50, 60), box(0, 10), box(10, 20)[1:]])
-    mixed = np.random.default_rng(3).permutation(len(facets))
-    found = shells_of(facets[mixed])
-    assert (found.first == np.sort(found.first)).all()
-    assert (found.number[found.first] == np.arange(2)).all()
-    joined = int(found.number[np.flatnonzero(mixed == 12)[0]])
-    assert sorted(zip(found.facets.tolist(), found.open_edges.tolist(), strict=True)) == [(12, 0), (23, 3)]
-    assert found.boxes[joined].tolist() == [[0, 0, 0], [20, 20, 20]]
-    # A strip of facets, numbered so that neighbours' numbers are far apart.
-    steps = np.random.default_rng(4).permutation(3000)
-    strip = np.stack([np.stack([k, 0 * k, k % 2], -1) for k in (steps, steps + 1, steps + 2)], 1)
-    assert len(shells_of(strip).first) == 1
-
-
 def test_rounding_leaves_closed_what_was_closed():
     for scale in (40.0, 1.0, 0.3, 0.1):
         for solid in (scenes.tool(), scenes.vise()):

@@ -1,7 +1,6 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
 import json
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -81,16 +80,6 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
     assert farthest == segment.reach <= Rational(1, 2) + segment.length / 2
     first, second = segment.halves()
     assert (first.start, first.end, second.end) == (segment.start, second.start, segment.end)
-
-
-def test_margins_cover_what_reading_moved():
-    still = PathGrid(Fraction(1), NOWHERE, Fraction(3), Fraction(0))
-    moved = replace(still, reading=Fraction(1, 10**20))
-    zero = vector(map(Rational, (0, 0, 0)))
-    segment = Segment(zero, vector(map(Rational, (4, 0, 0))), Rational(0), Rational(1))
-    assert (still.margin(segment), moved.margin(segment)) == (3 + 1 + 2, 7)
-    assert (still.proven(6, Rational(2)), moved.proven(7, Rational(2))) == (3, 4 - Fraction(1, 10**20))
-    assert (still.seen(6, Rational(0)), still.band(Fraction(4))) == (7, 6)
 
 
 def test_no_near_position_is_ever_missed(rng):

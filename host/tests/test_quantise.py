@@ -14,7 +14,6 @@ from triaxis.host.quantise import (
     NOWHERE,
     Grid,
     Steps,
-    box_of,
     centred_grid,
     finest_resolution,
     fits,
@@ -107,20 +106,6 @@ def test_errors_name_the_place(rng):
     huge[0, 0] = np.float32(-3e38)
     with pytest.raises(InputError, match="does not fit"):
         quantise(huge, centred_grid([huge], Fraction(1, 10**30), 32), "huge.stl")
-
-
-def test_a_moved_mesh_is_rounded_where_it_stands(rng):
-    facets = rng.uniform(-1, 1, (20, 3, 3)).astype(np.float32)
-    grid = Grid(Fraction(1, 7), (Fraction(1, 3), Fraction(0), Fraction(-5)), 24)
-    move = (Fraction(10**4, 3), Fraction(-1, 10**9), Fraction(5))
-    q = quantise(facets, grid.moved(move), "mesh")
-    for facet, rounded in zip(exact(facets), q.tolist(), strict=True):
-        for vertex, r in zip(facet, rounded, strict=True):
-            assert r == [round((x + m - o) * 7) for x, m, o in zip(vertex, move, grid.offset, strict=True)]
-    low, high = box_of(facets, move)
-    for k in range(3):
-        assert low[k] == min(v[k] for facet in exact(facets) for v in facet) + move[k]
-        assert high[k] == max(v[k] for facet in exact(facets) for v in facet) + move[k]
 
 
 @pytest.mark.parametrize("steps", Steps)
