@@ -91,13 +91,13 @@ def test_no_bitstream_where_timing_or_routing_is_not_met(tmp_path, behaviour, re
     assert (tmp_path / "out" / "timing.rpt").exists() or "no constrained" in reason
 
 
-@pytest.mark.parametrize("command", ["read_xdc", "synth_design", "place_design"])
-def test_no_bitstream_after_a_critical_warning(tmp_path, command):
-    with pytest.raises(RefusedError, match=r"1 critical warnings?: .*log"):
-        build(tmp_path, Behaviour(critical=command))
-    assert "write_bitstream" not in commands(tmp_path)
-    # A constraint that was not understood is found before hours of placement.
-    assert ("place_design" in commands(tmp_path)) == (command == "place_design")
+def test_no_bitstream_after_a_critical_warning(tmp_path):
+    for command in ("read_xdc", "synth_design", "place_design"):
+        with pytest.raises(RefusedError, match=r"1 critical warnings?: .*log"):
+            build(tmp_path, Behaviour(critical=command))
+        assert "write_bitstream" not in commands(tmp_path)
+        # A constraint that was not understood is found before hours of placement.
+        assert ("place_design" in commands(tmp_path)) == (command == "place_design")
 
 
 def test_a_failure_of_the_tool_is_its_first_error(tmp_path):
@@ -217,17 +217,13 @@ def test_every_port_is_on_its_published_pin_once_with_the_standard_of_its_bank()
     assert bits | {name for name, width in widths.items() if not width} == PORTS.keys()
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
+def test_a_wrong_pin_is_seen(tmp_path):
+    text, broken = CONSTRAINTS.read_text(), tmp_path / "broken.xdc"
+    for old, new in (
         ("PACKAGE_PIN C17", "PACKAGE_PIN C16"),
         ("{led_o[3]}", "{led_o[4]}"),
         ("[get_ports {stop_o}]", "[get_ports {stop}]"),
-    ],
-)
-def test_a_wrong_pin_is_seen(tmp_path, old, new):
-    text = CONSTRAINTS.read_text()
-    assert text.count(old) == 1
-    broken = tmp_path / "broken.xdc"
-    broken.write_text(text.replace(old, new))
-    assert constraints(broken)[1]("PACKAGE_PIN") != sorted(PORTS.items())
+    ):
+        assert text.count(old) == 1
+        broken.write_text(text.replace(old, new))
+        assert constraints(broken)[1]("PACKAGE_PIN") != sorted(PORTS.items())

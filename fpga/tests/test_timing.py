@@ -68,7 +68,6 @@ def test_registers_move_into_the_block():
         # An enable, a reset, another edge, another clock.
         ({"a0": _register(10, 11, CEMUX="CE", pins={"CE": [40]})}, (0, 1), "a0"),
         ({"a0": _register(10, 11, pins={"LSR": [41]})}, (0, 1), "a0"),
-        ({"a0": _register(10, 11, CLKMUX="INV")}, (0, 1), "a0"),
         ({"a0": _register(10, 11, clock=3)}, (0, 1), "a0"),
     ],
 )

@@ -14,8 +14,7 @@ from triaxis.sim.result import decode, encode
 
 
 def test_names_are_unique_and_parse():
-    for made in ((), (32, 32, 1), (8, 0, 3, False, False)):
-        configuration = Configuration(*made)
+    for configuration in (Configuration(), Configuration(32, 32, 1), Configuration(8, 0, 3, False, False)):
         assert parse_configuration(configuration.name) == configuration
     for name in ("", "w16", "w16_m", "w7_m0", "w33_m0", "w16_m17", "w16_m1_no_edge_box", "x"):
         with pytest.raises(InputError):
