@@ -171,7 +171,7 @@ def change(tmp_path, monkeypatch):
 
 @pytest.fixture
 def hard(rng):
-    return hard_pairs(rng, 1500)
+    return hard_pairs(rng, 6000)
 
 
 @pytest.mark.regress

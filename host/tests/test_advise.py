@@ -191,27 +191,6 @@ def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
     assert measured["least_cycles"] <= report["cycles_simulated"] <= measured["most_cycles"]
 
 
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        ("--clearance -1", "clearance -1: must not be negative"),
-        ("--clearance 0", "band: a clearance of 0 gives none"),
-        ("--clearance 1 --band 0", "band 0: must be positive"),
-        ("--clearance 1 --depth 100", "depth 100: must be a power of two"),
-        ("--clearance 1 --lanes 3", "lanes 3: must be a power of two"),
-        ("--clearance 1 --margin-bits 40", "margin bits 40: must be 0..32"),
-        ("--clearance 1 --dsps 0", "--dsps: 0: must be at least 1"),
-        ("--clearance 1 --travel w 0 1", "--travel w: must be x, y or z"),
-        ("--clearance 1 --volume 0 0 0 0 1 1", "volume: X0 Y0 Z0 must be below"),
-        ("--clearance 1 --volume 0 0 0 1 1 1", "tool.stl: reaches from"),
-    ],
-)
-def test_bad_options(advise_files, words, complaint):
-    code, out, error = advise_files(*words.split())
-    assert (code, out, error.count("\n")) == (2, "", 1)
-    assert complaint in error
-
-
 @pytest.mark.regress
 def test_the_page_shows_what_the_command_says(tmp_path, monkeypatch, capsys):
     """Run the commands of docs/choosing-w.md; each line shown must be a line said."""

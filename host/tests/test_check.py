@@ -114,22 +114,7 @@ def test_check_never_misses_and_alarms_only_in_the_band(check):
         check("--resolution", 0.25, "--clearance", clearance, "--engine", "bulk", status=status)
 
 
-def test_check_refuses_bad_input(check, meshes):
-    for options, why in (
-        ("--clearance -0.5", "must not be negative"),
-        ("--resolution 0.0001 --width 16", "does not fit 16 bits at resolution 0.0001"),
-        ("--resolution nan", "not a finite decimal number"),
-        ("--width 5", "8..32"),
-        ("--clearance 99 --width 16", "width 16 allows 65535"),
-        ("--rotate w 90", "--rotate w: must be x, y or z"),
-        ("--rotate x inf", "--rotate x inf: not a finite decimal number"),
-        ("--width 16 --move 0 0 90", "does not fit 16 bits"),
-        ("--engine board", "--engine board: name its serial port with --port"),
-        ("--port /dev/ttyUSB1", "--port and --any-bitstream go with --engine board"),
-    ):
-        said = check(*options.split(), status=2)
-        assert why in said
-        assert said.count("\n") == 1
+def test_files_that_are_none_are_refused(check, meshes):
     whole = meshes[0].read_bytes()
     for content, why in ((whole[:-10], f"{meshes[0]}: "), (b"", "empty file")):
         meshes[0].write_bytes(content)

@@ -108,6 +108,40 @@ def test_bad_pairs_leave_no_output(tmp_path, refused):
     assert [path.name for path in tmp_path.iterdir()] == ["pairs.npy"]
 
 
+BAD_OPTIONS = {
+    "check": [
+        ("--clearance -0.5", "must not be negative"),
+        ("--resolution 0.0001 --width 16", "does not fit 16 bits at resolution 0.0001"),
+        ("--resolution nan", "not a finite decimal number"),
+        ("--width 5", "8..32"),
+        ("--clearance 99 --width 16", "width 16 allows 65535"),
+        ("--rotate w 90", "--rotate w: must be x, y or z"),
+        ("--rotate x inf", "--rotate x inf: not a finite decimal number"),
+        ("--width 16 --move 0 0 90", "does not fit 16 bits"),
+        ("--engine board", "--engine board: name its serial port with --port"),
+        ("--port /dev/ttyUSB1", "--port and --any-bitstream go with --engine board"),
+    ],
+    "scene advise": [
+        ("--clearance -1", "clearance -1: must not be negative"),
+        ("--clearance 0", "band: a clearance of 0 gives none"),
+        ("--clearance 1 --band 0", "band 0: must be positive"),
+        ("--clearance 1 --depth 100", "depth 100: must be a power of two"),
+        ("--clearance 1 --lanes 3", "lanes 3: must be a power of two"),
+        ("--clearance 1 --margin-bits 40", "margin bits 40: must be 0..32"),
+        ("--clearance 1 --dsps 0", "--dsps: 0: must be at least 1"),
+        ("--clearance 1 --travel w 0 1", "--travel w: must be x, y or z"),
+        ("--clearance 1 --volume 0 0 0 0 1 1", "volume: X0 Y0 Z0 must be below"),
+        ("--clearance 1 --volume 0 0 0 1 1 1", "a.stl: reaches from"),
+    ],
+}
+
+
+@pytest.mark.parametrize("command", BAD_OPTIONS)
+def test_bad_options_are_refused_in_a_line(command, meshes, refused):
+    for options, why in BAD_OPTIONS[command]:
+        assert why in refused(*command.split(), *meshes, *options.split())
+
+
 READERS = {
     "STL": read_stl,
     "pairs": lambda path: read_pairs(path, 16),
