@@ -100,18 +100,15 @@ def test_each_rule_refuses(tmp_path, old, new, said):
     assert any(said in line for line in found), found
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
+def test_what_is_not_well_formed_is_named(tmp_path):
+    for old, new, said in (
         ("stage: V3", "stage: V3\n stage: V1", "rest: key stage given twice"),
         ('["F1"]', "[1]", "testpoint rest: faults: must be a list of texts"),
         (GOOD, "{ name: [", "not a testplan"),
         (GOOD, "{ name: x\n testpoints: [] }", "at least one"),
-    ],
-)
-def test_what_is_not_well_formed_is_named(tmp_path, old, new, said):
-    with pytest.raises(InputError, match=said):
-        read(tmp_path, changed(old, new))
+    ):
+        with pytest.raises(InputError, match=said):
+            read(tmp_path, changed(old, new))
 
 
 def test_dvsim_reads_the_plan_and_maps_results():

@@ -177,7 +177,7 @@ def started(*words: object) -> "subprocess.Popen[bytes]":
     return process
 
 
-@pytest.mark.parametrize("moments", [4, pytest.param(24, marks=pytest.mark.regress)])
+@pytest.mark.parametrize("moments", [3, pytest.param(24, marks=pytest.mark.regress)])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, number, moments):
     report = tmp_path / "report.json"

@@ -85,7 +85,7 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
 def test_no_near_position_is_ever_missed(rng):
     """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters."""
     found = {"clear": 0, "certain": 0, "band": 0}
-    for trial in range(150):
+    for trial in range(100):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
         # One path in five begins where the two are next to each other, and not in the band around.
         corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
@@ -106,7 +106,7 @@ def test_no_near_position_is_ever_missed(rng):
             found["certain" if result.near.within_clearance_for_certain else "band"] += 1
         else:
             found["clear"] += 1
-    assert min(found.values()) > 5, found
+    assert min(found.values()) > 3, found
 
 
 # A tool at x = 1/2 that rounds to 0, a wall at 3/2 that rounds to 2, and a path that ends where they touch.
