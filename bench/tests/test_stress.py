@@ -113,10 +113,10 @@ def test_both_ways_to_exact_facts_agree_and_a_wrong_bulk_checker_is_seen(rng, mo
 
 @pytest.mark.parametrize("width", [8, 18, 32])
 def test_near_misses_without_a_problem(rng, width):
-    measured = measure(near_misses(rng, 60, width), exact_core)
+    measured = measure(near_misses(rng, 240, width), exact_core)
     assert measured.problems == []
     assert measured.own_width == min(w for w in measuring.WIDTHS if w >= width)
-    assert measured.core.answers == 3 * 60 * 72 and measured.no_miss.answers == 60 * 72
+    assert measured.core.answers == 3 * 240 * 72 and measured.no_miss.answers == 240 * 72
     rates = [found.rate for found in measured.methods.values()]
     assert width != 8 or max(rates) < 0.01
     assert width != 32 or min(rates) > 0.15
