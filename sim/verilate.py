@@ -56,8 +56,8 @@ class Build:
     which may be another one with the same files. ``counters``: of line, toggle and expression coverage.
     ``assertions``: those in the sources are checked. ``traced``: it follows its own switching activity.
     ``selectable``: it holds mutants, one of which is selected by its number. ``plain``: with Verilator's own
-    arithmetic, not that of arithmetic.h: what the faster one is compared with. ``speed``: of the model's code.
-    ``split``: statements in a C++ file, 0 all in one. ``objects``: compiled already.
+    arithmetic, not that of arithmetic.h, to compare with. ``speed``: of the model's code. ``split``:
+    statements in a C++ file, 0 all in one. ``objects``: compiled already.
     """
 
     name: str
@@ -269,7 +269,7 @@ def _without_folders(command: Sequence[str]) -> list[str]:
 
 def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     """Compile what Verilator wrote to ``model``, with the player, into a library or program in ``folder``."""
-    runtime = runtime(build)
+    verilated = runtime(build)
     places = [f"-I{model}", *(f"-I{place}" for place in sorted({path.parent for path in build.headers}))]
     defines = [f"-D{name}={value}" for name, value in build.defines.items()]
     flags = [
@@ -297,7 +297,7 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     with ThreadPoolExecutor(jobs) as pool:
         objects = list(pool.map(compiled, units))
     made = folder / product(build)
-    command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, build.objects), str(runtime)]
+    command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, build.objects), str(verilated)]
     run_tool([*command, *_linked(build)], folder, build.kind)
     for file in objects:
         Path(file).unlink()

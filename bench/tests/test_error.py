@@ -3,12 +3,13 @@
 import json
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from triaxis.bench import harness
-from triaxis.bench.error import points, report, running
+from triaxis.bench.error import points, report
 from triaxis.bench.error.points import (
     COLLISION,
     MODES,
@@ -20,25 +21,14 @@ from triaxis.bench.error.points import (
     on_grid,
 )
 from triaxis.bench.error.report import demands, findings
-from triaxis.bench.error.running import Benchmark, Measured, WorkloadResult
-from triaxis.bench.error.software_points import BulkPoint, PeerPoint, bulk_point, golden_ns, peer_point
-from triaxis.bench.error.truth import exact_triangle, exact_truth
-from triaxis.bench.error.workloads import LATTICE_BITS, part_grid, proper, workloads
-from triaxis.bench.peers.peer import Peer
-from triaxis.bench.peers.wheels import one_by_one
+from triaxis.bench.error.running import Measured, WorkloadResult
+from triaxis.bench.error.software_points import BulkPoint, PeerPoint
+from triaxis.bench.error.truth import exact_truth
+from triaxis.bench.error.workloads import workloads
 from triaxis.golden.bulk import bulk_verdicts
-from triaxis.golden.errors import InputError
-from triaxis.golden.exact import triangle_rank
-from triaxis.golden.pairs import VERDICT
 from triaxis.host.cli import main
-from triaxis.host.quantise import box_of, fits, grid_around
 
-COUNT, WIDTH = 240, 8
-
-
-@pytest.fixture(scope="module")
-def made():
-    return {workload.name: workload for workload in workloads(COUNT, 5, None)}
+WIDTH = 8
 
 
 @pytest.fixture(scope="module")
@@ -49,12 +39,7 @@ def asked(tmp_path_factory):
     return on_grid(workload, WIDTH), truth
 
 
-@pytest.fixture
-def no_rtl(monkeypatch):
-    monkeypatch.setattr(points, "_through_rtl", lambda *_: (0, 1, 1.0))
-
-
-def test_distances_are_exact_and_kept(rng, tmp_path, monkeypatch):
+def test_distances_are_exact_and_damaged_ones_found_again(rng, tmp_path):
     """On small integers, which float32 holds, the bulk checker has the same near pairs at every margin."""
     pairs = rng.integers(-6, 7, (300, 2, 3, 3))
     a, b = (pairs[:, k].astype(np.float32) for k in (0, 1))
@@ -70,52 +55,13 @@ def test_distances_are_exact_and_kept(rng, tmp_path, monkeypatch):
     first = exact_truth(a, b, folder=tmp_path / "few")
     assert first.distances == (Fraction(1, 2**23), Fraction(1, 2**149))
     (path,) = (tmp_path / "few").glob("*.json")
-    with monkeypatch.context() as patch:
-        patch.setattr("triaxis.bench.error.truth._solve", lambda _: pytest.fail("solved again"))
-        assert exact_truth(a, b, folder=tmp_path / "few") == first
-    for damage in ("", "[]", '["1/0", "1"]', "3"):
+    for damage in ("", '["1/0", "1"]'):
         path.write_text(damage)
         assert exact_truth(a, b, folder=tmp_path / "few") == first
 
 
-def test_workloads_follow_from_the_seed_and_no_triangle_is_degenerate(made):
-    assert list(made) == ["random", "made solids", "near-contact made solids", "lattice near-misses"]
-    for again, other in zip(workloads(COUNT, 5, None), workloads(COUNT, 6, None), strict=True):
-        first = made[again.name]
-        assert len(first) == COUNT and first.a.dtype == first.b.dtype == np.float32
-        assert np.array_equal(first.a, again.a) and np.array_equal(first.b, again.b)
-        assert not np.array_equal(first.b, other.b)
-        assert all(triangle_rank(exact_triangle(t)) == 2 for t in np.concatenate([first.a, first.b]))
-    assert on_grid(made["lattice near-misses"], LATTICE_BITS).unchanged
-    assert not on_grid(made["lattice near-misses"], LATTICE_BITS - 4).unchanged
-
-
-def test_degenerate_triangles_are_found_exactly(rng):
-    """Segments of any direction, in float32 where that holds them, and triangles off them by one bit."""
-    start, step = rng.integers(-(2**10), 2**10, (2, 300, 1, 3))
-    assert not proper((start + step * rng.integers(-50, 51, (300, 3, 1))).astype(np.float32)).any()
-    # Thin, far from the origin, and hardly wider than the last place of its coordinates.
-    edge = np.nextafter(np.float32(4098), 0)
-    assert proper(np.array([[[4096, 4096, 0], [4097, 4097, 0], [4098, edge, 0]]], np.float32)).all()
-
-
-def test_contacts_are_close_and_on_both_sides(made, tmp_path):
-    contacts = made["near-contact made solids"]
-    truth = exact_truth(contacts.a, contacts.b, folder=tmp_path)
-    assert max(truth.distances) < Fraction(2, 100) and 0.3 < truth.near().mean() < 0.9
-    assert sum(0 < distance < Fraction(1, 10**4) for distance in truth.distances) > COUNT / 20
-
-
-@pytest.mark.parametrize("width", [8, 16, 32])
-def test_the_finest_grid_holds_its_boxes_and_none_finer_does(made, width):
-    for part in made["random"].parts:
-        boxes = [box_of(part.a), box_of(part.b)]
-        grid = part_grid(part.a, part.b, width)
-        assert fits(boxes, grid) and grid.resolution.numerator & (grid.resolution.numerator - 1) == 0
-        assert not fits(boxes, grid_around(boxes, grid.resolution / 2, width))
-
-
-def test_no_miss_mode_keeps_its_word_and_a_broken_one_is_noticed(asked, no_rtl, monkeypatch):
+def test_no_miss_mode_keeps_its_word_and_a_broken_one_is_noticed(asked, monkeypatch):
+    monkeypatch.setattr(points, "_through_rtl", lambda *_: (0, 1, 1.0))
     rounded, truth = asked
     collision, safe = (core_point(rounded, truth, WIDTH, mode) for mode in MODES)
     assert collision.errors.missed > 0 and collision.errors.false_alarms > 0
@@ -129,30 +75,10 @@ def test_no_miss_mode_keeps_its_word_and_a_broken_one_is_noticed(asked, no_rtl, 
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_a_sample_runs_through_the_rtl(asked, monkeypatch):
+def test_a_sample_runs_through_the_rtl(asked):
     rounded, truth = asked
     point = core_point(rounded, truth, WIDTH, COLLISION)
     assert (point.sampled, point.rtl_differs, point.cycles_per_pair) == (400, 0, 1)
-
-    class Wrong(points.RtlEngine):
-        def verdicts(self, pairs, margins, progress=None):
-            return np.zeros(len(pairs), VERDICT)
-
-        def words(self, pairs, margins):
-            return np.zeros(len(pairs), np.uint16), 3 * len(pairs) + 20
-
-    monkeypatch.setattr(points, "RtlEngine", Wrong)
-    point = core_point(rounded, truth, WIDTH, COLLISION)
-    assert point.rtl_differs > 0 and point.cycles_per_pair == 3
-
-
-def load(a, b):
-    """Ask the bulk checker one by one, as if it were a package."""
-    pairs = np.rint(np.stack([a, b], 1) * 1024).astype(np.int64)
-    return one_by_one(lambda pair: bool(bulk_verdicts(pair[None], 0)["near"][0]), [(p,) for p in pairs])
-
-
-EXACT = Peer("exact", "exact", "exact.ask", lambda: "1", load)
 
 
 def core(width, mode, errors, **changes):
@@ -181,20 +107,6 @@ def changed(measured, **changes):
     return replace(measured, results=[replace(measured.results[0], **changes)])
 
 
-def test_software_is_judged_on_all_pairs_and_timed_without_its_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("triaxis.bench.error.software_points.ROUNDS", 4)
-    workload = workloads(60, 1, None)[0]
-    truth = exact_truth(workload.a, workload.b, folder=tmp_path)
-    point = peer_point(EXACT, "1", workload, on_grid(workload, 32), truth)
-    assert point.errors.pairs == 60 and point.errors.missed + point.errors.false_alarms <= 2
-    assert min(point.run_ns, point.overhead_ns, point.bulk_ns, point.load_ns) > 0
-    assert replace(point, run_ns=9.0, overhead_ns=5.0, noise_ns=3.0).most_kernel_ns is None
-    assert replace(point, run_ns=9.0, overhead_ns=5.0, noise_ns=6.0).most_kernel_ns == 10.0
-    bulk = bulk_point(on_grid(workload, 16), 16, NO_MISS)
-    assert 0 < bulk.clear < 60 and bulk.unproven == 0 == bulk.differs
-    assert bulk.claims_ns > 0 and 0 < bulk.facts_ns < golden_ns(workload)
-
-
 def test_demands(measured):
     found = demands(measured)
     assert [demand.verdict for demand in found] == ["reached"] * len(found) and "3.0 times" in found[-1].found
@@ -219,57 +131,16 @@ def test_demands(measured):
 
 
 @pytest.mark.parametrize(("kernel", "code"), [(130.0, 0), (50.0, 1)])
-def test_numbers_and_pictures_hold_everything(measured, tmp_path, monkeypatch, capsys, kernel, code):
-    class Done:
-        real_meshes, steps = False, 1
-
-        def __init__(self, _):
-            pass
-
-        def run(self, _):
-            return changed(measured, peers=[peer(run=kernel), peer("VTK", "vtk")])
-
-    monkeypatch.setattr(report, "Benchmark", Done)
+def test_the_command_writes_numbers_and_pictures(measured, tmp_path, monkeypatch, capsys, kernel, code):
+    found = changed(measured, peers=[peer(run=kernel), peer("VTK", "vtk")])
+    done = SimpleNamespace(real_meshes=False, steps=1, run=lambda _: found)
+    monkeypatch.setattr(report, "Benchmark", lambda _: done)
     monkeypatch.setattr(harness, "FOLDER", tmp_path)
     assert main(["bench", "error"]) == code
-    shown = capsys.readouterr().out
-    assert "coal: not installed" in shown and ("MISSED" in shown) == bool(code)
+    assert ("MISSED" in capsys.readouterr().out) == bool(code)
     content = json.loads((tmp_path / "error.json").read_text())
     assert content["passed"] != bool(code) and content["rtl_hash"] and content["seed"] == 1
-    assert content["core"]["dsp48e1"]["no-miss"]["16"] == 100
     random = content["workloads"]["random"]
     assert random["core"][0]["errors"]["missed_share"] == 3 / 40
     assert random["peers"][0]["kernel_ns"] == kernel - 10
-    drawn = (tmp_path / "error.svg").read_text()
-    for name in ("CGAL, C++", "VTK", "golden model", "bulk checker, no-miss, W 32", "core, no-miss, W 8..32"):
-        assert name in drawn
-    assert (tmp_path / "error.png").stat().st_size > 50_000
-
-
-def test_a_run_goes_on_where_it_was_interrupted(measured, tmp_path, monkeypatch, no_rtl):
-    monkeypatch.setattr(running, "WIDTHS", (8,))
-    monkeypatch.setattr(harness, "FOLDER", tmp_path)
-    monkeypatch.setattr(running, "_dsps", lambda progress: measured.dsps)
-    monkeypatch.setattr(running, "golden_ns", lambda _: 1.0)
-    monkeypatch.setattr(running, "bulk_point", lambda *_: measured.results[0].bulk[0])
-    monkeypatch.setattr(running, "TRIANGLE_PEERS", (EXACT,))
-    asked = []
-
-    def point(_peer, _version, workload, *_):
-        asked.append(workload.name)
-        if len(asked) == 3:
-            raise KeyboardInterrupt
-        if len(asked) == 4:
-            raise TypeError("incompatible function arguments")
-        return peer("exact", "exact")
-
-    monkeypatch.setattr(running, "peer_point", point)
-    with pytest.raises(KeyboardInterrupt):
-        Benchmark(1, 40).run(lambda _: None)
-    with pytest.raises(InputError, match=r"exact 1: fails on near-contact .*: TypeError: incompatible"):
-        Benchmark(1, 40).run(lambda _: None)
-    again = Benchmark(1, 40).run(lambda _: None)
-    # Of three workloads all was there but for the third one's package.
-    assert again.taken_up == 8 and len(asked) == 6
-    assert [len(result.peers) for result in again.results] == [1, 1, 1, 1]
-    assert not (tmp_path / "error-steps").exists()
+    assert all((tmp_path / f"error.{suffix}").stat().st_size > 20_000 for suffix in ("svg", "png"))

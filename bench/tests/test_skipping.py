@@ -9,15 +9,14 @@ import pytest
 from triaxis.bench import harness
 from triaxis.bench.mesh_cycles import CONFIGURATION
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question
-from triaxis.bench.skipping import growth, report, run, software
-from triaxis.bench.skipping.growth import Growth, GrowthPoint, exponent, growth_of
+from triaxis.bench.skipping import report, run, software
+from triaxis.bench.skipping.growth import Growth, GrowthPoint
 from triaxis.bench.skipping.run import measure_scene, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
-from triaxis.bench.skipping.software import Meeting, PeerRun, ask_peer, contradictions
+from triaxis.bench.skipping.software import Meeting, ask_peer, contradictions
 from triaxis.bench.skipping.stages import Stages, stage_answer
 from triaxis.golden.scene import boxes_of
 from triaxis.host.cli import main
-from triaxis.host.scenes import mesh_data
 
 
 @pytest.fixture(autouse=True)
@@ -68,7 +67,7 @@ def test_a_scene_in_hardware_and_software(rng):
 
 
 @pytest.mark.simulator
-@pytest.mark.parametrize("lost", ["near", "tested", "skipped", "broad phase"])
+@pytest.mark.parametrize("lost", ["near", "tested", "broad phase"])
 def test_what_skips_too_much_is_seen(monkeypatch, lost):
     class Skipping(run.MeshEngineScene):
         def run(self, *arguments, **options):
@@ -90,21 +89,10 @@ def test_what_skips_too_much_is_seen(monkeypatch, lost):
     assert len(found) == 2 and all(told in problem for problem in found)
 
 
-def test_the_whole_machine_is_every_two_of_its_solids():
-    assert not any(scene.real for scene in skipping_scenes(None))
-    data = mesh_data()
-    if data is None:
-        pytest.skip("no folder of real meshes: $TRIAXIS_DATA or ../shared/data")
-    machines = [scene for scene in skipping_scenes(data) if "whole machine" in scene.name]
-    assert [len(scene.meetings) for scene in machines] == [15, 15]
-    solids = [254, 110, 4756, 188, 44, 76]
-    assert machines[0].pairs == (sum(solids) ** 2 - sum(count**2 for count in solids)) // 2
-
-
-def stand(answer, boxes_only=False, counted: tuple[int | None, int | None] = (7, 5)):
+def stand(answer, boxes_only=False):
     """Return a package that answers from a list."""
     found = np.array(answer, np.int64).reshape(-1, 2)
-    question = Question(lambda: found, lambda: counted)
+    question = Question(lambda: found, lambda: (7, 5))
     return Peer("stand", "stand-in", "stand.ask", lambda: "1.0", lambda *_: question, boxes_only=boxes_only)
 
 
@@ -117,7 +105,6 @@ def test_answers_of_packages_are_compared_with_exact_ones(rng):
     found = ask_peer(stand([[2, 3], [4, 5], [4, 5]]), [given, given])
     assert (found.found, found.missed, found.extra) == (4, 2, 2)
     assert (found.volumes_compared, found.triangles_compared) == (14, 10)
-    assert ask_peer(stand([], counted=(None, None)), [given, given]).volumes_compared is None
     # Those that compare boxes must find ours.
     exact = np.concatenate([np.stack(pairs, 1) for pairs in software.candidates(given.a, given.b, 0)])
     assert len(exact) and contradictions("", [ask_peer(stand(exact, boxes_only=True), [given]), found]) == []
@@ -125,38 +112,16 @@ def test_answers_of_packages_are_compared_with_exact_ones(rng):
 
 
 def test_growth_is_judged():
-    def problems(*costs, same: bool | None = True, packages=()):
+    def problems(*costs, same=True):
         points = (
-            GrowthPoint(10**k, cost, cost, round(cost), 1, 1, same, packages)
-            for k, cost in enumerate(costs, 3)
+            GrowthPoint(10**k, cost, cost, round(cost), 1, 1, same, ()) for k, cost in enumerate(costs, 3)
         )
         return Growth(SURFACES[0], tuple(points)).problems
 
-    assert exponent([(10, 5), (100, 500), (1000, 50_000)]) == pytest.approx(2)
     assert problems(1e3, 1e4, 1e5, 1e6) == []
     steep = problems(1e3, 1e5, 1e7, 1e9)
     assert len(steep) == 2 and "comparisons" in steep[0] and "seconds" in steep[1]
     assert "near pairs" in problems(1e3, same=False)[0]
-    wrong = PeerRun("rtree", 1, 1, None, None, software.BOXES, 1, 1, 0)
-    assert "misses 1" in problems(1e3, packages=(wrong,))[0]
-
-
-@pytest.mark.parametrize("surfaces", SURFACES, ids=lambda surfaces: surfaces.name)
-def test_growth_of_small_meshes(monkeypatch, surfaces, rng, size=5000):
-    """Patience ends: a slow package is asked about no larger meshes."""
-    monkeypatch.setattr(growth, "_PATIENCE", -1.0)
-    told: list[int] = []
-    measured = growth_of(surfaces, 1, [stand([])], told.append, (200, 400))
-    assert sum(told) == 2 and [len(point.packages) for point in measured.points] == [1, 0]
-    assert all(point.same_as_all_pairs and point.near > 0 for point in measured.points)
-    # Meshes have the size asked for, and no gaps: each inner edge belongs to two facets.
-    a, b = surfaces.make(size, rng)
-    assert len(a) == len(b) == pytest.approx(size, rel=0.1)
-    assert np.any(np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0]) != 0, axis=1).all()
-    vertex = np.unique(a.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3)
-    edges = np.sort(vertex[:, [[0, 1], [1, 2], [2, 0]]], 2).reshape(-1, 2)
-    counts = np.unique(edges, axis=0, return_counts=True)[1]
-    assert counts.max() == 2 and (counts == 1).mean() < 2 / np.sqrt(size)
 
 
 @pytest.mark.simulator
@@ -171,11 +136,8 @@ def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
     written = json.loads((tmp_path / "skipping.json").read_text())
     assert written["passed"] and len(written["scenes"]) == len(skipping_scenes(None))
     for scene in written["scenes"]:
-        assert scene["at_margins"][0]["margin"] == 0
         assert all(sum(at["pairs_by_stage"].values()) == scene["pairs"] for at in scene["at_margins"])
-    assert [package["why_absent"] for package in written["packages"]] == [None, "stand-in: not installed"]
     assert all((tmp_path / f"skipping.{suffix}").stat().st_size > 10_000 for suffix in ("png", "svg"))
     monkeypatch.setattr(run, "LEAST_RATIO", 1e9)
     assert main(["bench", "skipping"]) == 1
-    assert "PROBLEM scenes" in capsys.readouterr().out
     assert json.loads((tmp_path / "skipping.json").read_text())["passed"] is False

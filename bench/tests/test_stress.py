@@ -11,19 +11,13 @@ from triaxis.bench.stress import measuring, report
 from triaxis.bench.stress.constructions import (
     WIDTH,
     contacts_at,
-    degenerate,
-    far_away,
     near_misses,
     nearly_coplanar,
-    of_unlike_size,
-    slivers,
 )
 from triaxis.bench.stress.families import FAMILIES
 from triaxis.bench.stress.measuring import ExactPairs, measure, rtl_core
 from triaxis.bench.stress.methods import guigue_devillers, moller, separating_axes
-from triaxis.bench.stress.orders import METHODS, in_all_orders, scaled
 from triaxis.bench.stress.run import FamilyResult, StressResult
-from triaxis.golden.axes import axis_vector
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import Rational
 from triaxis.golden.judge import judge
@@ -32,20 +26,6 @@ from triaxis.verif.core.stimulus.symmetry import VERTICES
 
 # Steps of the 16-bit grid, of those of a gap family.
 LSB = 1 << WIDTH - 16
-
-
-def lengths(vectors):
-    return np.sqrt((vectors.astype(float) ** 2).sum(-1))
-
-
-def longest_edges(triangles):
-    return lengths(triangles - np.roll(triangles, 1, 1)).max(1)
-
-
-def widths(triangles):
-    """Return the smallest heights of triangles (N, 3, 3), from their exact areas."""
-    normals = [axis_vector(3, t, t) for t in triangles.astype(object).tolist()]
-    return np.array([float(sum(x * x for x in n)) ** 0.5 for n in normals]) / longest_edges(triangles)
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
@@ -68,44 +48,6 @@ def test_contacts_are_as_far_apart_as_said(rng, gap):
         assert found.near or 0.57 * gap < found.distance < 1.01 * gap
 
 
-def test_near_misses_are_one_step_away_or_touch(rng):
-    facts = bulk_facts(near_misses(rng, 900, 16), 0)
-    touching, apart = facts.near & (facts.level != 0), ~facts.near
-    assert (facts.clear_step[apart] != 0).all() and (facts.near_step[facts.near & ~touching] != 0).all()
-    assert 0.25 < touching.mean() < 0.42 and 0.2 < apart.mean() < 0.45
-
-
-@pytest.mark.parametrize("tilt", [2.0**-8, 2.0**-50])
-def test_planes_are_tilted_as_said(rng, tilt):
-    angles = []
-    for a, b in nearly_coplanar(rng, 60, tilt).astype(object).tolist():
-        # Exact products; the angle is small, so its sine will do.
-        n, m = (np.array(axis_vector(3, t, t), object) for t in (a, b))
-        across = n[[1, 2, 0]] * m[[2, 0, 1]] - n[[2, 0, 1]] * m[[1, 2, 0]]
-        if size := (n @ n) * (m @ m):
-            angles.append((float(across @ across) / float(size)) ** 0.5)
-    assert 0.1 * tilt < np.median(angles) < 10 * tilt
-
-
-def test_shapes_are_as_said(rng):
-    for exponent in (4, 24, 46):
-        pairs = slivers(rng, 40, 2.0**-exponent)
-        ratios = np.stack([widths(pairs[:, k]) / longest_edges(pairs[:, k]) for k in (0, 1)], 1).min(1)
-        # Rounding to whole units of 2^-50 of the length.
-        assert (np.abs(ratios * 2.0**exponent - 1) < 2.0 ** (exponent - 47)).all()
-        pairs = of_unlike_size(rng, 40, 2.0**-exponent)
-        a, b = longest_edges(pairs[:, 0]), longest_edges(pairs[:, 1])
-        assert (np.abs(np.log2(np.minimum(a, b) / np.maximum(a, b)) + exponent) < 3).all()
-    here, there = (far_away(np.random.default_rng(1), 30, distance) for distance in (0.0, 2.0**36))
-    moved = (there - here).reshape(-1, 3)
-    assert (moved == moved[0]).all() and np.abs(moved[0]).max() == 1 << 52
-    for ranks in ((2, 2), (2, 1), (2, 0), (1, 1), (1, 0), (0, 0)):
-        pairs = degenerate(rng, 101, *ranks)
-        facts = bulk_facts(pairs, 0)
-        assert (facts.rank_a == ranks[0]).all() and (facts.rank_b == ranks[1]).all()
-        assert facts.near.sum() == 50 and bulk_facts(pairs, 1).near.all() and np.abs(pairs).max() <= 31
-
-
 def exact_points(pairs) -> Any:
     """Return pairs as exact rationals: (6, 3, N)."""
     points = np.empty((6, 3, len(pairs)), object)
@@ -125,12 +67,10 @@ def grid_pairs(rng, count, flat):
 
 
 MADE = {
-    "near misses of 24 bits": lambda rng: near_misses(rng, 60, 24),
     "near misses of 32 bits": lambda rng: near_misses(rng, 60, 32),
     "nearly coplanar": lambda rng: nearly_coplanar(rng, 80, 2.0**-60),
-    "coplanar": lambda rng: nearly_coplanar(rng, 80, 0.0),
-    "small grid": lambda rng: grid_pairs(rng, 250, False),
-    "small grid, coplanar": lambda rng: grid_pairs(rng, 250, True),
+    "small grid": lambda rng: grid_pairs(rng, 150, False),
+    "small grid, coplanar": lambda rng: grid_pairs(rng, 200, True),
 }
 
 
@@ -142,50 +82,10 @@ def test_published_tests_are_right_in_exact_arithmetic(rng, made):
     proper = (facts.rank_a == 2) & (facts.rank_b == 2)
     near, points = facts.near[proper], exact_points(pairs[proper])
     assert 0 < near.sum() < len(near) > 40
-    for order in VERTICES[rng.permutation(72)[:6]]:
+    for order in VERTICES[rng.permutation(72)[:4]]:
         ordered = points[order]
         for test in (separating_axes, moller, guigue_devillers):
             assert (test(ordered[:3], ordered[3:]) == near).all(), test.__name__
-
-
-def wrong(method, pairs, near):
-    return (in_all_orders(method.test, scaled(pairs).astype(method.dtype)) != near).mean()
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_floats_round_where_they_must_and_nowhere_else(rng, method):
-    for flat in (False, True):
-        pairs = grid_pairs(rng, 1000, flat)
-        # Without divisions a small grid has no rounding, in either type; Moller's intervals divide.
-        assert wrong(method, pairs, bulk_facts(pairs, 0).near) <= (0.02 if method.test is moller else 0)
-    pairs = rng.integers(-1000, 1001, (1000, 2, 3, 3))
-    clear, grown = ~bulk_facts(pairs, 30).near, pairs.astype(np.float64)
-    middle = grown.mean(2, keepdims=True)
-    # Far from a decision: apart by much, or near although shrunk about their middles.
-    deep = bulk_facts(np.rint(middle + 0.9 * (grown - middle)).astype(np.int64), 0).near
-    chosen = clear | deep
-    assert clear.sum() > 100 and deep.sum() > 30 and wrong(method, pairs[chosen], deep[chosen]) == 0
-    # 14 bits are too many for float32's determinants, and not for float64's.
-    pairs = near_misses(rng, 400, 14)
-    rate = wrong(method, pairs, bulk_facts(pairs, 0).near)
-    assert rate > 0.1 if method.dtype is np.float32 else rate < 0.001
-
-
-def test_every_order_is_asked_and_scaling_is_exact(rng):
-    seen = []
-
-    def test(a, b):
-        seen.append(np.concatenate([a, b])[:, :, 0])
-        return np.arange(a.shape[2]) == 0
-
-    answers = in_all_orders(test, scaled(rng.integers(-99, 99, (2, 2, 3, 3))))
-    assert answers.shape == (72, 2) and answers[:, 0].all() and not answers[:, 1].any()
-    assert len({points.tobytes() for points in seen}) == 72
-    assert len({tuple(sorted(points.ravel().tolist())) for points in seen}) == 1
-    pairs = rng.integers(1 - (1 << 53), 1 << 53, (5, 2, 3, 3))
-    points = scaled(pairs)
-    assert np.abs(points).max() < 1 << 20
-    assert (points * 2.0**33 == pairs.reshape(-1, 6, 3).transpose(1, 2, 0)).all()
 
 
 def exact_core(_width, pairs, margin):
@@ -213,21 +113,13 @@ def test_both_ways_to_exact_facts_agree_and_a_wrong_bulk_checker_is_seen(rng, mo
 
 @pytest.mark.parametrize("width", [8, 18, 32])
 def test_near_misses_without_a_problem(rng, width):
-    measured = measure(near_misses(rng, 60, width), exact_core)
+    measured = measure(near_misses(rng, 240, width), exact_core)
     assert measured.problems == []
     assert measured.own_width == min(w for w in measuring.WIDTHS if w >= width)
-    assert measured.core.answers == 3 * 60 * 72 and measured.no_miss.answers == 60 * 72
-    assert measured.resolution == 1 << max(0, width - 16)
+    assert measured.core.answers == 3 * 240 * 72 and measured.no_miss.answers == 240 * 72
     rates = [found.rate for found in measured.methods.values()]
     assert width != 8 or max(rates) < 0.01
     assert width != 32 or min(rates) > 0.15
-
-
-def test_far_pairs_fit_the_core_all_the_same(rng):
-    """The grid's offset takes the distance away, exactly."""
-    measured = measure(far_away(rng, 40, 2.0**36), exact_core)
-    assert measured.problems == [] and measured.methods["float32 SAT"].rate > 0.1
-    assert measured.own_width == 16 and measured.resolution == 1 and measured.rounded.wrong == 0
 
 
 @pytest.mark.regress
@@ -255,28 +147,20 @@ def test_what_must_not_be_is_seen(rng):
     assert 0 < measured.no_miss.false_alarms < measured.band_pairs * 72 and 1.2 < measured.farthest <= 2
 
 
-@pytest.mark.parametrize("drawn", [1, pytest.param(3, marks=pytest.mark.regress)])
-def test_command_writes_numbers_and_pictures(tmp_path, monkeypatch, capsys, drawn):
+def test_command_writes_numbers_and_pictures(tmp_path, monkeypatch, capsys):
     rng = np.random.default_rng(1)
     easy, missing = (measure(contacts_at(rng, 8, WIDTH, LSB / 8), exact_core, margin=m) for m in (None, 0))
     monkeypatch.setattr(harness, "FOLDER", tmp_path)
-    monkeypatch.setattr(report, "PICTURES", report.PICTURES[:drawn])
     for first, code in ((easy, 0), (missing, 1)):
-        families = (
-            FamilyResult((first, *[easy] * (len(family.settings) - 1)), family) for family in FAMILIES
-        )
+        monkeypatch.setattr(report, "PICTURES", () if code else report.PICTURES[:1])
+        families = [FamilyResult((first, *[easy] * (len(one.settings) - 1)), one) for one in FAMILIES]
         result = StressResult(1, 100, tuple(families))
         monkeypatch.setattr(report, "run_stress", lambda *_, result=result: result)
         assert main(["bench", "stress"]) == code
         content = json.loads((tmp_path / "stress.json").read_text())
         assert content["passed"] is (code == 0) and content["rtl_hash"] and content["seed"] == 1
-        monkeypatch.setattr(report, "PICTURES", ())
     assert "PROBLEM gap 2^-8: no-miss mode:" in capsys.readouterr().out
-    names = ("stress", "stress_orders", "stress_quantisation")[:drawn]
-    pictures = [f"{name}.{suffix}" for name in names for suffix in ("png", "svg")]
-    assert {path.name for path in tmp_path.iterdir()} == {"stress.json", *pictures}
-    assert [family["name"] for family in content["families"]] == [family.name for family in FAMILIES]
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.json", "stress.png", "stress.svg"}
     setting = content["families"][0]["settings"][1]
-    assert setting["methods"].keys() == {method.name for method in METHODS}
     assert setting["core_at_its_own_resolution"]["wrong_rate"] == 0
     assert main(["bench", "stress", "--pairs=3"]) == 2 and "pairs" in capsys.readouterr().err

@@ -1,24 +1,14 @@
 """What pairs and answers hit in the model of the core."""
 
-from itertools import groupby
-
 import numpy as np
 import pytest
 
-from triaxis.coverage.core_coverage import CoreCoverage, core_model
+from triaxis.coverage.core_coverage import CoreCoverage
 from triaxis.coverage.core_sample import Build, CoreSample, CoreView, Decision
 from triaxis.coverage.report import report
-from triaxis.coverage.tests.core_pairs import (
-    grid_pairs,
-    margins_for,
-    moved,
-    pointing_pairs,
-    related_pairs,
-    samples,
-    true_words,
-)
+from triaxis.coverage.tests.core_samples import samples, true_words
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.errors import InputError
+from triaxis.verif.core.stimulus.families import mixed
 
 VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True, False))
 
@@ -26,17 +16,9 @@ VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True
 @pytest.fixture(params=VIEWED, ids=lambda build: build.name)
 def view(request, rng):
     build = request.param
-    pairs = np.concatenate(
-        [
-            grid_pairs(rng, 1500, 3),
-            grid_pairs(rng, 1500, 12),
-            related_pairs(rng, 3000, 2),
-            pointing_pairs(rng, 500),
-            moved(rng, related_pairs(rng, 1500, 3), build.width, to_limits=True),
-        ]
-    )
-    pairs = rng.permutation(pairs)
-    (sample,) = samples(rng, build, pairs, margins_for(rng, build, pairs))
+    found = mixed(rng, 6000, build.width, build.largest_margin)
+    pairs = found.pairs.astype(np.int64)
+    (sample,) = samples(rng, build, pairs, found.margins)
     waits = rng.integers(0, 2, (2, len(pairs)), np.uint8)
     return CoreView(build, CoreSample(sample.facts, sample.margins, sample.words, *waits))
 
@@ -45,20 +27,12 @@ def bits(mask):
     return {n for n in range(32) if int(mask) >> n & 1}
 
 
-def of_build(view, mask):
-    return {n for n in bits(mask) if view.build.edge_box or n < 14}
-
-
-def each(view):
-    """Number, facts of one pair, and the axes that separate it in this build."""
-    for i in range(len(view.facts)):
-        one = view.facts[i : i + 1]
-        yield i, one, of_build(view, one.separating[0])
-
-
 def test_axes_that_decide(view):
     none, kinds = view.build.axes, set()
-    for i, one, separating in each(view):
+    for i in range(len(view.facts)):
+        one = view.facts[i : i + 1]
+        # The axes that separate it in this build.
+        separating = {n for n in bits(one.separating[0]) if view.build.edge_box or n < 14}
         assert view.near[i] == (not separating)
         boxed = bool(separating & {0, 1, 2})
         decision = Decision.NEAR if not separating else Decision.BOX if boxed else Decision.OTHER
@@ -71,18 +45,6 @@ def test_axes_that_decide(view):
         if sole:
             assert view.side[i] == (min(sole) in bits(one.below[0]))
     assert kinds == set(Decision)
-
-
-def test_runs_and_successions(view):
-    waited = [bool(x or y) for x, y in zip(view.sample.waits_in, view.sample.waits_out, strict=True)]
-    assert view.runs.tolist() == [len(list(run)) for wait, run in groupby(waited) if not wait]
-    assert view.previous.tolist() == [3, *view.decision[:-1].tolist()]
-
-
-def test_builds_that_cannot_be_are_refused():
-    for wrong in ((7, 0, True, True), (33, 0, True, True), (8, 9, True, True), (8, 1, False, True)):
-        with pytest.raises(InputError):
-            Build(*wrong)
 
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
@@ -105,14 +67,6 @@ def sampled(pairs, margins, words=None, parameters=(16, 16, True, True)):
     return coverage
 
 
-def test_margins_are_in_the_model_only_where_a_build_has_them():
-    without, little = core_model(16, 0), core_model(16, 1)
-    assert not [item.name for item in without.items if "margin" in item.name]
-    assert not [b.name for item in without.items for b in item.bins if "m > 0" in b.name]
-    margins = next(item for item in little.items if item.name == "margin_kind")
-    assert {b.name.split(" / ")[0] for b in margins.bins} == {"m = 0", "m = 1"}
-
-
 def test_a_point_above_a_triangle_is_decided_by_its_normal():
     point = [[1, 1, 9]] * 3
     tilted = [[0, 0, 0], [9, 0, 9], [0, 9, 9]]
@@ -130,12 +84,10 @@ def test_a_point_above_a_triangle_is_decided_by_its_normal():
 def test_a_core_without_the_last_axes_sees_only_what_it_can():
     # Two triangles in the plane z = 0 whose boxes overlap: only edges seen along z separate them.
     pair = [[[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[9, 9, 0], [9, 2, 0], [3, 9, 0]]]
-    full = sampled([pair], [0], parameters=(16, 0, True, True))
-    less = sampled([pair], [0], parameters=(16, 0, False, True))
+    full, less = (sampled([pair], [0], parameters=(16, 0, box, True)) for box in (True, False))
     assert list(hit_bins(full, "claim")) == ["19 A edge 1 x z"]
     assert list(hit_bins(less, "claim")) == ["near"]
     assert list(hit_bins(less, "blind")) == ["near, though a missing axis separates / coplanar"]
-    assert not report(less.model, less.counts).items[0].illegal_hits
 
 
 def test_wrong_answers_hit_illegal_bins():
@@ -146,43 +98,22 @@ def test_wrong_answers_hit_illegal_bins():
         (near, 0x0000, "clear, wrongly"),
         (near, 0x0200, "clear, wrongly"),
         (clear, 0x0300, "clear, by another axis or with spare bits"),
-        (clear, 0x0210, "clear, by another axis or with spare bits"),
-        (clear, 0x0201, "near, wrongly"),
         (clear, 0x0301, "near, wrongly"),
         (near, 0x0801, "near, with spare bits or an axis"),
-        (near, 0x8003, "near, with spare bits or an axis"),
     ):
         coverage = sampled([pair], [0], [word])
         found = report(coverage.model, coverage.counts)
         assert [i.bin for i in found.items[0].illegal_hits] == [bin_name], hex(word)
-        assert any("must answer as the golden model" in line for line in found.problems)
     right = sampled([clear, near], [0, 0], [0x0200, 0x0003])
     assert hit_bins(right, "answer") == {"clear, by the lowest axis": 1, "near": 1}
     gated = sampled([clear], [0], [0x0204])
     flags = next(i for i in report(gated.model, gated.counts).items if i.name == "flags")
     assert [i.bin for i in flags.illegal_hits] == ["clear by box / A degenerate"]
-    assert not report(right.model, right.counts).problems[0].endswith("read 0")
-
-
-def test_samples_add_up(rng):
-    build = Build(16, 16, True, True)
-    pairs = related_pairs(rng, 3000, 3)
-    (whole,) = samples(rng, build, pairs, rng.integers(0, 4, len(pairs)))
-    one, two = CoreCoverage(16, 16), CoreCoverage(16, 16)
-    one.sample(whole)
-    for k in (slice(0, 1000), slice(1000, 3000)):
-        facts, margins, words = whole.facts[k], whole.margins[k], whole.words[k]
-        two.sample(CoreSample(facts, margins, words, whole.waits_in[k], whole.waits_out[k]))
-    for item in one.model.items:
-        # Succession and runs look at neighbours, and end with the sample.
-        if item.name not in ("succession", "runs"):
-            assert (one.counts.hits[item.name] == two.counts.hits[item.name]).all(), item.name
-    assert one.counts.hits["succession"].sum() == two.counts.hits["succession"].sum() + 1
 
 
 def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
     build = Build(8, 0, True, True)
-    (sample,) = samples(rng, build, grid_pairs(rng, 4000, 3), np.zeros(4000, np.int64))
+    (sample,) = samples(rng, build, rng.integers(0, 3, (4000, 2, 3, 3)), np.zeros(4000, np.int64))
     sample.facts.rank_a[:] = 0
     coverage = CoreCoverage(8, 0)
     coverage.sample(sample)

@@ -1,21 +1,15 @@
 """What the model excludes is never seen: on all pairs of a tiny grid, and many more."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import CoreCoverage
 from triaxis.coverage.core_sample import Build
 from triaxis.coverage.report import report
-from triaxis.coverage.tests.core_pairs import (
-    all_pairs_of_unit_cube,
-    grid_pairs,
-    margins_for,
-    moved,
-    pointing_pairs,
-    related_pairs,
-    samples,
-    wide_pairs,
-)
+from triaxis.coverage.tests.core_samples import samples
+from triaxis.verif.core.stimulus.families import mixed
 
 BUILDS = (
     (8, 0, True, True),
@@ -24,29 +18,26 @@ BUILDS = (
     (13, 4, True, False),
     (32, 32, True, True),
 )
-
-
-def feed(coverage, rng, build, pairs, margins):
-    for sample in samples(rng, build, pairs, margins):
-        coverage.sample(sample)
+# All 2^18 ordered pairs of triangles with vertices in {0, 1}^3.
+CUBE = np.array(list(product((0, 1), repeat=3)))[np.indices((8,) * 6).reshape(6, -1).T].reshape(-1, 2, 3, 3)
 
 
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: Build(*p).name)
 def test_no_excluded_bin_is_hit(parameters, rng):
     build, coverage = Build(*parameters), CoreCoverage(*parameters)
-    cube = all_pairs_of_unit_cube()
-    feed(coverage, rng, build, cube, np.zeros(len(cube), np.int64))
-    for size in (3, 4):
-        pairs = grid_pairs(rng, 30_000, size)
-        feed(coverage, rng, build, pairs, rng.integers(0, min(build.largest_margin, 2) + 1, len(pairs)))
-    for size in (1, 2, 3, 5):
-        pairs = np.concatenate([related_pairs(rng, 10_000, size), pointing_pairs(rng, 1_000)])
-        margins = margins_for(rng, build, pairs)
-        feed(coverage, rng, build, moved(rng, pairs, build.width, to_limits=size % 2 == 0), margins)
-    wide = wide_pairs(rng, 10_000, build.width)
-    feed(coverage, rng, build, wide, margins_for(rng, build, wide))
-    feed(coverage, rng, build, wide[:100], np.full(100, build.largest_margin))
+    grid = rng.integers(0, 4, (60_000, 2, 3, 3))
+    families = mixed(rng, 100_000, build.width, build.largest_margin)
+    for pairs, margins in (
+        (CUBE, np.zeros(len(CUBE), np.int64)),
+        (grid, rng.integers(0, min(build.largest_margin, 2) + 1, len(grid))),
+        (families.pairs.astype(np.int64), families.margins),
+        (families.pairs[:100].astype(np.int64), np.full(100, build.largest_margin)),
+    ):
+        for sample in samples(rng, build, pairs, margins):
+            coverage.sample(sample)
     found = report(coverage.model, coverage.counts)
     assert not [hit for item in found.items for hit in item.illegal_hits]
     assert all(group.hits == 0 for item in found.items for group in item.excluded)
     assert sum(group.bins for item in found.items for group in item.excluded) > 100
+    # Most of what may be hit was: the pairs are rich enough to tell.
+    assert found.hit > 0.85 * found.total

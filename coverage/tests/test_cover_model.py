@@ -1,14 +1,14 @@
-"""Models say what is covered; samples are counted as one by one."""
+"""Models say what is covered; samples are counted as one by one; counts merge, and come back from files."""
 
 from collections import Counter
 from dataclasses import replace
+from itertools import chain, permutations
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
+from triaxis.coverage.counts import Counts, CoverageDatabase, load, read_counts
 from triaxis.coverage.cover_model import (
     CoverItem,
     CoverModel,
@@ -18,6 +18,7 @@ from triaxis.coverage.cover_model import (
     MaskPoint,
     Sampler,
 )
+from triaxis.golden.errors import InputError
 
 PARITY = Coverpoint[Any]("parity", ("even", "odd"), lambda s: (s % 2).astype(np.uint8))
 SIZE = Coverpoint[Any]("size", ("small", "large"), lambda s: (s > 9).view(np.uint8), partial=True)
@@ -31,7 +32,6 @@ MODEL = CoverModel("numbers", (BOTH, CoverItem("bits", "bits", (BITS,))))
 def test_bins_goals_and_exclusions_of_a_cross():
     # The last point varies fastest, and the first exclusion holds.
     assert [b.name for b in BOTH.bins] == ["even / small", "even / large", "odd / small", "odd / large"]
-    assert BOTH.size == 4 and BOTH.shape == (2, 2)
     assert [b.exclusion for b in BOTH.bins] == [None, IGNORED, None, ILLEGAL]
     assert BOTH.goals.tolist() == [1, 0, 2, 0]
     assert BOTH.illegal.tolist() == [False, False, False, True]
@@ -41,33 +41,13 @@ def test_the_hash_follows_everything_that_is_defined(tmp_path):
     source = tmp_path / "sampling.py"
     source.write_text("one")
     model = replace(MODEL, sources=(source,))
-    longer = Coverpoint[Any]("size", ("small", "large", "huge"), SIZE.codes)
-    changed = [
-        replace(IGNORED, **change) for change in ({"reason": "x"}, {"test": "x"}, {"kind": Kind.ILLEGAL})
-    ]
-    changes = [{"name": "other"}, {"meaning": "other"}, {"points": (SIZE, PARITY)}]
-    changes += [{"points": (PARITY, longer)}, {"at_least": 2}]
-    every = ((IGNORED,), (ILLEGAL, IGNORED), *((one, ILLEGAL) for one in changed))
-    changes += [{"exclusions": exclusions} for exclusions in every]
+    changes = [{"name": "other"}, {"meaning": "other"}, {"points": (SIZE, PARITY)}, {"at_least": 2}]
+    other = [replace(IGNORED, **one) for one in ({"reason": "x"}, {"test": "x"}, {"kind": Kind.ILLEGAL})]
+    changes += [{"exclusions": (one, ILLEGAL)} for one in other]
     variants = [replace(model, items=(replace(BOTH, **change), *MODEL.items[1:])) for change in changes]
-    variants += [replace(model, name="other"), replace(model, items=MODEL.items[::-1]), MODEL]
-    before = model.hash
+    hashes = {each.hash for each in (model, *variants, replace(model, name="other"), MODEL)}
     source.write_text("two")
-    hashes = [before, replace(model).hash, *(variant.hash for variant in variants)]
-    assert len(set(hashes)) == len(hashes) == 15
-    source.write_text("one")
-    assert replace(model).hash == before
-
-
-def test_what_cannot_be_sampled_is_refused():
-    with pytest.raises(ValueError, match="only as the first"):
-        CoverItem("wrong", "", (PARITY, BITS))
-    with pytest.raises(ValueError, match="needs points"):
-        CoverItem("wrong", "", ())
-    with pytest.raises(ValueError, match="32 bits"):
-        CoverItem("wrong", "", (MaskPoint[Any]("m", ("",) * 33, lambda s: s),))
-    with pytest.raises(ValueError, match="share a name"):
-        CoverModel("wrong", (BOTH, BOTH))
+    assert len(hashes | {replace(model).hash}) == 3 + len(changes) + 1
 
 
 def point(name, bins, partial):
@@ -112,18 +92,82 @@ def test_counts_are_those_of_counting_one_by_one(rng, chosen):
         assert found == counted_one_by_one(item, sample, count)
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.lists(st.integers(2, 40), min_size=1, max_size=4))
-def test_joint_codes_have_room_whatever_the_sizes(sizes):
-    points = tuple(point(str(k), size, True) for k, size in enumerate(sizes))
-    sample = {str(k): np.array([0, size - 1, size - 1]) for k, size in enumerate(sizes)}
-    hits = Sampler(sample).hits(CoverItem("item", "", points))
-    assert hits[0] == 1 and hits[-1] == 2 and hits.sum() == 3
-
-
 def test_a_code_without_a_bin_is_an_error_and_not_another_bin():
     sample = {"a": np.array([0, 2]), "b": np.array([0, 0]), "mask": np.array([1, 1 << 19], np.uint32)}
     with pytest.raises(ValueError, match="a: code 2"):
         Sampler(sample).hits(CoverItem("item", "", (POINTS[0], POINTS[1])))
     with pytest.raises(ValueError, match="beyond its 19 bins"):
         Sampler(sample).hits(CoverItem("item", "", (MASK,)))
+
+
+DIGIT = Coverpoint[Any]("digit", tuple("0123456789"), lambda s: (s % 10).astype(np.uint8))
+DIGITS = CoverModel("digits", (CoverItem("digit", "", (DIGIT,)), CoverItem("both", "", (DIGIT, PARITY))))
+OTHER = CoverModel("others", (CoverItem("parity", "", (PARITY,)),))
+CHANGED = CoverModel("digits", (CoverItem("digit", "", (DIGIT,), at_least=2), DIGITS.items[1]))
+
+
+def counted(numbers, model=DIGITS):
+    counts = Counts.empty(model)
+    counts.sample(model, np.array(numbers, np.int64))
+    return counts
+
+
+def merge(model, parts):
+    total = Counts.empty(model)
+    for part in parts:
+        total.add(part)
+    return total
+
+
+def flat(counts):
+    return {name: hits.tolist() for name, hits in counts.hits.items()}
+
+
+def test_merging_is_counting_all(rng):
+    numbers = rng.integers(0, 100, (3, 8)).tolist()
+    for order in permutations(numbers):
+        x, y, z = map(counted, order)
+        for merged in (merge(DIGITS, [merge(DIGITS, [x, y]), z]), merge(DIGITS, [x, merge(DIGITS, [y, z])])):
+            assert flat(merged) == flat(counted([*chain(*numbers)]))
+
+
+def test_counts_of_another_model_or_definition_are_refused(tmp_path):
+    for wrong in (counted([1], OTHER), counted([1], CHANGED)):
+        with pytest.raises(InputError, match="cannot be merged"):
+            merge(DIGITS, [wrong])
+    path = tmp_path / "coverage.json"
+    counted([1]).save(path)
+    with pytest.raises(InputError, match="not among those"):
+        load(path, OTHER)
+    with pytest.raises(InputError, match="another definition of coverage model digits"):
+        load(path, CHANGED)
+
+
+def test_files_come_back_whole(tmp_path):
+    path = tmp_path / "coverage.json"
+    counted([1, 2, 30]).save(path)
+    database = CoverageDatabase([DIGITS, OTHER])
+    database.add_file(path)
+    database.add_file(path)
+    database.add(counted([7], OTHER))
+    database.save(path)
+    digits, others = read_counts(path, [OTHER, DIGITS])
+    assert flat(digits) == flat(counted([1, 2, 30] * 2)) and flat(others) == flat(counted([7], OTHER))
+
+
+def test_damaged_files_are_refused(tmp_path):
+    path = tmp_path / "coverage.json"
+    counted([1]).save(path)
+    text = path.read_text()
+    for damaged in (
+        text[: len(text) // 2],
+        "{}",
+        text.replace("[0, 1,", "[0, 7,", 1),
+        text.replace("triaxis coverage 1", "triaxis coverage 2"),
+        text.replace('"digit"', '"tigid"'),
+        "[" * 100_000,
+    ):
+        assert damaged != text
+        path.write_text(damaged)
+        with pytest.raises(InputError, match=r"coverage\.json: .*delete it and run again"):
+            load(path, DIGITS)

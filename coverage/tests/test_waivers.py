@@ -1,14 +1,30 @@
-"""Waivers: read, refused where not well formed, and of what bits they say are constant."""
+"""Waivers: refused where not well formed; a waiver whose bin is hit or whose RTL changed is a problem."""
 
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from triaxis.coverage.waivers import BoundError, Waiver, evaluate, fit, read_waivers
+from triaxis.coverage.core_coverage import core_model
+from triaxis.coverage.core_proofs import CATEGORIES as PROOFS
+from triaxis.coverage.counts import Counts
+from triaxis.coverage.cover_model import Kind
+from triaxis.coverage.report import report
+from triaxis.coverage.waiver_upkeep import (
+    exclusion_records,
+    other_rtl,
+    waiver_problems,
+    waiver_records,
+)
+from triaxis.coverage.waivers import WAIVERS, BoundError, Waiver, confirm_waivers, evaluate, fit, read_waivers
 from triaxis.golden.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
+CORES = ((8, 0), (8, 8), (16, 0, False, True), (13, 4, True, False), (16, 0, True, False), (32, 32))
+
 
 GOOD = """
 [[waiver]]
@@ -23,54 +39,37 @@ reviewed = "0123456789ab"
 """
 
 
-def written(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "waivers.toml"
-    path.write_text(text)
-    return path
-
-
-def waiver(low: str, high: str, step: str = "1", where: str = "1") -> Waiver:
+def waiver(low, high, step="1", where="1"):
     given = Waiver(1, "bounded", "because", "dut", "0123456789ab", "toggle", ("m",), signals=("s",))
     return replace(given, values=(low, high), step=step, where=where)
-
-
-def test_those_of_the_core_are_well_formed() -> None:
-    waivers = read_waivers()
-    assert waivers and all(len(w.reason) > 30 for w in waivers)
-
-
-def test_a_file_is_read(tmp_path: Path) -> None:
-    [read] = read_waivers(written(tmp_path, GOOD))
-    assert read.reviewed == "0123456789ab"
-    assert read.constant_bits("s[1]", range(6), {"W": 4}) == [4, 5]
-    assert read.constant_bits("other", range(6), {"W": 4}) == []
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ('owner = "dut"', "", "owner is missing"),
-        ('"dut"', '" "', "owner: must be a text"),
         ('"bounded"', '"because"', "category because: one of: constant by contract, .*elaboration guard"),
-        ('"toggle"', '"toggles"', "kind toggles"),
         ('modules = ["m"]', "modules = []", "modules: must be a list"),
         ("A reason that is long enough to be one.", "known", "say why"),
         ("range = ", "rnage = ", "rnage: no such field"),
         ("range = ", "bits = ['1']\nrange = ", "either `range` or `bits`"),
-        ("signals = ", "what = ", "either `range` or `bits`"),
         ('"toggle"', '"line"', "no toggle waiver"),
         ("[[waiver]]", "[[weaver]]", "nothing else"),
     ],
 )
-def test_what_is_not_well_formed_is_named(tmp_path: Path, old: str, new: str, said: str) -> None:
-    assert old in GOOD
-    with pytest.raises(InputError, match=said) as caught:
-        read_waivers(written(tmp_path, GOOD.replace(old, new)))
-    assert "\n" not in str(caught.value) and "waivers.toml: " in str(caught.value)
+def test_what_is_not_well_formed_is_named(tmp_path, old, new, said):
+    path = tmp_path / "waivers.toml"
+    path.write_text(GOOD)
+    [read] = read_waivers(path)
+    assert read.constant_bits("s[1]", range(6), {"W": 4}) == [4, 5]
+    assert read.constant_bits("other", range(6), {"W": 4}) == []
+    path.write_text(GOOD.replace(old, new))
+    with pytest.raises(InputError, match=said):
+        read_waivers(path)
 
 
 @given(st.integers(-70, 70), st.integers(0, 140), st.integers(0, 4))
-def test_constant_bits_are_those_that_no_value_changes(low: int, span: int, log_step: int) -> None:
+def test_constant_bits_are_those_that_no_value_changes(low, span, log_step):
     step, high, width = 1 << log_step, low + span, 9
     values = [value for value in range(low, high + 1) if value % step == 0]
     constant = waiver(str(low), str(high), str(step)).constant_bits("s", range(width), {})
@@ -81,65 +80,100 @@ def test_constant_bits_are_those_that_no_value_changes(low: int, span: int, log_
         assert step > 1 or changes == (bit not in constant)
 
 
-def test_bits_that_are_listed_must_exist() -> None:
-    listed = replace(waiver("0", "0"), values=None, bits=("2..3", "W - 1"))
-    assert listed.constant_bits("s", range(8), {"W": 8}) == [2, 3, 7]
-    with pytest.raises(BoundError, match="s has no bit 8"):
-        listed.constant_bits("s", range(8), {"W": 9})
-
-
-@pytest.mark.parametrize(
-    ("high", "where", "bits", "parameters", "constant"),
-    [
+def test_constant_bits():
+    for high, where, bits, parameters, constant in (
         # A signal without range has bit 0; others are numbered as declared; a condition must hold.
         ("0", "1", range(0), {}, [0]),
         ("1", "1", range(0), {}, []),
         ("3", "1", range(14, 18), {}, [16, 17]),
         ("0", "M == 0", range(2), {"M": 4}, []),
         ("0", "M == 0", range(2), {"M": 0}, [0, 1]),
-    ],
-)
-def test_constant_bits(
-    high: str, where: str, bits: range, parameters: dict[str, int], constant: list[int]
-) -> None:
-    assert waiver("0", high, where=where).constant_bits("s", bits, parameters) == constant
+    ):
+        assert waiver("0", high, where=where).constant_bits("s", bits, parameters) == constant
+    for low, high, step in (("1", "0", "1"), ("0", "9", "3"), ("0", "9", "0"), ("x", "1", "1")):
+        with pytest.raises(ValueError):
+            waiver(low, high, step).constant_bits("s", range(4), {})
+    listed = replace(waiver("0", "0"), values=None, bits=("2..3", "W - 1"))
+    assert listed.constant_bits("s", range(8), {"W": 8}) == [2, 3, 7]
+    with pytest.raises(BoundError, match="s has no bit 8"):
+        listed.constant_bits("s", range(8), {"W": 9})
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "step"), [("1", "0", "1"), ("0", "9", "3"), ("0", "9", "0"), ("x", "1", "1")]
-)
-def test_a_bound_that_makes_no_sense_is_an_error(low: str, high: str, step: str) -> None:
-    with pytest.raises(ValueError):
-        waiver(low, high, step).constant_bits("s", range(4), {})
-
-
-def test_patterns() -> None:
+def test_patterns_and_whole_number_arithmetic():
     assert fit(("top.g[{i}].*.u_{n}",), "top.g[12].a.b.u_3") == {"i": 12, "n": 3}
-    assert fit(("top.g[{i}]",), "top.g[x]") is None
     assert fit(("a", "b*"), "bc") == {}
-    assert fit(("a",), "ab") is None
+    assert fit(("top.g[{i}]",), "top.g[x]") is None is fit(("a",), "ab")
+    assert evaluate("-(L // 2) % 4 + 3 * L**3 + (1 << W) + (W > 2)", {"W": 3, "L": 7}) == 1 + 1029 + 8 + 1
+    assert evaluate("W == 3 and not L == 3 or 0", {"W": 3, "L": 7}) == 1
+    for text in ("x", "1 +", "open('x')", "W.real", "1.5", "W / 2", "1 // 0", "1 << -1", "'a'", "2**-1"):
+        with pytest.raises(BoundError):
+            evaluate(text, {"W": 3})
+
+
+def records():
+    """What a measurement with the waivers of the core records."""
+    waivers = read_waivers()
+    return waiver_records(waivers, {waiver.number: 1 for waiver in waivers})
+
+
+def test_those_of_the_core_hold_until_their_modules_change(tmp_path):
+    assert waiver_problems(records()) == waiver_problems(None) == []
+    path, source = tmp_path / "waivers.toml", tmp_path / "triaxis_core.sv"
+    path.write_text(WAIVERS.read_text())
+    source.write_text("module triaxis_core; endmodule\n")
+    own = [waiver for waiver in read_waivers() if waiver.modules == ("triaxis_core",)]
+    assert own and all(other_rtl(waiver, tmp_path) for waiver in own)
+    # Read again, which is written down; a comment voids nothing, code does.
+    assert confirm_waivers(path, tmp_path) == len(read_waivers())
+    [first, *_] = [waiver for waiver in read_waivers(path) if waiver.modules == ("triaxis_core",)]
+    source.write_text("// A comment.\nmodule triaxis_core;\nendmodule\n")
+    assert other_rtl(first, tmp_path) is None
+    source.write_text("module triaxis_core; wire a; endmodule\n")
+    assert "--confirm-waivers" in (other_rtl(first, tmp_path) or "")
 
 
 @pytest.mark.parametrize(
-    ("text", "value"),
+    ("spoil", "said"),
     [
-        ("3 * L**3 + 1", 3 * 7**3 + 1),
-        ("-(L // 2) % 4", -(7 // 2) % 4),
-        ("1 << W", 8),
-        ("L >> 1", 3),
-        ("2 + (W > 2)", 3),
-        ("W == 3 and not L == 3", 1),
-        ("W == 4 or 0", 0),
+        (lambda r: r.pop(), "waivers, measured with"),
+        (lambda r: r[0].update(owner="nobody"), "waiver 1 (toggle, triaxis_core): owner changed since"),
+        (lambda r: r[0].pop("step"), "waiver 1 (toggle, triaxis_core): recorded without step"),
+        (lambda r: r[1].update(bins=0), "waiver 2 (toggle, triaxis_mesh): covers no bin"),
     ],
 )
-def test_values(text: str, value: int) -> None:
-    assert evaluate(text, {"W": 3, "L": 7}) == value
+def test_waivers_that_are_not_those_measured_are_a_problem(spoil, said):
+    changed = records()
+    spoil(changed)
+    [problem] = waiver_problems(changed)
+    assert said in problem
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["L", "1 +", "open('x')", "W.real", "1.5", "W / 2", "1 // 0", "1 << -1", "'a'", "2**-1", "[1]"],
-)
-def test_what_is_no_whole_number_arithmetic_is_refused(text: str) -> None:
-    with pytest.raises(BoundError):
-        evaluate(text, {"W": 3})
+def full(parameters, spoilt=""):
+    """Report a build all of whose goals are met; one excluded bin of an item is hit as well."""
+    model = core_model(*parameters)
+    hits = {item.name: item.goals.copy() for item in model.items}
+    if spoilt:
+        [item] = [item for item in model.items if item.name == spoilt]
+        hits[spoilt][np.flatnonzero(item.illegal)[0]] = 3
+    return report(model, Counts(model.name, model.hash, hits))
+
+
+def test_an_excluded_bin_of_the_core_that_is_hit_is_a_problem():
+    assert full((16, 0)).problems == [] and full((16, 0)).complete
+    for item in ("answer", "flags", "sole_axis", "relation", "contact", "decision"):
+        found = full((16, 0), item)
+        [problem] = found.problems
+        assert problem.startswith(f"coverage core_w16_m0, {item}: illegal bin ") and not found.complete
+        assert [r["item"] for r in exclusion_records([found]) if r["hits"]] == [item]
+
+
+@pytest.mark.parametrize("parameters", CORES)
+def test_every_exclusion_is_illegal_proved_owned_and_of_some_bin(parameters):
+    for item in core_model(*parameters).items:
+        used = {id(one.exclusion) for one in item.bins}
+        for exclusion in item.exclusions:
+            assert exclusion.kind is Kind.ILLEGAL
+            assert exclusion.category in PROOFS and exclusion.owner and len(exclusion.reason) > 30
+            assert id(exclusion) in used, f"{item.name}: excludes no bin: {exclusion.reason}"
+            file, _, test = exclusion.test.partition("::")
+            assert f"def {test}(" in (ROOT / file).read_text()

@@ -1,10 +1,14 @@
+"""What builds take: DSP blocks by our count and by the synthesiser's, cells, block RAM, limits."""
+
 import json
 import shutil
 
 import pytest
 
 from triaxis.fpga import dsp_count
+from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Resources
 from triaxis.fpga.dsp_count import DspCount, DspCounts, count_dsps
+from triaxis.fpga.resources import Build, Row, count, memories, synthesise
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import read_slang, run_to_result, yosys
@@ -41,10 +45,7 @@ MAPPING = (
 def test_builds_take_what_the_synthesiser_takes():
     counts = DspCounts(DUT)
     assert {build: counts.core(*build[:2], bool(build[2])).dsps for build in SYNTHESISED} == SYNTHESISED
-    assert counts.core(16, 0, edge_box=False) == DspCount(54, 84, 84)
-    assert counts.core(16, 0) == DspCount(90, 120, 120)
     assert counts.core(16, 16) == DspCount(90 + 29, 160, 160)
-    assert counts.board(24, 1, 4096, 8, 1).dsps == 211 == counts.core(24, 1).dsps + 1
     assert counts.board(16, 16, 4096, 8, 8).dsps == 161
     with pytest.raises(InputError, match=r"W = 16, M = 17.*does not elaborate"):
         counts.core(16, 17)
@@ -55,18 +56,6 @@ def test_a_wrong_rule_is_noticed(monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(dsp_count, rule, value)
             assert DspCounts(DUT).core(*build[:2]).dsps != SYNTHESISED[build]
-
-
-def test_counts_are_kept_for_these_sources_only(tmp_path, monkeypatch):
-    kept = tmp_path / "counts.json"
-    first = DspCounts(DUT, kept).core(8, 0)
-    monkeypatch.setattr(dsp_count, "count_dsps", lambda *_: pytest.fail("counted again"))
-    assert DspCounts(DUT, kept).core(8, 0) == first
-    content = json.loads(kept.read_text())
-    for other in (json.dumps(content | {"sources": "others"}), "[]"):
-        kept.write_text(other)
-        with pytest.raises(pytest.fail.Exception):
-            DspCounts(DUT, kept).core(8, 0)
 
 
 @pytest.mark.regress
@@ -99,3 +88,51 @@ def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path):
     statistics = [json.loads((tmp_path / f"{name}.json").read_text()) for name in shapes]
     assert counted == [each["design"]["num_cells_by_type"].get("DSP48E1", 0) for each in statistics]
     assert min(counted) == 0 < max(counted)
+
+
+def test_cells_are_counted_as_what_they_occupy():
+    cells = {"DSP48E1": 3, "LUT6": 10, "LUT1": 1, "SRL16E": 2, "RAM32M": 2, "FDRE": 5, "FDCE": 1, "CARRY4": 9}
+    found = count({**cells, "RAMB36E1": 3, "RAMB18E1": 5})
+    assert found == Resources(dsps=3, luts=10 + 1 + 2 + 8, ffs=6, brams=5.5)
+
+
+def test_limits():
+    assert BOARD_LIMITS.exceeded(Resources(200, 44_380, 0, 108)) == []
+    assert BOARD_LIMITS.exceeded(Resources(201, 44_381, 0, 108.5)) == ["dsps", "luts", "brams"]
+    assert WHOLE_PART.exceeded(XC7A100T) == []
+    assert WHOLE_PART.exceeded(Resources(240, 63_400, 126_801, 135.5)) == ["ffs", "brams"]
+
+
+LOG = """
+mapping memory nexys4ddr_top.u_mesh.u_store_a.u_triangles.memory_q via $__XILINX_BLOCKRAM_TDP_
+mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q via $__XILINX_BLOCKRAM_SDP_
+mapping memory nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_groups.memory_q via $__XILINX_LUTRAM_SDP_
+"""
+
+
+def test_the_meshes_must_be_in_block_ram():
+    build = Build("board", "x", {}, top=TOP)
+    found = memories(LOG)
+    assert set(found.values()) == {"block", "look-up tables"}
+    assert Row(build, Resources(0, 0, 0), found).within_limit
+    broken = Row(build, Resources(0, 0, 0), memories(LOG.replace("BLOCKRAM_SDP", "LUTRAM_SDP")))
+    assert broken.problems == ["nexys4ddr_top.u_mesh.u_store_b.g_lane[1].u_boxes.memory_q: not in block RAM"]
+    assert "none found" in Row(build, Resources(0, 0, 0), memories("another log")).problems[0]
+
+
+def test_a_tool_that_ends_silently_is_an_error(tmp_path, monkeypatch):
+    """The real one has been seen to end with status 0 and no result."""
+    silent = tmp_path / "yosys"
+    silent.write_text("#!/bin/sh\nexit 0\n")
+    silent.chmod(0o755)
+    monkeypatch.setattr("triaxis.fpga.resources.yosys", lambda: silent)
+    with pytest.raises(InputError, match="no result, exit status 0"):
+        synthesise([], tmp_path, "top", {}, tmp_path / "out")
+
+
+@pytest.mark.synthesiser
+def test_broken_rtl_is_one_clear_error(tmp_path):
+    broken = tmp_path / "broken.sv"
+    broken.write_text("module broken; nonsense endmodule\n")
+    with pytest.raises(InputError, match=r"yosys: ERROR: Design elaboration failed"):
+        synthesise([broken], tmp_path, "broken", {}, tmp_path)

@@ -1,9 +1,10 @@
-"""The build script, really run by Tcl with the commands of Vivado recorded: order, options, refusals."""
+"""The build script and the constraints, really run by Tcl with the commands of Vivado recorded."""
 
 import contextlib
 import re
 import subprocess
 import time
+import tomllib
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,9 +14,11 @@ from triaxis.fpga.bitstream import STAGES, RefusedError, run_vivado
 from triaxis.fpga.board_build import (
     BUILD_SCRIPT,
     CONSTRAINTS,
+    FPGA,
     PART,
     SIGNED_OFF,
     TOP,
+    TOP_RTL,
     VIVADO,
     Inputs,
     generics,
@@ -32,7 +35,8 @@ REPORTS = (
 
 
 def build(tmp_path, behaviour=None, activity=False, progress=None):
-    source, saif = tmp_path / "a.sv", tmp_path / "activity.saif"
+    # What Tcl would read otherwise must not matter.
+    source, saif = tmp_path / "a [b] {c $d.sv", tmp_path / "activity.saif"
     source.write_text("module a; endmodule\n")
     inputs = Inputs((source,), (tmp_path,), generics(SIGNED_OFF, 0xDEADBEEF), saif if activity else None)
     vivado = make_vivado(tmp_path / "bin", behaviour or Behaviour())
@@ -43,14 +47,9 @@ def commands(tmp_path):
     return [call[0] for call in calls(tmp_path / "bin")]
 
 
-def call_of(tmp_path, name):
-    (call,) = [call for call in calls(tmp_path / "bin") if call[0] == name]
-    return call
-
-
 def test_a_build_that_is_in_time(tmp_path):
     steps = []
-    result = build(tmp_path, progress=steps.append)
+    result = build(tmp_path, progress=steps.append, activity=True)
     assert result.bitstream == tmp_path / "out" / f"{TOP}.bit" and result.bitstream.read_bytes() == b"bits"
     figures = {name: result.figures[name] for name in ("wns_ns", "whs_ns", "dsps")}
     assert figures == {"wns_ns": 0.25, "whs_ns": 0.05, "dsps": 2}
@@ -59,23 +58,15 @@ def test_a_build_that_is_in_time(tmp_path):
     asked = commands(tmp_path)
     flow = [name for name in asked if name.endswith("_design") and not name.startswith("get")]
     assert flow == ["synth_design", "opt_design", "place_design", "phys_opt_design", "route_design"]
-    assert asked[-1] == "write_bitstream" and "read_saif" not in asked
-    synthesis = call_of(tmp_path, "synth_design")
+    assert asked.index("read_saif") < asked.index("report_power") and asked[-1] == "write_bitstream"
+    said = {call[0]: call for call in calls(tmp_path / "bin")}
+    synthesis, saif = said["synth_design"], said["read_saif"]
     given = {value for option, value in pairwise(synthesis) if option == "-generic"}
     assert given == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
-    assert synthesis[synthesis.index("-part") + 1] == PART
-    assert synthesis[synthesis.index("-top") + 1] == TOP
-    assert call_of(tmp_path, "read_xdc")[-1] == str(CONSTRAINTS)
-    assert call_of(tmp_path, "read_verilog")[1:] == ["-sv", str(tmp_path / "a.sv")]
-
-
-def test_simulated_activity_is_read_before_the_power_report(tmp_path):
-    build(tmp_path, activity=True)
-    asked = commands(tmp_path)
-    assert asked.index("read_saif") < asked.index("report_power")
-    saif = call_of(tmp_path, "read_saif")
-    assert saif[-1] == str(tmp_path / "activity.saif")
-    assert saif[saif.index("-strip_path") + 1] == TOP
+    assert (synthesis[synthesis.index("-part") + 1], synthesis[synthesis.index("-top") + 1]) == (PART, TOP)
+    assert (saif[saif.index("-strip_path") + 1], saif[-1]) == (TOP, str(tmp_path / "activity.saif"))
+    assert said["read_xdc"][-1] == str(CONSTRAINTS)
+    assert Recorder().split(said["read_verilog"][-1]) == (str(tmp_path / "a [b] {c $d.sv"),)
 
 
 @pytest.mark.parametrize(
@@ -100,13 +91,13 @@ def test_no_bitstream_where_timing_or_routing_is_not_met(tmp_path, behaviour, re
     assert (tmp_path / "out" / "timing.rpt").exists() or "no constrained" in reason
 
 
-@pytest.mark.parametrize("command", ["read_xdc", "synth_design", "place_design"])
-def test_no_bitstream_after_a_critical_warning(tmp_path, command):
-    with pytest.raises(RefusedError, match=r"1 critical warnings?: .*log"):
-        build(tmp_path, Behaviour(critical=command))
-    assert "write_bitstream" not in commands(tmp_path)
-    # A constraint that was not understood is found before hours of placement.
-    assert ("place_design" in commands(tmp_path)) == (command == "place_design")
+def test_no_bitstream_after_a_critical_warning(tmp_path):
+    for command in ("read_xdc", "synth_design", "place_design"):
+        with pytest.raises(RefusedError, match=r"1 critical warnings?: .*log"):
+            build(tmp_path, Behaviour(critical=command))
+        assert "write_bitstream" not in commands(tmp_path)
+        # A constraint that was not understood is found before hours of placement.
+        assert ("place_design" in commands(tmp_path)) == (command == "place_design")
 
 
 def test_a_failure_of_the_tool_is_its_first_error(tmp_path):
@@ -136,18 +127,9 @@ def test_an_interrupt_ends_vivado_and_what_it_started(tmp_path):
             time.sleep(0.05)
 
 
-def test_paths_may_hold_what_tcl_would_read_otherwise(tmp_path):
-    folder = tmp_path / "a [b] {c $d"
-    folder.mkdir()
-    build(folder)
-    (source,) = [call[-1] for call in calls(folder / "bin") if call[0] == "read_verilog"]
-    assert Recorder().split(source) == (str(folder / "a.sv"),)
-
-
 @pytest.mark.parametrize(
     ("options", "status", "says"),
     [
-        (None, 1, "ERROR: usage: -tclargs FILE"),
         ({"part": "x"}, 1, "ERROR: .*top is missing"),
         ({"part": "x", "speed": "fast"}, 1, "ERROR: .*speed=fast: no such option"),
         ({"part": PART, "top": TOP, "source": "a.sv", "xdc": "a.xdc"}, 3, "triaxis: refused: timing"),
@@ -156,16 +138,10 @@ def test_paths_may_hold_what_tcl_would_read_otherwise(tmp_path):
 def test_by_itself_the_script_checks_its_options_and_removes_an_older_bitstream(
     tmp_path, options, status, says
 ):
-    vivado, file, old = (
-        make_vivado(tmp_path, Behaviour(setup=-1)),
-        tmp_path / "options.txt",
-        tmp_path / f"{TOP}.bit",
-    )
-    command = [str(vivado), "-source", str(BUILD_SCRIPT), "-tclargs"]
-    if options is not None:
-        options = {**options, "out": tmp_path}
-        file.write_text("".join(f"{name}={value}\n" for name, value in options.items()))
-        command.append(str(file))
+    vivado, file = make_vivado(tmp_path, Behaviour(setup=-1)), tmp_path / "options.txt"
+    file.write_text("".join(f"{name}={value}\n" for name, value in {**options, "out": tmp_path}.items()))
+    command = [str(vivado), "-source", str(BUILD_SCRIPT), "-tclargs", str(file)]
+    old = tmp_path / f"{TOP}.bit"
     old.write_bytes(b"older")
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     assert answer.returncode == status and re.search(says, answer.stdout)
@@ -176,3 +152,78 @@ def test_scripts_are_plain_ascii_and_name_every_stage():
     for path in VIVADO.iterdir():
         assert path.read_text(encoding="utf-8").isascii()
     assert all(re.search(rf"^\s*stage {name}$", BUILD_SCRIPT.read_text(), re.MULTILINE) for name in STAGES)
+
+
+BOARD = tomllib.loads((FPGA / "nexys4ddr_pins.toml").read_text())
+
+
+def by_bit(names):
+    """Return what each name has, by bit where it has several: ``{"LED[0]": "H17", ..}``."""
+    several = {name: values for name, values in names.items() if not isinstance(values, str)}
+    bits = {f"{name}[{bit}]": value for name, values in several.items() for bit, value in enumerate(values)}
+    return {name: value for name, value in names.items() if name not in several} | bits
+
+
+# The pins as the board's maker publishes them; a port may be on a whole vector of the board.
+PINS = by_bit(BOARD["pins"])
+WHOLE = {name: list(by_bit({name: pins})) for name, pins in BOARD["pins"].items() if isinstance(pins, list)}
+NAMES = {port: WHOLE.get(str(name), name) for port, name in BOARD["ports"].items()}
+PORTS = {port: PINS[name] for port, name in by_bit(NAMES).items()}
+
+
+def constraints(path=CONSTRAINTS):
+    """Run constraints: all calls, and a function that returns (port, value) wherever a property is set."""
+    recorder = Recorder()
+    assert recorder.run(path) == 0
+
+    def properties(wanted):
+        found = []
+        for command, *arguments in recorder.calls:
+            if command == "set_property" and arguments[-1]:
+                words = recorder.split(arguments[1]) if arguments[0] == "-dict" else tuple(arguments[:2])
+                pairs = zip(words[::2], words[1::2], strict=True)
+                found += [(arguments[-1], value) for name, value in pairs if name == wanted]
+        return sorted(found)
+
+    return recorder.calls, properties
+
+
+def test_every_port_is_on_its_published_pin_once_with_the_standard_of_its_bank():
+    calls, properties = constraints()
+    assert BOARD["part"] == PART and len(set(PINS.values())) == len(PINS)
+    assert (PINS["CLK100MHZ"], PINS["LED[15]"], PORTS["seg_no[7]"]) == ("E3", "V11", PINS["DP"])
+    assert properties("PACKAGE_PIN") == sorted(PORTS.items())
+    assert properties("IOSTANDARD") == [(port, BOARD["io_standard"]) for port in sorted(PORTS)]
+    # Go falls and stop rises where nothing drives them.
+    pulls = {"go_o": "PULLDOWN", "stop_o": "PULLUP", "beat_o": "PULLDOWN", "uart_rx_i": "PULLUP"}
+    assert dict(properties("PULLTYPE")) == pulls
+    assert ("set_property", "CFGBVS", "VCCO", "") in calls
+    assert ("set_property", "CONFIG_VOLTAGE", "3.3", "") in calls
+    (clock,) = [call for call in calls if call[0] == "create_clock"]
+    assert clock[-1] == "clk_100mhz_i"
+    assert float(clock[clock.index("-period") + 1]) == 1000 / BOARD["clock_mhz"]
+    # All other pins are declared asynchronous.
+    paths = {port: call[1] for call in calls if call[0] == "set_false_path" for port in call[2].split()}
+    named = {port.partition("[")[0] for port in PORTS} - {"clk_100mhz_i"}
+    assert {port.removesuffix("[*]") for port in paths} == named
+    assert all(way == ("-from" if port.endswith("i") else "-to") for port, way in paths.items())
+    declared = re.findall(
+        r"^\s*(?:input|output)\s+(?:logic\s+)?(?:\[(\d+):0\]\s*)?(\w+)\s*,?\s*(?://.*)?$",
+        TOP_RTL.read_text(),
+        re.MULTILINE,
+    )
+    widths = {name: int(high) + 1 if high else 0 for high, name in declared}
+    bits = {f"{name}[{i}]" for name, width in widths.items() for i in range(width)}
+    assert bits | {name for name, width in widths.items() if not width} == PORTS.keys()
+
+
+def test_a_wrong_pin_is_seen(tmp_path):
+    text, broken = CONSTRAINTS.read_text(), tmp_path / "broken.xdc"
+    for old, new in (
+        ("PACKAGE_PIN C17", "PACKAGE_PIN C16"),
+        ("{led_o[3]}", "{led_o[4]}"),
+        ("[get_ports {stop_o}]", "[get_ports {stop}]"),
+    ):
+        assert text.count(old) == 1
+        broken.write_text(text.replace(old, new))
+        assert constraints(broken)[1]("PACKAGE_PIN") != sorted(PORTS.items())

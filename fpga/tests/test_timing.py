@@ -68,7 +68,6 @@ def test_registers_move_into_the_block():
         # An enable, a reset, another edge, another clock.
         ({"a0": _register(10, 11, CEMUX="CE", pins={"CE": [40]})}, (0, 1), "a0"),
         ({"a0": _register(10, 11, pins={"LSR": [41]})}, (0, 1), "a0"),
-        ({"a0": _register(10, 11, CLKMUX="INV")}, (0, 1), "a0"),
         ({"a0": _register(10, 11, clock=3)}, (0, 1), "a0"),
     ],
 )
@@ -83,7 +82,7 @@ def _step(kind, cell, ns, net=""):
     return {"type": kind, "to": {"cell": cell}, "delay": ns, "net": net}
 
 
-def _report(tmp_path, mhz=120.0):
+def _report(tmp_path, mhz):
     clock = "$glbnet$clk"
     path = [
         _step("clk-to-q", "u_a.x_q_TRELLIS_FF_Q_14", 0.5),
@@ -108,32 +107,18 @@ def _report(tmp_path, mhz=120.0):
 
 
 def test_the_critical_path_is_told_by_registers(tmp_path):
-    timing = read_timing(_report(tmp_path))
-    assert (timing.mhz, timing.reached, dict(timing.used)) == (120.0, True, {"MULT18X18D": 120})
+    timing = read_timing(_report(tmp_path, TARGET_MHZ - 0.01))
     path = timing.path
     assert (path.start, path.end, path.levels) == ("u_a.x_q[3]", "u_b.y_q", 2)
     assert (path.logic_ns, path.routing_ns) == (1.75, 3.0)
     assert [(hop.net, hop.cells) for hop in path.hops] == [("", 0), ("u_a.x_q[3]", 2), ("sum", 0)]
-    assert sum(hop.logic_ns + hop.routing_ns for hop in path.hops) == pytest.approx(4.75)
-
-
-def test_timing_file(tmp_path):
-    path = tmp_path / "fpga" / "timing.json"
-    missed = read_timing(_report(tmp_path, TARGET_MHZ - 0.01))
-    write_timing(path, missed, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
-    content = json.loads(path.read_text())
+    file = tmp_path / "fpga" / "timing.json"
+    write_timing(file, timing, Absorbed(1, 1, 1), {"W": 16}, "hash", "tool")
+    content = json.loads(file.read_text())
     assert (content["mhz"], content["reached"], content["critical_path"]["end"]) == (99.99, False, "u_b.y_q")
-    for text in ("", "[]", '{"fmax": {}, "critical_paths": [], "utilization": {}}'):
-        path.write_text(text)
-        with pytest.raises(InputError, match="no timing report"):
-            read_timing(path)
-
-
-def _stand_in(tmp_path, monkeypatch, name, script):
-    tool = tmp_path / name
-    tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
-    tool.chmod(0o755)
-    monkeypatch.setattr(ecp5_timing, name, lambda: tool)
+    file.write_text('{"fmax": {}, "critical_paths": [], "utilization": {}}')
+    with pytest.raises(InputError, match="no timing report"):
+        read_timing(file)
 
 
 _SYNTHESISE = f"""
@@ -150,28 +135,22 @@ assert pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).exists()
     ("yosys", "nextpnr", "message"),
     [
         (_SYNTHESISE, _ROUTE, None),
-        ("", _ROUTE, "yosys: no result, exit status 0"),
         ("print('ERROR: bad'); sys.exit(1)", _ROUTE, "yosys: ERROR: bad"),
-        (_SYNTHESISE.replace(TOP, "other"), _ROUTE, f"no netlist of {TOP}"),
-        (_SYNTHESISE, "print('ERROR: unroutable'); sys.exit(1)", "nextpnr: ERROR: unroutable"),
         (_SYNTHESISE, "", "nextpnr: no result, exit status 0"),
-        (_SYNTHESISE, None, "make fpga-timing"),
     ],
 )
 def test_the_flow_hands_on_what_each_tool_leaves_or_fails(tmp_path, monkeypatch, yosys, nextpnr, message):
-    _stand_in(tmp_path, monkeypatch, "yosys", yosys)
-    if nextpnr is None:
-        monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
-    else:
-        _stand_in(tmp_path, monkeypatch, "nextpnr", nextpnr)
+    for name, script in (("yosys", yosys), ("nextpnr", nextpnr)):
+        tool = tmp_path / name
+        tool.write_text(f"#!/usr/bin/env python3\nimport json, pathlib, sys\n{script}\n")
+        tool.chmod(0o755)
+        monkeypatch.setattr(ecp5_timing, name, lambda tool=tool: tool)
     # What an earlier run left must not be taken for an answer.
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "report.json").write_text("older")
-    done = []
     if message is None:
-        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", done.append)
+        report, absorbed = route([tmp_path / "a.sv"], {"W": 16}, tmp_path / "out", lambda _: None)
         assert report.read_text() == "{}" and absorbed == Absorbed(0, 0, 0)
-        assert len(done) == len(ecp5_timing.STAGES)
     else:
         with pytest.raises(InputError, match=message):
-            route([tmp_path / "a.sv"], {}, tmp_path / "out", done.append)
+            route([tmp_path / "a.sv"], {}, tmp_path / "out", lambda _: None)

@@ -1,6 +1,8 @@
-"""The bulk checker: facts by their definitions, verdicts by the linear program."""
+"""The bulk checker: facts by their definitions, verdicts by the linear program; broken builds are noticed."""
 
+import shutil
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import judge, judge_pairs
-from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
+from triaxis.golden.pairs import NO_AXIS, coordinate_range
 from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs, hard_pairs
 from triaxis.golden.tests.bulk_reference import slow_facts
 
@@ -38,16 +40,11 @@ def test_facts_are_what_they_are_defined_to_be(rng, width):
     for index, ((a, b), margin) in enumerate(zip(pairs.tolist(), margins.tolist(), strict=True)):
         found = {name: int(getattr(facts, name)[index]) for name in NAMES}
         assert found == slow_facts(a, b, margin), f"pair {[a, b]}, margin {margin}"
-    # Nothing above was trivial.
+    # Nothing above was trivial: steps on normals and edge x edge axes, among pairs that fill the range.
     for name in NAMES:
         assert len(np.unique(getattr(facts, name))) > 1, name
-    for name in ("level", "clear_step", "near_step"):
-        assert ((getattr(facts, name) != 0) & (margins > 0)).any(), name
-    assert (set(facts.rank_a), set(facts.order_a)) == ({0, 1, 2}, {0, 1, 2, 3, 4, 5})
-    # Steps on normals and edge x edge axes, and among pairs that fill the range.
     filling = np.ptp(pairs.reshape(len(pairs), 6, 3), axis=1).max(1) >= 1 << (width - 2)
-    assert (facts.clear_step[filling] & 0x3FF8).any()
-    assert (facts.near_step[filling] & 0x3FF8).any()
+    assert (facts.clear_step[filling] & 0x3FF8).any() and (facts.near_step[filling] & 0x3FF8).any()
 
 
 @pytest.mark.parametrize(("width", "count"), [(8, 20000), (16, 20000), (17, 20000), (20, 2000), (32, 2000)])
@@ -74,25 +71,6 @@ def test_the_linear_program_agrees_which_knows_nothing_of_axes(rng, width):
     assert level.any()
     for (a, b), margin in zip(pairs[level].tolist(), margins[level].tolist(), strict=True):
         assert judge(a, b, 0).distance == margin
-
-
-def test_touching_points_lie_on_the_supports(rng):
-    pairs = awkward_pairs(rng, 1500, 16)
-    facts = bulk_facts(pairs, 0)
-    chosen = np.flatnonzero(facts.near & (facts.level != 0))
-    assert len(chosen) > 100
-    for index in chosen:
-        a, b = pairs[index].tolist()
-        witness = judge(a, b, 0).witness
-        assert witness is not None
-        for weights, support in (
-            (witness.weights_a, facts.support_a[index]),
-            (witness.weights_b, facts.support_b[index]),
-        ):
-            assert sum(weight for v, weight in enumerate(weights) if support >> v & 1) == 1
-    supports = zip(facts.support_a.tolist(), facts.support_b.tolist(), strict=True)
-    sizes = {(a.bit_count(), b.bit_count()) for a, b in supports}
-    assert {(1, 1), (1, 2), (1, 3), (2, 2), (2, 1), (3, 1)} <= sizes
 
 
 def test_claims_are_those_of_the_facts(rng):
@@ -140,12 +118,100 @@ def test_bad_input_is_refused():
                 asked(pairs, margins)
 
 
-def test_verdicts_and_progress(rng, monkeypatch):
+def test_verdicts_of_chunks(rng, monkeypatch):
     monkeypatch.setattr(bulk, "_CHUNK", 64)
     pairs = awkward_pairs(rng, 200, 16)
     margins = awkward_margins(rng, pairs, 16)
     done = []
-    verdicts = bulk_verdicts(pairs, margins, done.append)
-    assert verdicts.dtype == VERDICT and (verdicts == bulk_facts(pairs, margins).verdicts).all()
-    assert (len(done), sum(done)) == (-(-len(pairs) // 64), len(pairs))
-    assert len(bulk_verdicts(pairs[:0], 0)) == 0
+    assert (bulk_verdicts(pairs, margins, done.append) == bulk_facts(pairs, margins).verdicts).all()
+    assert sum(done) == len(pairs) and len(bulk_verdicts(pairs[:0], 0)) == 0
+
+
+# Builds of native code that were changed.
+GOLDEN = Path(bulk.__file__).parent
+
+# File, text, replacement, and a field that goes wrong.
+FAULTS = [
+    ("bulk_axes.h", "for (int k = 0; k < 3; ++k) Examine", "for (int k = 0; k < 2; ++k) Examine", "above"),
+    ("bulk_axes.h", "(beyond_up > 0)", "(beyond_up >= 0)", "above"),
+    ("bulk_narrow.h", "return p * q - r * s", "return p * q + r * s", "below"),
+    ("bulk_narrow.h", "kLargestExtent = 0x1p16", "kLargestExtent = 0x1p32", "level"),
+    ("bulk_wide.h", "(coarse - high) + fine", "coarse - high", "level"),
+]
+
+CLAIM_FAULTS = [
+    ("kExact = 0x1p16", "kExact = 0x1p40"),
+    ("kExactEdge = 0x1p24", "kExactEdge = 0x1p40"),
+    ("return doubtful ? exactly : separates", "return separates"),
+    ("doubtful ? Exactly(e, f, near, far) : separates", "separates"),
+    ("& ~(off_a | off_b)", "& ~(off_a | ~off_a)"),
+    ("on_b[j] - on_b[(j + 1) % 3]", "on_b[(j + 1) % 3] - on_b[j]"),
+    ("  undecided.Finish();\n", ""),
+]
+
+
+@pytest.fixture
+def change(tmp_path, monkeypatch):
+    """Return a function that changes sources and makes `bulk_facts`, or `bulk_claims`, use them."""
+    for file in [GOLDEN / "bulk.cpp", GOLDEN / "bulk_claims.cpp", *GOLDEN.glob("bulk_*.h")]:
+        shutil.copy(file, tmp_path)
+
+    def apply(file, *edits, claims=False):
+        source = (tmp_path / file).read_text()
+        for text, replacement in edits:
+            assert text in source
+            source = source.replace(text, replacement)
+        (tmp_path / file).write_text(source)
+        names = ("bulk_claims", "triaxis_claims") if claims else ("bulk", "triaxis_facts")
+        native = bulk.load_native(*names, tmp_path)
+        monkeypatch.setattr(bulk, "_claims" if claims else "_facts", lambda: native)
+
+    return apply
+
+
+@pytest.fixture
+def hard(rng):
+    return hard_pairs(rng, 6000)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault[1])
+def test_a_broken_checker_is_noticed(change, hard, fault):
+    right = bulk_facts(*hard)
+    file, text, replacement, field = fault
+    change(file, (text, replacement))
+    assert (getattr(bulk_facts(*hard), field) != getattr(right, field)).any()
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("fault", CLAIM_FAULTS, ids=lambda fault: fault[0].strip())
+def test_broken_claims_are_noticed(change, hard, fault):
+    change("bulk_claims.cpp", fault, claims=True)
+    # Of several counts, as some faults are at the end of the last block.
+    for count in (*range(100, 900, 100), len(hard[0])):
+        pairs, margins = (each[:count] for each in hard)
+        if any((bulk_claims(pairs, m) != bulk_facts(pairs, m).claim).any() for m in (margins, 0)):
+            return
+    pytest.fail("not noticed")
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize(
+    ("file", "edits"),
+    [
+        # The wide arithmetic for all; a processor with short vectors.
+        ("bulk_narrow.h", [("kLargestExtent = 0x1p16", "kLargestExtent = -1")]),
+        ("bulk_lanes.h", [("__AVX512F__", "NONE"), ("__AVX__", "NONE")]),
+    ],
+)
+def test_equivalent_builds_agree(change, hard, file, edits):
+    right = bulk_facts(*hard)
+    change(file, *edits)
+    assert_equal(bulk_facts(*hard), right)
+
+
+@pytest.mark.regress
+def test_claims_on_a_processor_with_short_vectors_agree(change, hard):
+    change("bulk_claims.cpp", ("__AVX512F__", "NONE"), claims=True)
+    change("bulk_lanes.h", ("__AVX512F__", "NONE"), ("__AVX__", "NONE"), claims=True)
+    assert np.array_equal(bulk_claims(*hard), bulk_facts(*hard).claim)

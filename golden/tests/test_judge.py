@@ -20,13 +20,9 @@ def lifted(triangle, height):
 def test_distance_of_parallel_triangles(height):
     for margin in (abs(height), abs(height) + 1):
         verdict = judge(FLAT, lifted(FLAT, height), margin)
-        assert verdict.near
-        assert verdict.distance == abs(height)
-        assert verdict.witness is not None
+        assert verdict.near and verdict.distance == abs(height)
     if height:
-        verdict = judge(FLAT, lifted(FLAT, height), abs(height) - Fraction(1, 10**9))
-        assert not verdict.near
-        assert verdict.axis is not None
+        assert not judge(FLAT, lifted(FLAT, height), abs(height) - Fraction(1, 10**9)).near
 
 
 def test_distance_inside_a_face_is_chebyshev():
@@ -52,12 +48,9 @@ def test_any_axis_and_program_agree(rng):
 
 
 def test_parallel_gives_the_same(rng, monkeypatch):
-    monkeypatch.setattr("triaxis.golden.judge._CHUNK", 100)
-    pairs = rng.integers(-9, 10, (250, 2, 3, 3))
-    margins = rng.integers(0, 4, 250)
-    done = []
-    assert (judge_in_parallel(pairs, margins, done.append) == judge_pairs(pairs, margins)).all()
-    assert sum(done) == 250
+    monkeypatch.setattr("triaxis.golden.judge._CHUNK", 20)
+    pairs, margins = rng.integers(-9, 10, (50, 2, 3, 3)), rng.integers(0, 4, 50)
+    assert (judge_in_parallel(pairs, margins) == judge_pairs(pairs, margins)).all()
     assert len(judge_in_parallel(pairs[:0], margins[:0])) == 0
 
 

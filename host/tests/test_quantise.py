@@ -1,5 +1,10 @@
-from fractions import Fraction
+"""Grids and poses: exact where they can be, and elsewhere within the rounding that they declare."""
 
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+import gmpy2
 import numpy as np
 import pytest
 
@@ -9,20 +14,16 @@ from triaxis.host.quantise import (
     NOWHERE,
     Grid,
     Steps,
-    box_of,
     centred_grid,
-    extent_of,
-    false_alarm_band,
     finest_resolution,
     fits,
     grid_around,
-    grown,
     margin_for,
     quantise,
-    smallest_width,
     vector,
-    widest_extent,
 )
+from triaxis.host.scene import Pose, Turn, turned
+from triaxis.host.stl import StlMesh
 
 
 def exact(facets):
@@ -98,10 +99,6 @@ def test_errors_name_the_place(rng):
     grid = centred_grid([facets], Fraction(1, 1000), 16)
     with pytest.raises(InputError, match=r"part\.stl: facet \d, vertex \d, coordinate [xyz]: .* 16 bits"):
         quantise(facets, grid, "part.stl")
-    with pytest.raises(InputError, match="must not be negative"):
-        margin_for(Fraction(-1, 100), grid)
-    with pytest.raises(InputError, match="65535"):
-        margin_for(Fraction(66), grid)
     for resolution in (Fraction(0), Fraction(-1), Fraction(1, 10**400), Fraction(10**400)):
         with pytest.raises(InputError, match="resolution"):
             centred_grid([facets], resolution, 16)
@@ -111,49 +108,18 @@ def test_errors_name_the_place(rng):
         quantise(huge, centred_grid([huge], Fraction(1, 10**30), 32), "huge.stl")
 
 
-def test_smallest_width():
-    facets = np.zeros((1, 3, 3), np.float32)
-    facets[0, 1] = 60
-    for scale, clearance, width in ((1, 1, 16), (10, 1, 24), (1e4, 1, 32), (1e9, 1, 32), (1, 100, 24)):
-        boxes = [box_of(facets * scale)]
-        assert smallest_width(boxes, Fraction(1, 1000), Fraction(clearance), (16, 24, 32)) == width
-
-
-def test_a_moved_mesh_is_rounded_where_it_stands(rng):
-    facets = rng.uniform(-1, 1, (20, 3, 3)).astype(np.float32)
-    grid = Grid(Fraction(1, 7), (Fraction(1, 3), Fraction(0), Fraction(-5)), 24)
-    move = (Fraction(10**4, 3), Fraction(-1, 10**9), Fraction(5))
-    q = quantise(facets, grid.moved(move), "mesh")
-    for facet, rounded in zip(exact(facets), q.tolist(), strict=True):
-        for vertex, r in zip(facet, rounded, strict=True):
-            assert r == [round((x + m - o) * 7) for x, m, o in zip(vertex, move, grid.offset, strict=True)]
-    low, high = box_of(facets, move)
-    for k in range(3):
-        assert low[k] == min(v[k] for facet in exact(facets) for v in facet) + move[k]
-        assert high[k] == max(v[k] for facet in exact(facets) for v in facet) + move[k]
-
-
-def random_vector(rng, low=-(10**6), high=10**6):
-    return vector(Fraction(int(c), 1000) for c in rng.integers(low, high, 3))
-
-
-def random_box(rng):
-    scale = Fraction(10) ** int(rng.integers(-4, 5))
-    low, sides = random_vector(rng), random_vector(rng, 0)
-    high = (a + 1 + s for a, s in zip(low, sides, strict=True))
-    return vector(c * scale for c in low), vector(c * scale for c in high)
-
-
 @pytest.mark.parametrize("steps", Steps)
 @pytest.mark.parametrize("width", (8, 13, 32))
 def test_the_resolution_holds_the_box_and_the_next_finer_does_not(rng, steps, width):
     for _ in range(20):
-        box, unit = random_box(rng), Fraction(int(rng.integers(1, 30)), int(rng.integers(1, 30)))
+        scale = Fraction(10) ** int(rng.integers(-4, 5))
+        low, sides = rng.integers(-(10**6), 10**6, (2, 3)).tolist()
+        high = vector(scale * (a + 1 + abs(side)) for a, side in zip(low, sides, strict=True))
+        box, unit = (vector(scale * c for c in low), high), Fraction(*rng.integers(1, 30, 2).tolist())
         resolution = finest_resolution(box, width, unit, steps)
         assert fits([box], grid_around([box], resolution, width))
         shown = resolution * unit
         if steps is Steps.BINARY:
-            assert 1 in (shown.numerator, shown.denominator)
             finer = resolution / 2
         else:
             assert Fraction(f"{float(shown):.2e}") == shown
@@ -161,54 +127,88 @@ def test_the_resolution_holds_the_box_and_the_next_finer_does_not(rng, steps, wi
             # Below 1.00 the third digit is a tenth as large.
             finer = (shown - power / (1000 if shown == power else 100)) / unit
         assert not fits([box], grid_around([box], finer, width))
-        roomy = finest_resolution(box, width, room=2)
-        assert fits([grown(box, 2 * roomy)], grid_around([box], roomy, width))
 
 
-def test_a_point_has_no_resolution():
-    with pytest.raises(InputError, match="single point"):
-        finest_resolution((NOWHERE, NOWHERE), 16)
+# It says nothing of its types.
+MPFR: Any = gmpy2
+
+X, Y, Z = range(3)
+EXACT = Fraction(0)
 
 
-def test_the_band_holds_for_triangles_rounded_in_any_way(rng):
-    """Each vertex of A and B moves by up to r/2, A also by up to r/2 at once: near means within the band."""
-    resolution = Fraction(1)
-    beyond = []
-    for _ in range(150):
-        clearance = Fraction(int(rng.integers(0, 400)), 100)
-        reading = resolution / 2
-        grid = Grid(resolution, NOWHERE, 8)
-        margin = margin_for(clearance, grid, reading)
-        band = false_alarm_band(clearance, resolution, margin, reading)
-        assert 2 * resolution + 2 * reading <= band < 3 * resolution + 2 * reading
-        a, b = rng.integers(-3, 4, (2, 3, 3))
-        b[:, 0] += int(margin) + int(rng.integers(-2, 4))
-        # To the sides that help most to be wrong: A's and B's vertices apart, or towards each other.
-        sign = int(rng.choice((-1, 1)))
-        real_a = [[Fraction(int(x)) - sign * (k == 0) for k, x in enumerate(v)] for v in a]
-        real_b = [[Fraction(int(x)) + sign * Fraction(k == 0, 2) for k, x in enumerate(v)] for v in b]
-        real, rounded = judge(real_a, real_b, 0).distance, judge(a.tolist(), b.tolist(), 0).distance
-        if rounded <= margin:
-            assert real <= clearance + band
-            beyond.append(real - clearance - band)
-        else:
-            assert real > clearance
-    # The band is no larger than it must be.
-    assert max(beyond) == 0
+def mesh_of(points, rounding=EXACT):
+    return StlMesh(np.resize(np.array(points, np.float64), (1, 3, 3)), rounding)
 
 
-def test_an_extent_of_which_every_volume_meets_the_band(rng):
-    for _ in range(100):
-        width, moved = int(rng.integers(8, 33)), bool(rng.integers(2))
-        band, rounding = Fraction(1), Fraction(int(rng.integers(0, 40)), 100)
-        extent = widest_extent(band, width, rounding, moved)
-        corner = random_vector(rng)
-        box = corner, vector(c + extent for c in corner)
-        resolution = finest_resolution(box, width, room=int(moved))
-        grid = grid_around([box], resolution, width)
-        reading = rounding + (resolution / 2 if moved else 0)
-        clearance = min(extent, Fraction(int(rng.integers(0, 10**4)), 777))
-        margin = margin_for(clearance, grid, reading)
-        assert false_alarm_band(clearance, resolution, margin, reading) <= band
-        assert extent_of([box]) == extent
-    assert widest_extent(Fraction(1), 16, Fraction(1)) == 0
+def first(mesh):
+    return mesh.facets[0, 0].tolist()
+
+
+def test_quarter_turns_are_exact_and_right_handed_and_follow_one_another():
+    for turns, point in (
+        (((Z, 90),), [-2, 1, 3]),
+        (((Z, -90),), [2, -1, 3]),
+        (((Z, 180),), [-1, -2, 3]),
+        (((Z, 450),), [-2, 1, 3]),
+        (((X, 90),), [1, -3, 2]),
+        (((Y, 90),), [3, 2, -1]),
+        (((Y, 270),), [-3, 2, 1]),
+        (((Z, 90), (X, 90)), [-2, -3, 1]),
+        (((X, 90), (Z, 90)), [3, 1, 2]),
+    ):
+        pose = Pose(tuple(Turn(axis, Fraction(degrees)) for axis, degrees in turns))
+        mesh = turned(mesh_of([1, 2, 3]), pose.turns)
+        assert first(mesh) == point
+        assert (mesh.rounding, pose.exact) == (0, True)
+    assert not Pose((Turn(X, Fraction(90)), Turn(Z, Fraction(1, 3)))).exact
+
+
+def really(point, turns):
+    """Return the turned point to 600 bits."""
+    with MPFR.context(MPFR.get_context(), precision=600):
+        place = [MPFR.mpfr(float(x)) for x in point]
+        for turn in turns:
+            angle = MPFR.mpfr(MPFR.mpq(turn.degrees)) * MPFR.const_pi() / 180
+            c, s = MPFR.cos(angle), MPFR.sin(angle)
+            j, k = (turn.axis + 1) % 3, (turn.axis + 2) % 3
+            place[j], place[k] = c * place[j] - s * place[k], s * place[j] + c * place[k]
+        return [Fraction(*map(int, x.as_integer_ratio())) for x in place]
+
+
+@pytest.mark.parametrize("size", [1e-320, 1e-3, 1.0, 1e6, 1e300])
+def test_turns_stay_within_their_rounding(rng, size):
+    worst = Fraction(0)
+    for _ in range(40):
+        turns = [
+            Turn(int(rng.integers(3)), Fraction(int(rng.integers(-(10**6), 10**6)), 997))
+            for _ in range(rng.integers(1, 4))
+        ]
+        mesh = StlMesh(rng.uniform(-size, size, (2, 3, 3)), Fraction(0))
+        result = turned(mesh, turns)
+        for before, after in zip(mesh.facets.reshape(-1, 3), result.facets.reshape(-1, 3), strict=True):
+            for real, found in zip(really(before, turns), after, strict=True):
+                off = abs(real - Fraction(float(found)))
+                assert off <= result.rounding
+                worst = max(worst, off / result.rounding)
+        assert result.rounding <= max(Fraction(size) / 2**46, Fraction(1, 2**1060))
+    assert worst > Fraction(1, 50), "the bound is never approached: the test tests nothing"
+
+
+def test_what_reading_moved_grows_with_a_turn():
+    """An error in both coordinates can reach |c| + |s| = sqrt 2 times its size in one."""
+    off = Fraction(1, 1000)
+    turn = Turn(Z, Fraction(45))
+    result = turned(mesh_of([1.0, 2.0, 3.0], off), [turn])
+    corners = [[1 + float(dx * off), 2 + float(dy * off), 3.0] for dx, dy in product((-1, 1), repeat=2)]
+    apart = max(
+        abs(real - Fraction(float(found)))
+        for corner in corners
+        for real, found in zip(really(corner, [turn]), first(result), strict=True)
+    )
+    assert off < apart <= result.rounding
+
+
+def test_what_cannot_be_turned_is_refused():
+    huge = mesh_of([1.7e308, 1.7e308, 0.0])
+    with pytest.raises(InputError, match="too large to be turned"):
+        turned(huge, [Turn(Z, Fraction(45))])

@@ -34,79 +34,57 @@ def test_binary_and_ascii(tmp_path):
         assert (read_stl(path).facets.astype(np.float32) == FACETS).all()
 
 
+FACET = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet"
+TEXT = ascii_text(FACETS)
+BAD_NUMBER, BEYOND = r"line 12: word '{}': facet 1: .* number", "facet 1, vertex 1, coordinate x: {}: "
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         (b"", "empty file"),
         (binary(FACETS)[:-1], "183 bytes, but its header announces 2 facets, 184"),
-        (binary(FACETS)[:60], "60 bytes"),
         (binary(FACETS) + b"x", "185 bytes"),
         (binary(FACETS[:0]), "no facets"),
         (binary(FACETS, b"solid cube")[:-1], "183 bytes, but its header announces 2 facets, 184"),
-        (b"solid\nendsolid\n", "no facets"),
-        (b"solid x", "0 facets, then the end, without 'endsolid'"),
-        (ascii_text(FACETS).split("endloop")[0].encode(), "the file ends within it"),
-        (
-            ascii_text(FACETS).replace("endsolid made by a test", "").encode(),
-            "2 facets, then the end, without",
-        ),
-        (
-            ascii_text(FACETS).replace("      vertex 0 1 0\n", "").encode(),
-            "line 6: word 'endloop': facet 0: 'vertex' must stand here",
-        ),
+        (binary(FACETS + np.array([[[0]], [[np.nan]]])), "facet 1, vertex 0, coordinate x"),
+        ("solid\nendsolid\n", "no facets"),
+        (TEXT.split("endloop")[0], "the file ends within it"),
+        (TEXT.replace("endsolid made by a test", ""), "2 facets, then the end, without"),
+        (TEXT.replace("vertex 0 1 0\n", ""), "line 6: word 'endloop': facet 0: 'vertex' must stand here"),
         (b"\x89PNG not a mesh at all, but long enough to be one, as files go." * 3, "not an STL"),
+        # Numbers that are none, or too large.
+        *((TEXT.replace("vertex 1 0 1", f"vertex {number} 0 1"), BAD_NUMBER.format(number))
+          for number in ("one", "1,5", "1_0", "nan", "1e", "0x1")),
+        (TEXT.replace("vertex 1 0 1", "vertex 1e999 0 1"), BEYOND.format("inf")),
+        (TEXT.replace("vertex 1 0 1", "vertex 1e308 0 1"), BEYOND.format(r"1e\+308")),
+        # Words where they must not stand.
+        (f"solid\n{FACET}\nendsolid\n{FACET}\n", "line 4: word 'facet': 'solid' must"),
+        (f"solid\n{FACET}\nsolid\nendsolid\nendsolid\n", "line 3: word 'solid': facet 1: 'facet' must"),
+        (f"solid\r\n{FACET}\r\nendsolidx\r\n", "line 3: word 'endsolidx': 'endsolid' must"),
+        (f"solid\n{FACET}endsolid\n", "line 2: word 'endfacetendsolid': facet 0: 'endfacet' must"),
+        (f"solidity\n{FACET}\nendsolid\n", "line 1: word 'solidity': 'solid' must"),
+        (f"solid\n{FACET.replace('0 0 1', '0 0 facet')}\nendsolid\n", "word 'facet': facet 0: .* number"),
+        (f"solid\n{FACET.replace('0 0 1', '0 0 ' + '1' * 101)}\nendsolid\n", "longer than 100 characters"),
+        (f"solid\n{FACET.replace('1 0 0', '1 0 ' + '0' * 101)}\nendsolid\n", "longer than 100 characters"),
     ],
-)
-def test_broken_files_name_the_file(tmp_path, content, message):
+)  # fmt: skip
+def test_broken_files_are_refused_in_a_line(tmp_path, content, message):
     path = tmp_path / "broken.stl"
-    path.write_bytes(content)
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(InputError, match=message) as caught:
         read_stl(path)
-    assert str(path) in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_not_finite_names_the_facet(tmp_path, value):
-    facets = FACETS.copy()
-    facets[1, 2, 0] = value
-    path = tmp_path / "nan.stl"
-    path.write_bytes(binary(facets))
-    with pytest.raises(InputError, match="facet 1, vertex 2, coordinate x"):
-        read_stl(path)
-
-
-BAD_NUMBER = r"words\.stl: line 12: word '{}': facet 1: .* number"
-BEYOND = "facet 1, vertex 1, coordinate x: {}: must be a number of at most"
-
-
-@pytest.mark.parametrize(
-    ("number", "message"),
-    [
-        *((number, BAD_NUMBER.format(number)) for number in ("one", "1,5", "1_0", "nan", "1e", "0x1")),
-        ("1e999", BEYOND.format("inf")),
-        ("1e308", BEYOND.format(r"1e\+308")),
-    ],
-)
-def test_malformed_numbers_name_the_facet(tmp_path, number, message):
-    path = tmp_path / "words.stl"
-    path.write_text(ascii_text(FACETS).replace("vertex 1 0 1", f"vertex {number} 0 1"))
-    with pytest.raises(InputError, match=message):
-        read_stl(path)
+    assert str(caught.value).startswith(f"{path}: ") and "\n" not in str(caught.value)
 
 
 VARIANTS = {
     "several solids": lambda text: text + text.replace("made by a test", "solid endsolid facets"),
     "upper case": str.upper,
-    "tabs": lambda text: text.replace("  ", "\t"),
-    "double spaces": lambda text: text.replace("facet normal", "facet  normal").replace("outer ", "outer   "),
     "DOS line ends": lambda text: text.replace("\n", "\r\n"),
-    "old Mac line ends": lambda text: text.replace("\n", "\r"),
     "byte order mark": lambda text: "\ufeff" + text,
     "strange normals": lambda text: text.replace("normal 0 0 1", "normal -nan(ind) 1.#QNAN INF"),
     "one line a solid": lambda text: "solid\n" + " ".join(text.split("\n")[1:]),
     "names of any letters": lambda text: text.replace("made by", "\u00e9t\u00e9\t"),
-    "no name": lambda text: text.replace(" made by a test", ""),
 }
 
 
@@ -119,9 +97,6 @@ def test_ascii_variants(tmp_path, variant):
     assert (facets.astype(np.float32) == expected).all()
 
 
-FACET = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet"
-
-
 @pytest.mark.parametrize("name", ["", " named"])
 @pytest.mark.parametrize("glue", [" ", "\t", "\f", "\v", "\x1c", "\x85", "\u2028", " name "])
 def test_no_facet_hides_in_a_name(tmp_path, name, glue):
@@ -132,28 +107,6 @@ def test_no_facet_hides_in_a_name(tmp_path, name, glue):
             read_stl(path)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (f"solid\n{FACET}\nendsolid\n{FACET}\n", "line 4: word 'facet': 'solid' must"),
-        (f"solid\n{FACET}\nsolid\nendsolid\nendsolid\n", "line 3: word 'solid': facet 1: 'facet' must"),
-        (f"solid\r\n{FACET}\r\nendsolidx\r\n", "line 3: word 'endsolidx': 'endsolid' must"),
-        (f"solid\n{FACET}endsolid\n", "line 2: word 'endfacetendsolid': facet 0: 'endfacet' must"),
-        (f"solid\n{FACET}{FACET}\nendsolid\n", "word 'endfacetfacet'"),
-        (f"solidity\n{FACET}\nendsolid\n", "line 1: word 'solidity': 'solid' must"),
-        (f"\n\nsolid\n{FACET}\nx\nendsolid\n", "line 5: word 'x': facet 1: 'facet' must"),
-        (f"solid\n{FACET.replace('0 0 1', '0 0 facet')}\nendsolid\n", "word 'facet': facet 0: .* number"),
-        (f"solid\n{FACET.replace('0 0 1', '0 0 ' + '1' * 101)}\nendsolid\n", "longer than 100 characters"),
-        (f"solid\n{FACET.replace('1 0 0', '1 0 ' + '0' * 101)}\nendsolid\n", "longer than 100 characters"),
-    ],
-)
-def test_structure_is_exact(tmp_path, text, message):
-    path = tmp_path / "wrong.stl"
-    path.write_bytes(text.encode())
-    with pytest.raises(InputError, match=message):
-        read_stl(path)
-
-
 @pytest.mark.parametrize("block", [1, 200, 1 << 22])
 def test_blocks_neither_lose_nor_join_facets(tmp_path, monkeypatch, block, rng):
     monkeypatch.setattr("triaxis.host.stl._BLOCK", block)
@@ -162,8 +115,7 @@ def test_blocks_neither_lose_nor_join_facets(tmp_path, monkeypatch, block, rng):
     text = ascii_text(facets)
     path.write_text(text)
     assert (read_stl(path).facets == facets).all()
-    places = [match.end() for match in re.finditer("endfacet", text)]
-    for place in places:
+    for place in (match.end() for match in re.finditer("endfacet", text)):
         path.write_text(text[:place] + text[place:].lstrip())
         with pytest.raises(InputError, match=r"word 'endfacet(end|facet)"):
             read_stl(path)
@@ -238,7 +190,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
     path = tmp_path / "mutated.stl"
     text = ascii_text(FACETS)
     outcomes = {"read": 0, "refused": 0}
-    for _ in range(800):
+    for _ in range(400):
         changed = mutated(text + text, rng)
         for _ in range(rng.integers(0, 2)):
             changed = mutated(changed, rng)
@@ -252,7 +204,7 @@ def test_mutated_files_are_read_whole_or_refused(tmp_path, rng):
         outcomes["read"] += 1
         assert wanted is not None, repr(changed)
         assert np.array_equal(facets, wanted), repr(changed)
-    assert min(outcomes.values()) > 80, outcomes
+    assert min(outcomes.values()) > 40, outcomes
 
 
 def test_decimals_are_not_rounded_to_float32(tmp_path):
@@ -263,8 +215,3 @@ def test_decimals_are_not_rounded_to_float32(tmp_path):
     assert 0 < error <= mesh.rounding < Fraction(1, 10**10)
     path.write_bytes(binary(FACETS))
     assert read_stl(path).rounding == 0
-
-
-def test_missing_file(tmp_path):
-    with pytest.raises(InputError, match="cannot read"):
-        read_stl(tmp_path / "missing.stl")

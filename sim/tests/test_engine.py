@@ -1,13 +1,20 @@
 """The bare Verilated core against the golden model, and its timing."""
 
+import re
+
 import numpy as np
 import pytest
 
+from triaxis.golden.axes import claims
 from triaxis.golden.judge import judge_pairs
+from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine, configuration_for
+from triaxis.sim.detector import WIDTH, detect
+from triaxis.sim.paths import DUT
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.margins import random_margins
+from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
 from triaxis.verif.core.stimulus.symmetry import all_orders
 
 pytestmark = pytest.mark.simulator
@@ -34,8 +41,7 @@ def test_all_72_orders_agree(rng):
     pairs = mixed_pairs(rng, 3000, 16)
     near = engine.verdicts(all_orders(pairs), np.zeros(72 * 3000, np.int64))["near"].reshape(3000, 72)
     assert (near == near[:, :1]).all()
-    assert near.any()
-    assert not near.all()
+    assert near.any() and not near.all()
 
 
 @pytest.mark.parametrize(("width", "margin_bits"), [(8, 8), (16, 0), *_WIDEST])
@@ -47,3 +53,20 @@ def test_latency_is_the_documented_one_at_one_pair_per_clock(rng, width, margin_
         cycles = engine.words(pairs, np.zeros(count, np.int64))[1]
         # The harness counts the clock in which it accepts the first pair and that of the last result.
         assert cycles == configuration.latency + count
+
+
+def test_all_fifteen_seed_vectors_are_clear():
+    assert not detect(seed_vectors(WIDTH), seed_normals()).any()
+
+
+def test_the_detector_is_exact_and_blind_to_the_normals_handed_in(rng):
+    """The combinational wrapper: the seed design's users drop it in."""
+    pairs = mixed_pairs(rng, 3000, WIDTH)
+    expected = claims(pairs, np.zeros(3000, np.int64)) == NO_AXIS
+    for normals in (np.zeros((3000, 2, 3), np.int64), rng.integers(-32768, 32768, (3000, 2, 3))):
+        assert (detect(pairs, normals) == expected).all()
+    assert expected.any() and not expected.all()
+    text = (DUT / "core" / "CollisionDetector.sv").read_text()
+    inputs = re.findall(r"input logic signed \[W-1:0\] (\w+)", text)
+    vertices = [f"{t}{i}_{k}" for t in "AB" for i in (1, 2, 3) for k in "xyz"]
+    assert inputs == vertices + [f"N{t}_{k}" for t in "AB" for k in "xyz"]

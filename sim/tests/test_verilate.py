@@ -1,12 +1,16 @@
-"""A build has a name of its own for everything that goes in, and every block can be built in every way."""
+"""A build has a name of its own for everything that goes in: all that can elaborate, tools, options."""
 
+import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from triaxis.golden.errors import InputError
+from triaxis.sim import toolchain
 from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.build import content_hash, rtl_files, rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
@@ -20,8 +24,8 @@ from triaxis.sim.models import (
     pin_build,
     safety_build,
 )
-from triaxis.sim.paths import DUT, SIM
-from triaxis.sim.verilate import FAST, MANY, QUICK, compiler, product, runtime, verilate_command
+from triaxis.sim.paths import DUT, SIM, listed
+from triaxis.sim.verilate import FAST, MANY, QUICK, compiler, runtime, verilate_command
 
 CORE, MESH = Configuration(8, 8), MeshConfiguration(8, 0, depth=16, group=4, lanes=4)
 BLOCKS = (
@@ -30,13 +34,42 @@ BLOCKS = (
 )  # fmt: skip
 
 
+@pytest.fixture
+def dut(tmp_path):
+    """Return a copy of the RTL."""
+    return shutil.copytree(DUT, tmp_path / "dut")
+
+
+def test_all_of_the_rtl_counts(dut):
+    files = [path for folder in ("core", "mesh", "board") for path in DUT.glob(f"{folder}/*.f")]
+    named = [path.name for listing in files for path in listed(listing)]
+    found = {path.name for path in rtl_files()}
+    assert found == {"triaxis_stage.svh", *(path.name for path in files), *named}
+    before = rtl_hash()
+    assert rtl_hash(dut) == before == content_hash(sorted(DUT.rglob("*.*")))
+    for name in ("new.sv", "new.svh", "new.v", "new.f", "sub/new.svh"):
+        (dut / name).parent.mkdir(exist_ok=True)
+        (dut / name).touch()
+        assert rtl_hash(dut) != before
+        (dut / name).unlink()
+
+
+@pytest.mark.parametrize("entry", ["../../other.sv", "/other.sv", "other.inc", "+incdir+other"])
+def test_a_list_that_names_what_is_not_hashed_is_refused(dut, entry):
+    with (dut / "core" / "triaxis.f").open("a") as file:
+        file.write(f"{entry}\n")
+    with pytest.raises(InputError, match="must be a file of RTL"):
+        rtl_hash(dut)
+
+
 @pytest.mark.parametrize("build", BLOCKS, ids=lambda build: f"{build.kind}-{build.form.value}")
 def test_every_variant_is_a_build_of_its_own(build, tmp_path):
     variants = [
         replace(build, **change)
         for change in (
             {}, {"counters": True}, {"traced": True}, {"selectable": True}, {"speed": MANY}, {"split": 0},
-            {"plain": True}, {"assertions": not build.assertions}, {"defines": {"MORE": 1}}, {"parameters": {"W": 9}},
+            {"plain": True}, {"assertions": not build.assertions}, {"defines": {"MORE": 1}},
+            {"parameters": {"W": 9}},
         )
     ]  # fmt: skip
     assert len({variant.hashed for variant in variants}) == len(variants)
@@ -45,20 +78,45 @@ def test_every_variant_is_a_build_of_its_own(build, tmp_path):
     assert command.index("--top-module") < command.index("--cc") < command.index(str(build.sources[-1]))
 
 
-def test_the_folder_of_the_rtl_stands_for_its_contents(tmp_path):
-    import shutil
-
-    copy = shutil.copytree(DUT, tmp_path / "dut")
-    here, there = (replace(core_build(CORE, dut), speed=QUICK) for dut in (DUT, copy))
+def test_the_folder_of_the_rtl_stands_for_its_contents(dut):
+    here, there = (replace(core_build(CORE, folder), speed=QUICK) for folder in (DUT, dut))
     assert there.hashed == here.hashed
-    (copy / "core" / "triaxis_stage.svh").write_text("// Another.")
+    (dut / "core" / "triaxis_stage.svh").write_text("// Another.")
     assert there.hashed != here.hashed
 
 
-def test_names_say_what_is_special():
-    build = core_build(CORE)
-    assert replace(build, counters=True, selectable=True).kind == "w8_m8_covered_mutated"
-    assert (product(build), product(pin_build(CORE))) == ("libtop.so", "triaxis_core")
+@pytest.fixture
+def verilator(monkeypatch, tmp_path):
+    """Return a function that says what is found where VERILATOR names a program with this answer."""
+
+    def found(answer=None, name="verilator"):
+        toolchain.verilator.cache_clear()
+        path = tmp_path / name
+        if answer:
+            path.write_text(f"#!/bin/sh\necho '{answer}'\n")
+            path.chmod(0o755)
+        monkeypatch.setenv("VERILATOR", str(path))
+        return toolchain.verilator()
+
+    yield found
+    toolchain.verilator.cache_clear()
+
+
+def test_verilators_of_the_package_index_and_of_others(monkeypatch, verilator, tmp_path):
+    assert str(verilator("Verilator 5.036 2025-04-27")) == f"5.036 ({tmp_path / 'verilator'})"
+    for answer, message in (("Verilator 5.035", "5.036 or newer"), ("something else", "does not answer")):
+        with pytest.raises(InputError, match=message):
+            verilator(answer)
+    with pytest.raises(InputError, match="no such executable: install it, or unset VERILATOR"):
+        verilator(name="none")
+    monkeypatch.delenv("VERILATOR")
+    found = toolchain.verilator()
+    assert found.origin == "package index" and found.version >= toolchain.OLDEST_VERILATOR
+    assert shutil.which("verilator", path=found.environment()["PATH"])
+    toolchain.verilator.cache_clear()
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    with pytest.raises(InputError, match="no-such-compiler: not found: install it"):
+        toolchain.verilator()
 
 
 def _checked(tmp_path, rng, header):
