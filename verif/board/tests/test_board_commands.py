@@ -192,19 +192,6 @@ def test_a_board_that_nobody_uses_is_its_masters_or_anothers(host):
     other.status()
 
 
-def test_hello_of_the_same_session_starts_afresh(host):
-    clear_scene(host)
-    host.move(1, 2, 3)
-    clear_run(host)
-    host.hello()
-    status = host.status()
-    assert (status.run, status.state, status.end, status.mode, status.cycles) == (0, State.NEVER, 0, 0, 0)
-    assert (status.x, status.y, status.z, status.margin, status.count_a, status.count_b) == (0,) * 6
-    clear_scene(host)
-    status = host.run(Mode.ALL)
-    assert (status.run, status.x, status.y, status.z) == (1, 0, 0, 0)
-
-
 def test_bad_sequence(host):
     first = host.sequence
     clear_scene(host)
@@ -290,13 +277,3 @@ def test_the_ends_of_the_ranges(host):
         assert (status.x, status.y, status.z) == values
     host.move(0, 0, 0)
     assert host.run(Mode.ALL, (1 << 16) - 1).near == 1
-
-
-def test_pairs_come_as_loaded(host, rng):
-    triangles = rng.integers(-(1 << 15), 1 << 15, (DEPTH, 3, 3))
-    host.load(0, triangles)
-    host.load(1, triangles[::-1])
-    host.start(Mode.ALL)
-    _, near = host.all_results()
-    opposite = np.stack([np.arange(DEPTH), DEPTH - 1 - np.arange(DEPTH)], 1)
-    assert set(map(tuple, opposite.tolist())) <= set(map(tuple, near.tolist()))

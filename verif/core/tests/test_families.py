@@ -8,8 +8,7 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.verif.core.stimulus import families as mixtures
-from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, Mixture, mixed, mixture
 from triaxis.verif.core.stimulus.general import (
     ORIENTATION,
     SPAN,
@@ -19,12 +18,11 @@ from triaxis.verif.core.stimulus.general import (
     spans,
 )
 from triaxis.verif.core.stimulus.margins import (
-    box_gaps,
     distances,
     margin_at_decision,
 )
 from triaxis.verif.core.stimulus.near_miss import family_of
-from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
+from triaxis.verif.core.stimulus.stimulus import Stimulus
 
 WIDTHS = range(8, 33)
 
@@ -63,64 +61,28 @@ def test_both_verdicts_and_large_numbers(rng, name, width):
         assert largest == 0 or len(np.unique(stimulus.margins)) > 20
 
 
-def test_same_seed_same_stimulus():
-    for name, family in FAMILIES.items():
-        first, second, third = (family(np.random.default_rng(s), 100, 16, 255) for s in (5, 5, 6))
+def test_a_seed_gives_the_same_stimulus_and_another_one_others():
+    for name, family in {**FAMILIES, "mixture": mixture}.items():
+        if family is mixture:
+            first, second, third = (mixture(np.random.default_rng(s), 16, 255).burst(5000) for s in (4, 4, 5))
+            assert len(np.unique(first.pairs.reshape(-1, 18), axis=0)) > 0.97 * len(first)
+        else:
+            first, second, third = (family(np.random.default_rng(s), 100, 16, 255) for s in (5, 5, 6))
         assert (first.pairs == second.pairs).all(), name
         assert (first.margins == second.margins).all(), name
         assert (first.pairs != third.pairs).any(), name
 
 
-def test_mixed_is_of_all_families(rng, monkeypatch):
+def test_a_mixture_is_of_all_families_in_equal_shares(rng):
     def marked(number):
         def family(rng, count, width, largest_margin):
             return Stimulus(np.full((count, 2, 3, 3), number, np.int32), np.full(count, number, np.uint32))
 
         return family
 
-    families = [marked(n) for n in range(7)]
-    monkeypatch.setattr(mixtures, "random_cube_symmetries", lambda rng, pairs: pairs)
-    for count in (1, 100, 5000):
-        stimulus = mixtures.mixed_once(rng, families, count, 16, 0)
-        assert len(stimulus) == count
-        assert set(stimulus.margins) == set(range(7)) or count == 1
-        # Margins stay with their pairs, where these are neither moved nor centred.
-        half = count // 2
-        assert (stimulus.pairs[:half, 0, 0, 0] == stimulus.margins[:half]).all()
-    supply = mixtures.Mixture(rng, families, 16, 0)
+    supply = Mixture(rng, [marked(n) for n in range(7)], 16, 0)
     shares = np.bincount(supply.burst(70_000).margins, minlength=7) / 10_000
     assert (np.abs(shares - 1) < 0.1).all()
-
-
-def test_mixture_is_deterministic_and_never_repeats_itself():
-    one, two = (mixture(np.random.default_rng(4), 16, 255) for _ in range(2))
-    bursts = [(one.burst(5000), two.burst(5000)) for _ in range(3)]
-    for a, b in bursts:
-        assert (a.pairs == b.pairs).all()
-        assert (a.margins == b.margins).all()
-    every = np.concatenate([a.pairs for a, _ in bursts]).reshape(-1, 18)
-    assert len(np.unique(every, axis=0)) > 0.97 * len(every)
-
-
-def test_counts_are_divided_and_collected():
-    for count, shares in product((0, 1, 7, 100), ([1], [1, 2, 3], [1] * 30)):
-        parts = divided(count, shares)
-        assert sum(parts) == count
-        assert all(abs(p - count * s / sum(shares)) < 1 for p, s in zip(parts, shares, strict=True))
-
-    def nothing(count):
-        return Stimulus(np.empty((0, 2, 3, 3), np.int32), np.empty(0, np.uint32))
-
-    with pytest.raises(RuntimeError, match="0 of"):
-        collected(5, nothing)
-
-
-def test_box_gaps(rng):
-    pairs = rng.integers(-(1 << 31), 1 << 31, (500, 2, 3, 3)).astype(np.int32)
-    pairs[::2, 1] //= 1 << 20
-    for pair, gap in zip(pairs.astype(np.int64), box_gaps(pairs), strict=True):
-        a, b = pair
-        assert gap == np.maximum(b.min(0) - a.max(0), a.min(0) - b.max(0)).max()
 
 
 @pytest.mark.parametrize("width", [8, 16, 24])
@@ -197,12 +159,6 @@ def test_pairs_touch_at_any_margin(rng, name):
     assert (facts.level != 0).mean() > 0.9 or name == "face-face"
 
 
-def test_no_corner_lies_beyond_the_bounds():
-    corners = all_corners()
-    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
-    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN
-
-
 @pytest.mark.parametrize("width", [8, 16])
 def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
     low, high = coordinate_range(width)
@@ -216,3 +172,9 @@ def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
     found = [spans(pairs, i, j, (j + 2) % 3) for i in range(3) for j in range(3)]
     assert np.max(found) == SPAN * cube
     assert np.min(found) == -SPAN * cube
+
+
+def test_no_corner_lies_beyond_the_bounds():
+    corners = all_corners()
+    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
+    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN

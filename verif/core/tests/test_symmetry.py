@@ -5,13 +5,9 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from triaxis.golden.axes import separating
 from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.core.stimulus import symmetry
 from triaxis.verif.core.stimulus.families import mixed_pairs
-from triaxis.verif.core.stimulus.margins import random_margins
-
-TYPES = [np.int32, np.int64]
 
 
 def extreme(rng, count, width, dtype):
@@ -36,8 +32,7 @@ def test_the_symmetries_are_the_group_of_the_cube():
     assert {product.tobytes() for product in (group[:, None] @ group[None]).reshape(-1, 3, 3)} == names
 
 
-@pytest.mark.parametrize("dtype", TYPES)
-@pytest.mark.parametrize("width", [8, 16, 32])
+@pytest.mark.parametrize(("width", "dtype"), [(8, np.int32), (16, np.int64), (32, np.int32)])
 def test_a_symmetry_is_its_matrix_about_the_middle_of_the_range(rng, dtype, width):
     pairs = np.concatenate([extreme(rng, 5, width, dtype), mixed_pairs(rng, 35, width).astype(dtype)])
     moved = symmetry.all_cube_symmetries(pairs)
@@ -51,11 +46,10 @@ def test_a_symmetry_is_its_matrix_about_the_middle_of_the_range(rng, dtype, widt
     assert moved.max() <= high
 
 
-@pytest.mark.parametrize("dtype", TYPES)
-def test_orders_are_all_72(rng, dtype):
-    pairs = rng.integers(-100, 100, (3, 2, 3, 3)).astype(dtype)
+def test_orders_are_all_72(rng):
+    pairs = rng.integers(-100, 100, (3, 2, 3, 3)).astype(np.int32)
     orders = symmetry.all_orders(pairs)
-    assert orders.dtype == dtype
+    assert orders.dtype == pairs.dtype
     for pair, found in zip(pairs.tolist(), orders.reshape(3, 72, 2, 3, 3).tolist(), strict=True):
         expected = [
             [list(p), list(q)]
@@ -88,8 +82,7 @@ def test_random_variants_are_variants_and_all_come_up(rng, random, every):
     assert (pairs[0] == pair[0]).all()
 
 
-@pytest.mark.parametrize("dtype", TYPES)
-@pytest.mark.parametrize("width", [8, 13, 16, 32])
+@pytest.mark.parametrize(("width", "dtype"), [(8, np.int32), (13, np.int64), (32, np.int32), (32, np.int64)])
 def test_translations_keep_shape_and_range(rng, dtype, width):
     low, high = coordinate_range(width)
     pairs = np.concatenate([extreme(rng, 2000, width, dtype), mixed_pairs(rng, 3000, width).astype(dtype)])
@@ -100,16 +93,3 @@ def test_translations_keep_shape_and_range(rng, dtype, width):
     shift = (moved.astype(np.int64) - pairs).reshape(-1, 6, 3)
     assert (shift == shift[:, :1]).all()
     assert (shift != 0).any(axis=(0, 1)).all()
-
-
-def test_the_verdict_stays(rng):
-    pairs = mixed_pairs(rng, 300, 16)
-    margins = random_margins(rng, pairs, 1000)
-    near = np.asarray(~separating(pairs, margins).any(1))
-    assert near.any()
-    assert not near.all()
-    for variants, each in ((symmetry.all_orders(pairs), 72), (symmetry.all_cube_symmetries(pairs), 48)):
-        again = ~separating(variants, margins.repeat(each)).any(1)
-        assert (again.reshape(-1, each) == near[:, None]).all()
-    moved = symmetry.random_translations(rng, pairs, 16)
-    assert (~separating(moved, margins).any(1) == near).all()
