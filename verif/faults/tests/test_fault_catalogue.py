@@ -165,9 +165,10 @@ def test_faults_are_those_of_the_replaced_design_and_no_others(rng):
         assert not wrong_answers(name, small << bits >> 8).any()
         assert wrong_answers(name, small << 8).any()
     # F7 trusts the normals, and is right where they are.
-    small //= 2
-    normals = np.cross(small[:, :, 1] - small[:, :, 0], small[:, :, 2] - small[:, :, 0])
-    assert (detect(small, normals, faulty_rtl(fault_of("F7"))) == detect(small, normals)).all()
+    pairs = small // 2
+    p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
+    broken = faulty_rtl(fault_of("F7"))
+    assert (detect(pairs, np.cross(p, q), broken) == detect(pairs, np.cross(p, q))).all()
 
 
 @pytest.mark.simulator
