@@ -102,6 +102,8 @@ def test_what_is_wrong_is_refused_and_changes_nothing(host, what):
             assert said is None or reply == said
 
 
+# It needs a build of its own.
+@pytest.mark.regress
 def test_coordinates_that_need_more_bits_than_there_are(rng):
     host = BoardHost(SimulatedTop(BoardParameters(width=20, margin_bits=12, watchdog_clocks=100_000)))
     host.hello()

@@ -233,6 +233,7 @@ def test_what_is_not_executed_keeps_no_go_and_no_watchdog_alive(host, what):
     BoardHost(host.top, 99).hello()
 
 
+@pytest.mark.regress
 def test_a_load_of_bad_coordinates_keeps_no_watchdog_alive():
     host = BoardHost(SimulatedTop(BoardParameters(width=20, margin_bits=12, watchdog_clocks=100_000)))
     host.hello()

@@ -12,7 +12,7 @@ from triaxis.verif.core.stimulus.families import mixed
 
 @pytest.mark.simulator
 @pytest.mark.parametrize(
-    "configuration", [Configuration(16, 0), Configuration(16, 16, gating=False)], ids=lambda c: c.name
+    "configuration", [Configuration(16, 0), Configuration(8, 8, gating=False)], ids=lambda c: c.name
 )
 def test_the_core_answers_variants_alike(rng, configuration):
     engine = RtlEngine(configuration)

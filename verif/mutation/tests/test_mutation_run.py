@@ -115,6 +115,7 @@ def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_se
     assert f"triaxis prove mutate --mutant {overflowing.id}" in found.problems[0]
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
 def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, touching, seed):
     other = of("triaxis_extent", "relational", "points_i[i] <= points_i")
