@@ -4,7 +4,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from matplotlib import image
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.sim.configuration import parse_configuration
@@ -77,13 +76,7 @@ def test_every_kind_of_pair(tmp_path, name):
     assert f"{found.configuration.name}, margin {margins[-1]}" in text
     for vertex in {tuple(vertex) for triangle in pairs[-1] for vertex in triangle}:
         assert str(vertex) in text
-    assert [path.name for path in tmp_path.iterdir()] == ["case.svg"]
-
-
-def test_the_same_counterexample_gives_the_same_picture(tmp_path):
-    for ending in (".png", ".svg"):
-        one, other = tmp_path / f"one{ending}", tmp_path / f"other{ending}"
-        for path in (one, other):
-            draw(counterexample(*CASES["missed"][:3]), path)
-        assert one.read_bytes() == other.read_bytes()
-    assert image.imread(tmp_path / "one.png").shape[:2] == (792, 1430)
+    # The same counterexample gives the same picture.
+    again = tmp_path / "again.svg"
+    draw(found, again)
+    assert again.read_bytes() == (tmp_path / "case.svg").read_bytes()
