@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -91,23 +92,19 @@ def test_both_are_written(checkout: Path) -> None:
     ]
 
 
-def test_one_alone_is_written_where_it_is_wanted(checkout: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_are_added_up_and_written_alone_where_wanted(checkout: Path, rng: Any, capsys: Any) -> None:
     export("--lcov", checkout / "new" / "triaxis_1.info")
     assert written(checkout) == {"triaxis_1.info"}
-    (checkout / CODE).unlink()
-    export("--ucis", checkout / "new" / "triaxis_2.xml")
-    assert written(checkout) == {"triaxis_1.info", "triaxis_2.xml"}
-    assert "without code coverage" in capsys.readouterr().out
-    assert names(checkout / "new" / "triaxis_2.xml") == [model.name for model in MODELS]
-
-
-def test_several_are_added_up(checkout: Path, rng: np.random.Generator) -> None:
     files = [checkout / FUNCTIONAL, saved(checkout / "nightly" / "coverage.json", rng)]
     sums = CoverageDatabase(MODELS)
     for path in files:
         sums.add_file(path)
-    export("--ucis", checkout / "triaxis.xml", "--from", *files)
-    [answer, *_] = ElementTree.parse(checkout / "triaxis.xml").getroot().iter("coverpoint")
+    (checkout / CODE).unlink()
+    export("--ucis", checkout / "new" / "triaxis_2.xml", "--from", *files)
+    assert "without code coverage" in capsys.readouterr().out
+    assert written(checkout) == {"triaxis_1.info", "triaxis_2.xml"}
+    assert names(checkout / "new" / "triaxis_2.xml") == [model.name for model in MODELS]
+    [answer, *_] = ElementTree.parse(checkout / "new" / "triaxis_2.xml").getroot().iter("coverpoint")
     [(_, counts), *_] = list(sums)
     read = [int(c.attrib["coverageCount"]) for c in answer.iter("contents")]
     assert read == counts.hits["answer"].tolist()
@@ -137,8 +134,7 @@ def damage(path: Path) -> None:
         (lambda c: change(c / FUNCTIONAL, digest="0"), r"coverage\.json: damaged"),
     ],
 )
-def test_what_is_absent_or_stale_is_refused(checkout: Path, spoil: object, said: str) -> None:
-    assert callable(spoil)
+def test_what_is_absent_or_stale_is_refused(checkout: Path, spoil: Any, said: str) -> None:
     spoil(checkout)
     with pytest.raises(InputError, match=said) as caught:
         export()
