@@ -8,10 +8,12 @@ import pytest
 from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
+from triaxis.fpga.board_build import bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli.engine import checkout_id
 from triaxis.sim.build import rtl_hash
+from triaxis.sim.paths import DUT
 from triaxis.verif.commands import fpga
 from triaxis.verif.signoff.tests.signoff_evidence import good_content
 
@@ -162,3 +164,13 @@ def test_the_build_id_and_what_a_checkout_says_change_with_rtl_and_board(tmp_pat
     copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
     monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
     assert checkout_id() != before
+
+
+def test_sources_of_the_board(tmp_path):
+    names = [path.name for path in bitstream_sources(DUT)]
+    assert (names[0], names[-1]) == ("triaxis_pkg.sv", "nexys4ddr_top.sv")
+    assert "CollisionDetector.sv" not in names
+    (tmp_path / "core").mkdir()
+    (tmp_path / "core" / "triaxis.f").write_text("none.sv\n")
+    with pytest.raises(InputError, match=r"none\.sv: not there"):
+        bitstream_sources(tmp_path)
