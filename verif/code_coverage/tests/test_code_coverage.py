@@ -19,13 +19,11 @@ from triaxis.coverage.code_counters import (
 from triaxis.coverage.code_coverage import (
     Assessment,
     Bin,
-    ModelCoverage,
     Total,
-    assess_model,
     generate_blocks,
 )
 from triaxis.coverage.elaboration import read_elaboration
-from triaxis.coverage.waivers import KINDS, Waiver, module_hash, read_waivers
+from triaxis.coverage.waivers import KINDS, Waiver, module_hash
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.build import run_tool
@@ -42,8 +40,6 @@ from triaxis.verif.code_coverage.run import (
     covered,
     write_json,
 )
-from triaxis.verif.testbench.settings import BURST, counters_file
-from triaxis.verif.testbench.simulation import run, run_settings
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
@@ -79,43 +75,6 @@ def test_bits_are_counted_each_by_itself_and_from_the_first_pair_on(tmp_path: Pa
     assert toggles[TOP, "rst_ni"].falls == 0
     zero = toggles[f"{TOP}.u_datapath.u_flags", "det_zero_d[9]"]
     assert (zero.rises, zero.falls) == (0, 0)
-
-
-def covered_by(test: str, tmp_path: Path, seed: int) -> Counters:
-    settings = run_settings(test, SMALL, seed, 2000, folder=tmp_path, agent=BURST, judged_one_in=1000)
-    result = run(settings, model=library(covered(SMALL)))
-    assert result.passed, result.explain()
-    return read_counters(counters_file(tmp_path))
-
-
-def assess(counters: Counters) -> Assessment:
-    model = covered(SMALL)
-    instances = read_elaboration(described(model), model.top)
-    return assess_model(ModelCoverage(model.name, counters, instances), read_waivers())
-
-
-def protocol_holes(found: Assessment) -> set[str]:
-    """Return the bins of the handshake and the queue's pointers that are not hit."""
-    names = ("s_axis_t", "m_axis_tready", "rst_ni", "awake_q", "in_flight_q", "write_q", "read_q")
-    return {
-        bin_.what
-        for bin_ in found.uncovered
-        if bin_.file in ("triaxis_core.sv", "triaxis_fifo.sv") and any(name in bin_.what for name in names)
-    }
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_what_a_test_covers_is_counted_while_it_runs(seed: int, tmp_path: Path) -> None:
-    counters = covered_by("RandomTest", tmp_path / "random", seed)
-    found = assess(counters)
-    assert found.problems == []
-    assert found.totals["toggle"].total == 2 * len(counters.toggles) > 10_000
-    holes = protocol_holes(found)
-    assert "in_flight_q[5]:0->1" in holes and "((in_flight_q != Depth[5:0])==0) => 0" in holes
-    counters.add(covered_by("StallsTest", tmp_path / "stalls", seed))
-    counters.add(covered_by("ResetsTest", tmp_path / "resets", seed))
-    assert protocol_holes(assess(counters)) == set()
 
 
 def test_counters_of_two_builds_are_not_added(tmp_path: Path) -> None:

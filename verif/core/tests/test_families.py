@@ -8,7 +8,7 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, Mixture, mixed, mixture
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
 from triaxis.verif.core.stimulus.general import (
     ORIENTATION,
     SPAN,
@@ -71,37 +71,6 @@ def test_a_seed_gives_the_same_stimulus_and_another_one_others():
         assert (first.pairs == second.pairs).all(), name
         assert (first.margins == second.margins).all(), name
         assert (first.pairs != third.pairs).any(), name
-
-
-def test_a_mixture_is_of_all_families_in_equal_shares(rng):
-    def marked(number):
-        def family(rng, count, width, largest_margin):
-            return Stimulus(np.full((count, 2, 3, 3), number, np.int32), np.full(count, number, np.uint32))
-
-        return family
-
-    supply = Mixture(rng, [marked(n) for n in range(7)], 16, 0)
-    shares = np.bincount(supply.burst(70_000).margins, minlength=7) / 10_000
-    assert (np.abs(shares - 1) < 0.1).all()
-
-
-@pytest.mark.parametrize("width", [8, 16, 24])
-def test_distances_tell_the_margin_at_which_pairs_become_near(rng, width):
-    stimulus = mixed(rng, 6000, width, (1 << width) - 1)
-    about = distances(stimulus.pairs)
-    # Distances are fractions; where float64 cannot tell which side of a whole number, leave it out.
-    sure = np.abs(about - np.rint(about)) > 1e-5
-    smallest = np.ceil(about).astype(np.int64)
-    assert (about > 1).mean() > 0.2
-    facts = bulk_facts(stimulus.pairs, smallest)
-    assert facts.near[sure].all()
-    less = bulk_facts(stimulus.pairs, np.maximum(smallest - 1, 0))
-    assert not less.near[sure & (smallest > 0)].any()
-    # Whole ones: near at the distance itself.
-    whole = ~sure & (np.rint(about) > 0)
-    assert whole.sum() > 100
-    at = np.rint(about).astype(np.int64)
-    assert (bulk_facts(stimulus.pairs, at).level != 0)[whole].mean() > 0.8
 
 
 def test_margins_at_the_decision(rng):

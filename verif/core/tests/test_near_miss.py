@@ -1,6 +1,5 @@
 """Pairs at the smallest step of the lattice, judged by Python's own integers and the bulk checker."""
 
-from fractions import Fraction
 from math import gcd
 from typing import Any
 
@@ -12,14 +11,6 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import dot
 from triaxis.golden.pairs import check_pairs
 from triaxis.verif.core.stimulus.families import FAMILIES
-from triaxis.verif.core.stimulus.lattice import (
-    LARGEST_EDGE,
-    bezout,
-    exact,
-    plane_step,
-    raised,
-    side,
-)
 from triaxis.verif.core.stimulus.near_miss import (
     box,
     edge_box,
@@ -32,71 +23,6 @@ from triaxis.verif.core.stimulus.near_miss import (
 )
 
 WIDTHS = range(8, 33)
-
-
-def _numbers(rng, bits, shape):
-    size = 1 << np.asarray(rng.integers(1, bits + 1, shape))
-    return rng.integers(1 - size, size)
-
-
-def test_bezout_is_exact(rng):
-    a, b = _numbers(rng, 62, (2, 3000))
-    a[:50], b[25:75] = 0, 0
-    largest = 2 * LARGEST_EDGE**2
-    a[75:80], b[75:80] = largest, [-1, 1, 2, largest - 1, -largest]
-    for *given, g, s, t in zip(a.tolist(), b.tolist(), *(x.tolist() for x in bezout(a, b)), strict=True):
-        assert g == gcd(*given)
-        assert s * given[0] + t * given[1] == g
-
-
-def test_side_never_errs(rng):
-    c, x = _numbers(rng, 61, (3000, 3)), _numbers(rng, 32, (3000, 3))
-    # The last term takes back the others, as nearly as it can: less than rounding leaves of them.
-    x[:1500, 2] = rng.integers(1 << 31, 1 << 32, 1500)
-    for i, ((p, q, _), (a, b, d)) in enumerate(zip(c[:1500].tolist(), x[:1500].tolist(), strict=True)):
-        c[i, 2] = -round(Fraction(p * a + q * b, d))
-    values = [dot(*row) for row in zip(c.tolist(), x.tolist(), strict=True)]
-    signs = side(c, x)
-    assert all(s == 0 or s == (v > 0) - (v < 0) for s, v in zip(signs.tolist(), values, strict=True))
-    # It decides what is far from 0, and knows that it cannot decide what is close.
-    assert (signs[1500:] != 0).mean() > 0.99
-    assert (signs[:1500] == 0).sum() > 0
-
-
-def test_exact_tells_sums_that_differ_by_2_to_the_64():
-    c = np.array([[1 << 62, 1 << 62, 0], [1 << 62, 1 << 62, 7]])
-    x = np.array([[2, 2, 0], [2, -2, 1]])
-    assert exact(c, x, np.array([0, 7])).tolist() == [False, True]
-    assert exact(c, x, np.array([1, 8])).tolist() == [False, False]
-
-
-@pytest.mark.parametrize("bits", [3, 8, 16, 22, 31])
-def test_any_number_of_steps_beside_a_plane(rng, bits):
-    u, v = np.minimum(_numbers(rng, bits, (2, 800, 3)), LARGEST_EDGE)
-    step = plane_step(u, v)
-    # Heights of all sizes, up to what is about as far from the plane as the edges are long.
-    limit = np.minimum(
-        np.sqrt((step.c.astype(float) ** 2).sum(1)) * 2.0**bits / np.maximum(step.g, 1), 2.0**60
-    )
-    multiple = np.rint(limit ** rng.random(800) * rng.choice([-1, 1], 800)).astype(np.int64)
-    above = raised(u, v, step, multiple)
-    assert (step.g[step.found] > 0).all()
-    for x, times, there in ((step.x, np.ones(800, int), step.found), (above.x, multiple, above.found)):
-        for p, q, at, n in zip(*(values[there].tolist() for values in (u, v, x, times)), strict=True):
-            normal = _cross(p, q)
-            assert dot(normal, at) == n * gcd(*normal)
-            # Over the parallelogram: to the inner side of all four of its sides.
-            for edge, other in ((p, q), (q, p)):
-                inward = dot(_cross(normal, edge), other)
-                assert 0 < dot(_cross(normal, edge), at) * inward < inward * inward
-    if bits > 3:
-        assert step.found.mean() > 0.75
-        assert above.found.sum() > 0.6 * step.found.sum()
-
-
-def _cross(x: list[int], y: list[int]) -> list[Any]:
-    triangle = [[0, 0, 0], x, [i + j for i, j in zip(x, y, strict=True)]]
-    return axis_vector(3, triangle, triangle)
 
 
 def _gap(c, a, b):

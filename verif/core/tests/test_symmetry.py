@@ -5,16 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.core.stimulus import symmetry
-from triaxis.verif.core.stimulus.families import mixed_pairs
-
-
-def extreme(rng, count, width, dtype):
-    """Return pairs of whose coordinates most are the limits."""
-    low, high = coordinate_range(width)
-    values = np.array([low, high, low, high, 0, -1, low + 1], np.int64)
-    return values[rng.integers(0, len(values), (count, 2, 3, 3))].astype(dtype)
 
 
 def matrices():
@@ -30,20 +21,6 @@ def test_the_symmetries_are_the_group_of_the_cube():
     names = {matrix.tobytes() for matrix in group}
     assert len(names) == 48
     assert {product.tobytes() for product in (group[:, None] @ group[None]).reshape(-1, 3, 3)} == names
-
-
-@pytest.mark.parametrize(("width", "dtype"), [(8, np.int32), (16, np.int64), (32, np.int32)])
-def test_a_symmetry_is_its_matrix_about_the_middle_of_the_range(rng, dtype, width):
-    pairs = np.concatenate([extreme(rng, 5, width, dtype), mixed_pairs(rng, 35, width).astype(dtype)])
-    moved = symmetry.all_cube_symmetries(pairs)
-    assert moved.dtype == dtype
-    # The middle is -1/2: twice the coordinates, about it, are odd.
-    doubled = 2 * pairs.astype(np.int64) + 1
-    expected = np.einsum("skj,ntvj->nstvk", matrices(), doubled)
-    assert (2 * moved.astype(np.int64).reshape(-1, 48, 2, 3, 3) + 1 == expected).all()
-    low, high = coordinate_range(width)
-    assert moved.min() >= low
-    assert moved.max() <= high
 
 
 def test_orders_are_all_72(rng):
@@ -80,16 +57,3 @@ def test_random_variants_are_variants_and_all_come_up(rng, random, every):
     first, second = (random(np.random.default_rng(5), pairs) for _ in range(2))
     assert (first == second).all()
     assert (pairs[0] == pair[0]).all()
-
-
-@pytest.mark.parametrize(("width", "dtype"), [(8, np.int32), (13, np.int64), (32, np.int32), (32, np.int64)])
-def test_translations_keep_shape_and_range(rng, dtype, width):
-    low, high = coordinate_range(width)
-    pairs = np.concatenate([extreme(rng, 2000, width, dtype), mixed_pairs(rng, 3000, width).astype(dtype)])
-    moved = symmetry.random_translations(rng, pairs, width)
-    assert moved.dtype == dtype
-    assert moved.min() >= low
-    assert moved.max() <= high
-    shift = (moved.astype(np.int64) - pairs).reshape(-1, 6, 3)
-    assert (shift == shift[:, :1]).all()
-    assert (shift != 0).any(axis=(0, 1)).all()

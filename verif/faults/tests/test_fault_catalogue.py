@@ -11,18 +11,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.build import rtl_files
 from triaxis.sim.configuration import parse_configuration
-from triaxis.sim.detector import detect
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.verif.commands import prove as command
 from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS
-from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
 from triaxis.verif.counterexample.candidates import bit_lengths
 from triaxis.verif.counterexample.finding import BareCore, Symptom
@@ -61,7 +58,7 @@ def test_every_fault_of_the_design_is_there():
         faults_of("F11")
 
 
-def test_diffs_are_ordinary_ones(tmp_path):
+def test_diffs_are_ordinary_ones_of_todays_rtl(tmp_path):
     """As `git apply` reads them, they do the same; each gives RTL of its own."""
     # Else git would look for the repository around, and for its paths.
     alone = {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
@@ -71,13 +68,9 @@ def test_diffs_are_ordinary_ones(tmp_path):
         shutil.copytree(DUT, tmp_path / name / "dut")
         patch = ["git", "apply", "--whitespace=nowarn", str(fault_of(name).patch)]
         subprocess.run(patch, cwd=tmp_path / name, check=True, env=alone)
-        changed = 0
-        for source in rtl_files():
-            place = source.relative_to(DUT)
-            theirs = (tmp_path / name / "dut" / place).read_text()
-            assert (ours / place).read_text() == theirs
-            changed += theirs != source.read_text()
-        assert changed == len({hunk.file for hunk in read_hunks(PATCHES / f"{name}.patch")})
+        places = [source.relative_to(DUT) for source in rtl_files()]
+        texts = [(tmp_path / name / "dut" / place).read_text() for place in places]
+        assert texts == [(ours / place).read_text() for place in places]
 
 
 def test_changed_rtl_is_noticed(tmp_path):
@@ -134,41 +127,6 @@ def test_a_fault_is_caught_with_a_small_counterexample(seed):
     # Of 288 bits.
     assert len(stream) == 1 and bit_lengths(pairs).sum() <= 16
     assert (rtl_faults.PICTURES / f"{fault.name}.png").stat().st_size > 10_000
-
-
-def wrong_answers(name, pairs):
-    """Return which of the pairs (N, 2, 3, 3) the fault's bare core answers wrongly."""
-    configuration = parse_configuration(fault_of(name).config)
-    core = BareCore(configuration, faulty_rtl(fault_of(name)))
-    zeros = np.zeros((len(pairs), 1), np.int64)
-    return core.symptoms_together(pairs[:, None], zeros) != Symptom.RIGHT
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_faults_are_those_of_the_replaced_design_and_no_others(rng):
-    pairs = mixed_pairs(rng, 20_000, 13)
-    p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
-    facts = bulk_facts(pairs, np.zeros(len(pairs), np.int64))
-    # F8: a zero normal of A is all that misleads; its branch and its axes are right for every triangle A.
-    wrong = wrong_answers("F8", pairs)
-    assert (facts.rank_a[wrong] < 2).all() and wrong.sum() > 100
-    assert (facts.coplanar & (facts.rank_a == 2)).sum() > 100
-    # F2: only where one plane's normals differ, or different planes have the same N . vertex.
-    offset = (np.cross(p, q) * pairs[:, :, 0]).sum(2)
-    wrong = wrong_answers("F2", pairs)
-    assert (facts.coplanar != (offset[:, 0] == offset[:, 1]))[wrong].all()
-    assert (wrong & facts.coplanar).any() and (wrong & ~facts.coplanar).any()
-    # Truncations: what fits the width that they keep is answered rightly.
-    small = mixed_pairs(rng, 5000, 8)
-    for name, bits in (("F4", 7), ("F5", 15), ("F6", 10)):
-        assert not wrong_answers(name, small << bits >> 8).any()
-        assert wrong_answers(name, small << 8).any()
-    # F7 trusts the normals, and is right where they are.
-    pairs = small // 2
-    p, q = pairs[:, :, 1] - pairs[:, :, 0], pairs[:, :, 2] - pairs[:, :, 0]
-    broken = faulty_rtl(fault_of("F7"))
-    assert (detect(pairs, np.cross(p, q), broken) == detect(pairs, np.cross(p, q))).all()
 
 
 @pytest.mark.simulator

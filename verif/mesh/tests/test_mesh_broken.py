@@ -20,18 +20,6 @@ pytestmark = pytest.mark.simulator
 
 # Each a file of dut/mesh, what of it is replaced, by what; the test and the agent that say what of it.
 FAULTS = {
-    "lane dropped": (
-        "triaxis_pick.sv", "mask_q & (mask_q - mask_t'(1))", "mask_t'(0)",
-        "MeshVolumeTest", BURST, "skipped without a proof",
-    ),
-    "group box never begun anew": (
-        "triaxis_mesh_store.sv", "!first_in_group && group_q[0][k] <", "group_q[0][k] <",
-        "MeshVolumeTest", BURST, "group_pairs_skipped",
-    ),
-    "margin itself skipped": (
-        "triaxis_overlap.sv", "> grown_i[1][k]", ">= grown_i[1][k]",
-        "MeshGapsTest", BURST, "no axis separates by more than the margin",
-    ),
     "summary before the last near pair": (
         "triaxis_near_pairs.sv", "in_flight_q == '0 && !m_axis_near_tvalid_o", "in_flight_q == '0",
         "MeshStallsTest", BURST, "before the last near pair was taken",
