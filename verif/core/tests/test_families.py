@@ -8,7 +8,7 @@ import pytest
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixture
 from triaxis.verif.core.stimulus.general import (
     ORIENTATION,
     SPAN,
@@ -16,10 +16,6 @@ from triaxis.verif.core.stimulus.general import (
     largest_pairs,
     orientations,
     spans,
-)
-from triaxis.verif.core.stimulus.margins import (
-    distances,
-    margin_at_decision,
 )
 from triaxis.verif.core.stimulus.near_miss import family_of
 from triaxis.verif.core.stimulus.stimulus import Stimulus
@@ -46,21 +42,6 @@ def test_in_range_at_every_width(rng, name):
         assert count == 0 or stimulus.margins.max() <= largest
 
 
-@pytest.mark.parametrize("name", FAMILIES)
-@pytest.mark.parametrize("width", [8, 16, 32])
-def test_both_verdicts_and_large_numbers(rng, name, width):
-    for largest in (0, (1 << width) - 1):
-        stimulus = FAMILIES[name](rng, 1500, width, largest)
-        facts = facts_of(stimulus)
-        # Far pairs without a margin are there to be clear, some others to be near.
-        assert facts.near.any() or (name, largest) == ("far", 0)
-        assert facts.near.all() == (name in ("shared", "penetrating"))
-        small = name in ("tiny", "near-miss small")
-        size = (facts.high.astype(np.int64) - facts.low).max()
-        assert small or size > (1 << width) * 3 // 4
-        assert largest == 0 or len(np.unique(stimulus.margins)) > 20
-
-
 def test_a_seed_gives_the_same_stimulus_and_another_one_others():
     for name, family in {**FAMILIES, "mixture": mixture}.items():
         if family is mixture:
@@ -71,20 +52,6 @@ def test_a_seed_gives_the_same_stimulus_and_another_one_others():
         assert (first.pairs == second.pairs).all(), name
         assert (first.margins == second.margins).all(), name
         assert (first.pairs != third.pairs).any(), name
-
-
-def test_margins_at_the_decision(rng):
-    pairs = mixed(rng, 20_000, 16, (1 << 16) - 1).pairs
-    apart = pairs[distances(pairs) > 2]
-    facts = bulk_facts(apart, margin_at_decision(rng, apart, (1 << 16) - 1))
-    assert 0.3 < facts.near.mean() < 0.7
-    assert (facts.near & (facts.level != 0)).mean() > 0.05
-    assert (margin_at_decision(rng, apart, 0) == 0).all()
-    assert margin_at_decision(rng, apart, 100).max() == 100
-    # Kinds of axis that decide: box, normal, edge x edge, edge x box.
-    for first, last in ((0, 3), (3, 5), (5, 14), (14, 32)):
-        mask = np.uint32((1 << last) - (1 << first))
-        assert (facts.separating & mask == facts.separating)[~facts.near].sum() > 50
 
 
 # How many vertices of the two span what touches, and whether any axis is at the margin at all: triangles that

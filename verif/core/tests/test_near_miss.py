@@ -9,7 +9,6 @@ import pytest
 from triaxis.golden.axes import axis_vector
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import dot
-from triaxis.golden.pairs import check_pairs
 from triaxis.verif.core.stimulus.families import FAMILIES
 from triaxis.verif.core.stimulus.near_miss import (
     box,
@@ -19,7 +18,6 @@ from triaxis.verif.core.stimulus.near_miss import (
     edge_edge_level,
     face_vertex,
     face_vertex_level,
-    sole_axis,
 )
 
 WIDTHS = range(8, 33)
@@ -89,40 +87,3 @@ def test_double_precision_fails_at_24_bits(rng, name):
     proper = bulk_facts(small.pairs, 0)
     chosen = (proper.coplanar == 0) & (proper.rank_a == 2) & (proper.rank_b == 2)
     assert (_float_separating(small.pairs) != ~proper.near)[chosen].sum() == 0
-
-
-# Ranks of A and B with which an axis can be the only one to separate: with a margin, and without.
-_ALL = {(i, j) for i in range(3) for j in range(3)}
-
-
-def _possible(axis: int, margin: bool) -> set[tuple[int, int]]:
-    if axis < 3:
-        return {(i, j) for i, j in _ALL if margin or max(i, j) < 2}
-    if axis < 5 or axis > 13:
-        of_b = axis == 4 or axis >= 23
-        return {(i, 2) if of_b else (2, i) for i in range(3)}
-    return {(2, 2)}
-
-
-@pytest.mark.parametrize("width", [8, 16, 32])
-@pytest.mark.parametrize("margin_bits", [0, 4, 8])
-def test_every_axis_decides_alone_at_every_step(rng, width, margin_bits):
-    largest = (1 << margin_bits) - 1
-    stimulus = sole_axis(rng, 100_000, width, largest)
-    check_pairs(stimulus.pairs, width)
-    facts = bulk_facts(stimulus.pairs, stimulus.margins)
-    ranks = facts.rank_a.astype(int) * 3 + facts.rank_b
-    for margin in {False, largest > 0}:
-        with_margin = (stimulus.margins > 0) == margin
-        for axis in range(32):
-            bit = np.uint32(1 << axis)
-            for beside in (facts.above, facts.below):
-                alone = with_margin & (facts.separating == bit) & (beside == bit)
-                closely = alone & (facts.clear_step & bit != 0)
-                assert set(ranks[closely]) == {3 * i + j for i, j in _possible(axis, margin)}
-            near = with_margin & facts.near
-            assert (near & (facts.level == bit)).sum() > 10
-            assert (near & (facts.near_step & bit != 0)).sum() > 10
-    # All excesses in about equal shares.
-    for share in ((facts.clear_step != 0) & ~facts.near, facts.near & (facts.level != 0)):
-        assert 0.25 < share.mean() < 0.45

@@ -16,9 +16,7 @@ from triaxis.verif.mesh.scenes import (
     LEVELS,
     PAIR,
     ROW,
-    extreme_scenes,
     gap_scene,
-    growing_scenes,
     random_scene,
     range_scenes,
 )
@@ -99,27 +97,3 @@ def test_ends_of_the_range_are_met_exactly(shapes):
         found[overflows(home, request.translation, shapes.configuration.width), int(past.max())] += 1
     assert found[True, 1] >= 6 and found[False, 0] >= 6
     assert {fits for fits, past in found if past <= 0} == {False}
-
-
-def test_extreme_scenes_take_every_counter_to_its_end(shapes):
-    depth, group = shapes.configuration.depth, shapes.configuration.group
-    answers = []
-    for scene in extreme_scenes(shapes):
-        a, b = meshes_of(scene)
-        answers += [scene_answer(moved(a, run.translation), b, run.margin, group) for run, _ in scene.runs]
-    for name in ("pairs_skipped", "tested") if group > 1 else ("tested",):
-        assert max(getattr(answer, name) for answer in answers) == depth**2
-    for name in ("group_pairs_skipped", "group_pairs_opened"):
-        assert max(getattr(answer, name) for answer in answers) == (depth // group) ** 2
-    assert max(answer.near.sum() for answer in answers) == depth**2
-
-
-def test_meshes_grow_through_every_size(shapes):
-    sizes, seen = [0, 0], set()
-    for scene in growing_scenes(shapes):
-        for mesh, triangles in enumerate((scene.a, scene.b)):
-            if triangles is not None:
-                sizes[mesh] = len(triangles) + (sizes[mesh] if scene.append else 0)
-        seen.add(tuple(sizes))
-    every = range(1, shapes.configuration.depth + 1)
-    assert seen >= {(size, 1) for size in every} | {(1, size) for size in every}

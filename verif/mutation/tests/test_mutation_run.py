@@ -3,9 +3,10 @@
 import json
 import os
 import subprocess
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -29,7 +30,7 @@ from triaxis.verif.mutation.equivalence import (
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
-from triaxis.verif.mutation.targets import MAIN, AnyTarget
+from triaxis.verif.mutation.targets import MAIN
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
@@ -49,12 +50,6 @@ def of(place, operator, changed):
     return next(
         m for m in catalogue().mutants if (m.module, m.operator) == (place, operator) and changed in m.changed
     )
-
-
-@pytest.fixture(scope="module")
-def touching():
-    """Return a mutant that only touching pairs show."""
-    return of("triaxis_interval", "relational", "points[i] >= ceiling")
 
 
 def empty(folder: Path) -> Path:
@@ -81,18 +76,12 @@ def few(*mutants):
     return replace(found, mutants=tuple(m for m in found.mutants if m.id in names))
 
 
-def run(folder, chosen, seed, equivalents=None, target: AnyTarget = MAIN):
+def run(folder, chosen, seed, equivalents=None, dut=DUT):
     """Run without what earlier runs know, on one target, without volume."""
     return mutate(
-        seed, targets=(target,), fresh=True, with_volume=False, chosen=chosen,
+        seed, targets=(MAIN,), fresh=True, with_volume=False, chosen=chosen, dut=dut,
         equivalents=equivalents or empty(folder),
     )  # fmt: skip
-
-
-def leave_only(monkeypatch, test, pairs):
-    """Leave a target only this test, with so many pairs."""
-    real = targets._runs
-    monkeypatch.setattr(targets, "_runs", lambda *a: (replace(real(*a)[0], test=test, pairs=pairs),))
 
 
 @pytest.mark.regress
@@ -106,8 +95,14 @@ def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_se
     fate = found.fates[0]
     assert (fate.fate, fate.by) == (KILLED, "run")
     assert fate.test in ("StallsTest", "ResetsTest") and fate.pairs is not None
+    # Nor may it be listed as equivalent, whatever the evidence is taken for.
+    monkeypatch.setattr("triaxis.verif.mutation.equivalence._kept", lambda *_: None)
+    found = run(tmp_path, few(overflowing), seed, listed(tmp_path, overflowing.id))
+    assert not found.passed
+    assert any("listed as equivalent, but" in problem for problem in found.problems)
     # At full speed the queue never fills.
-    leave_only(monkeypatch, "RandomTest", 100)
+    real = targets._runs
+    monkeypatch.setattr(targets, "_runs", lambda *a: (replace(real(*a)[0], test="RandomTest", pairs=100),))
     found = run(tmp_path, few(overflowing), seed)
     assert not found.passed
     assert found.fates[0].fate == SURVIVING
@@ -117,40 +112,25 @@ def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_se
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, touching, seed):
+def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, seed):
+    touching = of("triaxis_interval", "relational", "points[i] >= ceiling")
     other = of("triaxis_extent", "relational", "points_i[i] <= points_i")
     with mutated(DUT, touching) as broken, pytest.raises(InputError, match="the RTL is wrong"):
-        mutate(seed, targets=(MAIN,), fresh=True, chosen=few(other), equivalents=empty(tmp_path), dut=broken)
+        run(tmp_path, few(other), seed, dut=broken)
 
 
 @pytest.mark.simulator
 def test_a_trial_that_fails_for_another_reason_gives_no_verdict(tmp_path):
-    settings = MAIN.tests(1)[:1]
     place = tmp_path / "trials"
     place.mkdir()
     crashing = tmp_path / "libcrash.so"
     source = 'extern "C" void* triaxis_open(unsigned) { __builtin_trap(); }'
-    subprocess.run(
-        ["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", str(crashing)],
-        input=source,
-        text=True,
-        check=True,
-    )
-    trials = Trials(
-        tuple(replace(one, folder=str(place)) for one in settings), (Model("m", str(crashing)),), place
-    )
+    compile_it = ["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", str(crashing)]
+    subprocess.run(compile_it, input=source, text=True, check=True)
+    settings = tuple(replace(one, folder=str(place)) for one in MAIN.tests(1)[:1])
+    trials = Trials(settings, (Model("m", str(crashing)),), place)
     with pytest.raises(InputError, match=r"m: no verdict of ExtremesTest: .*triaxis_close"):
         run_trials(trials)
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed, monkeypatch):
-    # The evidence is believed here, wrongly: the run must not be.
-    monkeypatch.setattr("triaxis.verif.mutation.equivalence._kept", lambda *_: None)
-    found = run(tmp_path, few(touching), seed, listed(tmp_path, touching.id))
-    assert not found.passed
-    assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
 @pytest.mark.prover
@@ -163,6 +143,15 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     assert message is not None
     assert wrong.id in message
     assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
+    # Nor does a contract hold for what breaks it.
+    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
+    entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
+    for module, said in (
+        ("triaxis_stream_fifo", "not equivalent by its contract"),
+        ("triaxis_ram", "there is no proof of triaxis_ram"),
+        ("triaxis_pick", "are not of mesh/triaxis_stream_fifo.sv"),
+    ):
+        assert said in (keep_contract(replace(entry, module=module), [wrong]) or "")
 
 
 def test_corners_refuse_a_bit_that_is_needed():
@@ -195,18 +184,6 @@ def test_an_entry_that_is_not_whole_is_refused(tmp_path, names, change, message)
     assert "there is no such mutant now" in check_equivalents([gone], {}, []).problems[0]
 
 
-@pytest.mark.prover
-def test_a_contract_refuses_what_breaks_it():
-    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
-    entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
-    refused = keep_contract(entry, [wrong])
-    assert refused is not None and "not equivalent by its contract" in refused
-    other = keep_contract(replace(entry, module="triaxis_ram"), [wrong])
-    assert other is not None and "there is no proof of triaxis_ram" in other
-    elsewhere = keep_contract(replace(entry, module="triaxis_pick"), [wrong])
-    assert elsewhere is not None and "are not of mesh/triaxis_stream_fifo.sv" in elsewhere
-
-
 @cache
 def first():
     """Return a mutant."""
@@ -231,11 +208,11 @@ def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
     assert result.known_result(tmp_path / "none.json") is None
 
 
-def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypatch):
+def test_a_change_during_the_run_is_a_problem(tmp_path, seed, monkeypatch):
     states = iter(("before", "after"))
     monkeypatch.setattr("triaxis.verif.mutation.run.killers_hash", lambda: next(states))
     monkeypatch.setattr("triaxis.verif.mutation.run.judge", lambda *_: [])
-    found = run(tmp_path, few(touching), seed)
+    found = run(tmp_path, few(first()), seed)
     assert found.killers_hash == "before"
     assert any("changed during the run" in problem for problem in found.problems)
 
@@ -284,16 +261,6 @@ def test_fates_are_not_believed(tmp_path, change, listing, message):
             result.fates_in(content | {key: {}}, file)
 
 
-@dataclass(frozen=True)
-class Failing:
-    """A Verilator that is a script."""
-
-    executable: Path
-
-    def environment(self) -> dict[str, str]:
-        return dict(os.environ)
-
-
 @pytest.mark.parametrize(
     ("script", "message"),
     [
@@ -302,32 +269,21 @@ class Failing:
         ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; kill -SEGV $$', "ends with -11"),
         ('echo "%Error: $DUT/a.sv:1:2: x" >&2; echo No space left on device >&2; exit 1', "ends with 1"),
         ("sleep 5", "still running"),
+        ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1', r"triaxis_core.sv:1:2"),
     ],
 )
 def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, message):
     monkeypatch.setattr(programs, "_WALL_SECONDS", 2 if "sleep" in script else 60)
+    fails = SimpleNamespace(executable=tmp_path / "fails", environment=lambda: dict(os.environ))
     for module in (builds, verilate):
-        monkeypatch.setattr(module, "verilator", lambda: Failing(tmp_path / "fails"))
+        monkeypatch.setattr(module, "verilator", lambda: fails)
     monkeypatch.setattr(builds, "_build", lambda *_: replace(MAIN.build(DUT), dut=tmp_path))
     monkeypatch.setenv("DUT", str(tmp_path))
-    target = MAIN
     (tmp_path / "fails").write_text(f"#!/bin/sh\n{script}\n")
     (tmp_path / "fails").chmod(0o755)
-    with pytest.raises(InputError, match=message):
-        builds.elaboration_hash(target, tmp_path, False)
-    (tmp_path / "fails").write_text('#!/bin/sh\necho "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1\n')
-    monkeypatch.setattr(programs, "_WALL_SECONDS", 60)
-    with pytest.raises(builds.ElaborationError, match=r"triaxis_core\.sv:1:2"):
-        builds.elaboration_hash(target, tmp_path, False)
-
-
-def test_outcomes_of_a_state_that_changed_are_not_kept(tmp_path, monkeypatch):
-    known = tmp_path / "known"
-    outcomes.Store(DUT, 1, False).save()
-    store, before = outcomes.Store(DUT, 9, False), set(known.iterdir())
-    monkeypatch.setattr(outcomes, "killers_hash", lambda: "another")
-    store.save()
-    assert set(known.iterdir()) == before != set()
+    error = builds.ElaborationError if "core.sv:1:2" in message else InputError
+    with pytest.raises(error, match=message):
+        builds.elaboration_hash(MAIN, tmp_path, False)
 
 
 @pytest.mark.parametrize(

@@ -52,12 +52,10 @@ FAILED = replace(PASSED, passed=False, errors=("12.00ns ERROR 3 pairs accepted a
         ("margin 3, [[[1, -2, 3], [4, 5, 6]]]: wrong", "margin 0, [[[10, 20, 30]]]: wrong"),
         ("cannot read /tmp/a/b/c.npz", "cannot read /var/c.npz"),
         ("build abcdef0123456789 gone", "build 0123456789abcdef gone"),
-        ("took 3.5e-07 s", "took 12 s"),
         (
             "core says (False, 3, True) (0x0006), exact answer (True, None, False): margin 7, [[[1, 2",
             "core says (True, 12, False) (0xbeef), exact answer (False, 1, True): margin 0, [[[-1]]]",
         ),
-        ("x" * 150 + " (one of many words)", "x" * 150),
     ],
 )
 def test_messages_that_say_the_same(first, second):
