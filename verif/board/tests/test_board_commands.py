@@ -12,7 +12,6 @@ from triaxis.verif.board.tests.board_host import (
     BoardHost,
     Code,
     Command,
-    End,
     Mode,
     State,
     clear_run,
@@ -257,18 +256,6 @@ def test_repeated_results_are_the_same(host):
     # No part of the ring that was freed is ever shown, whoever asks.
     command, payload = results(7)
     assert host.exchange(on_line(host.frame(command, payload, host.sequence))).code == Code.VALUE
-
-
-def test_loads(host):
-    for mesh in (0, 1):
-        host.load(mesh, flat(100 * mesh, DEPTH))
-    status = host.run(Mode.COUNT)
-    assert (status.end, status.count_a, status.count_b, status.near) == (End.COMPLETE, DEPTH, DEPTH, 0)
-    # From the first index on it replaces.
-    host.load(0, flat(105, 2))
-    status = host.run(Mode.ALL)
-    assert (status.count_a, status.near) == (2, 0)
-    assert host.run(Mode.ALL, 5).near == 2 * DEPTH
 
 
 def test_the_ends_of_the_ranges(host):

@@ -11,7 +11,7 @@ from triaxis.verif.core.failing_pairs import Stream, read_failing
 from triaxis.verif.core.kept_cases import read_cases
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.counterexample.explaining import explain_failures
-from triaxis.verif.counterexample.finding import BareCore, Symptom, find
+from triaxis.verif.counterexample.finding import BareCore, Symptom
 from triaxis.verif.counterexample.shrinking import Budget, minimise, shrink
 
 CONFIGURATION = Configuration(8, 8)
@@ -169,30 +169,6 @@ def recorded(path, missed, rng):
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_a_broken_core_gives_tiny_counterexamples(core, missed, tmp_path, rng):
-    path = recorded(tmp_path / "failing.npz", missed, rng)
-    alone, with_context = read_failing(path, CONFIGURATION)
-    assert alone.context is None and with_context.context is not None
-    assert len(with_context.context) == 20
-    found = find(core, alone)
-    assert found is not None
-    assert (len(found.stream), found.symptom) == (1, Symptom.MISSED)
-    assert np.abs(found.stream.pair).max() <= 4
-    assert core.symptom(found.stream) == Symptom.MISSED
-    assert "clear by axis" in found.core_said and found.right_answer.startswith("near")
-    # What needs the pair before keeps it.
-    assert core.symptom(with_context.stream) == Symptom.RIGHT
-    found = find(core, with_context)
-    assert found is not None
-    assert (len(found.stream), found.symptom) == (2, Symptom.FALSE_ALARM)
-    assert found.stream.margins.tolist() == [1, 0]
-    assert np.abs(found.stream.pairs).max() <= 4
-    assert core.symptom(found.stream) == Symptom.FALSE_ALARM
-    assert core.symptom(Stream(found.stream.pairs[1:], NO_MARGIN)) == Symptom.RIGHT
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
 def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys):
     def shrunk(failing, *words, dut=broken):
         common = ("--config", CONFIGURATION.name, "--dut", dut, "--pictures", pictures)
@@ -207,7 +183,10 @@ def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys):
     assert f"before: margin 0, {missed.tolist()}" in out
     assert "says clear where the pair is near" in out and "; then margin 0" in out
     assert len(list(pictures.glob("*.png"))) == len(read_cases(store)) == 2
-    assert {case.found["fault"] for case in read_cases(store)} == {"two faults"}
+    for case in read_cases(store):
+        assert case.found["fault"] == "two faults"
+        assert len(case.stream) == 1 + (case.found["symptom"] == "false_alarm")
+        assert np.abs(case.stream.pairs).max() <= 4
 
     status, again, _ = shrunk(failing, "--no-keep")
     assert (status, again) == (0, "".join(line for line in out.splitlines(True) if "kept:" not in line))

@@ -86,17 +86,6 @@ def test_a_wrong_summary_is_said(seed, change, message):
     assert any(message in line for line in found), found
 
 
-def test_wrong_streams_are_said(seed):
-    bench = Bench(seed)
-    assert any("near pairs sent" in line for line in bench.said(near=bench.near[:-1]))
-    assert any("near pairs: number 0" in line for line in bench.said(near=bench.near[::-1]))
-    assert any("near pairs: number" in line for line in bench.said(near=np.repeat(bench.near, 2, 0)))
-    assert any("without a proof" in line for line in bench.said(core=bench.core[1:]))
-    skipped = np.array([[0, 0]]) + np.argwhere(np.ones((11, 10)))[-1:]
-    assert any("pairs in the core" in line for line in bench.said(core=np.concatenate([bench.core, skipped])))
-    assert bench.said(core=np.array([[99, 99]]))
-
-
 def test_what_is_due_passes_in_every_mode_and_with_saturated_cycles(seed):
     for mode in Mode:
         assert Bench(seed, mode).said() == []

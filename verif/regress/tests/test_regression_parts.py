@@ -15,7 +15,7 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress import dispatch
 from triaxis.verif.regress.definition import Regression
-from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets, general
+from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets
 from triaxis.verif.regress.history import NightlyRecord, append_record, as_date, read_history
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
 from triaxis.verif.regress.one_job import error_file
@@ -40,26 +40,6 @@ PASSED = RunRecord(
     "host", None, "log", "folder", "replay",
 )  # fmt: skip
 FAILED = replace(PASSED, passed=False, errors=("12.00ns ERROR 3 pairs accepted and never answered",))
-
-
-@pytest.mark.parametrize(
-    ("first", "second"),
-    [
-        (
-            "40695.00ns ERROR    ..me/ci/verif/scoreboard.py(125) [top.env]: tag 78 where 77 was due",
-            "  1.00us ERROR    ..ild/other/verif/scoreboard.py(125) [top.env]: tag 8 where 7 was due",
-        ),
-        ("margin 3, [[[1, -2, 3], [4, 5, 6]]]: wrong", "margin 0, [[[10, 20, 30]]]: wrong"),
-        ("cannot read /tmp/a/b/c.npz", "cannot read /var/c.npz"),
-        ("build abcdef0123456789 gone", "build 0123456789abcdef gone"),
-        (
-            "core says (False, 3, True) (0x0006), exact answer (True, None, False): margin 7, [[[1, 2",
-            "core says (True, 12, False) (0xbeef), exact answer (False, 1, True): margin 0, [[[-1]]]",
-        ),
-    ],
-)
-def test_messages_that_say_the_same(first, second):
-    assert general(first) == general(second)
 
 
 def test_fullest_bucket_first():
@@ -168,8 +148,8 @@ SMOKE = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
 ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
 
 
-def covered(model: str = "core_w16_m0", **changes: Any):
-    return (ModelReport(model, (replace(ITEM, **changes),)),)
+def covered(**changes: Any):
+    return (ModelReport("core_w16_m0", (replace(ITEM, **changes),)),)
 
 
 MISSING: dict[str, Any] = {"hit": 32, "missing": ("near",)}
@@ -218,13 +198,6 @@ def test_results_and_history_tell_nothing_from_zero(tmp_path):
     line = history_record(found)
     assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
     assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
-
-
-def test_a_seed_that_was_replayed_and_passes_is_fixed():
-    seed = FailingSeed(RUN, "other sources", "it failed")
-    assert outcome(replayed=(seed,)).fixed == [seed]
-    assert outcome(replayed=(seed,), records=(TOLD,)).fixed == []
-    assert outcome(replayed=(FLAKY,), flaky=(FLAKY,)).fixed == []
 
 
 # --- Jobs -----------------------------------------------------------------------------------------------
