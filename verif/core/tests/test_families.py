@@ -1,4 +1,4 @@
-"""Stimulus is what it says: in range, repeatable; contacts touch, near misses miss by one step, corners reach bounds."""
+"""Stimulus is what it says: in range, repeatable; contacts touch, near misses miss by a step."""
 
 from itertools import product
 from math import gcd

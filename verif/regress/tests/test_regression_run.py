@@ -43,20 +43,14 @@ def planned(test, seed=0):
 
 def write_definition(folder, **changes):
     """Write small.hjson: regressions `good`, `short`, `long`, and `bad`, whose monitors lie."""
-    seeds = {
-        "MixedTest": 2,
-        "FarTest": 1,
-        "TouchingTest": LONG,
-        "DroppedResultTest": 2,
-        "CorruptClaimTest": 1,
-    }
-    tests = {test: as_test(planned(test).item, planned(test), count) for test, count in seeds.items()}
     regressions = {
-        "good": ("MixedTest", "FarTest"),
-        "short": ("FarTest",),
-        "long": ("TouchingTest",),
-        "bad": ("FarTest", "DroppedResultTest", "CorruptClaimTest"),
+        "good": {"MixedTest": 2, "FarTest": 1},
+        "short": {"FarTest": 1},
+        "long": {"TouchingTest": LONG},
+        "bad": {"FarTest": 1, "DroppedResultTest": 2, "CorruptClaimTest": 1},
     }
+    seeds = {test: count for used in regressions.values() for test, count in used.items()}
+    tests = {test: as_test(planned(test).item, planned(test), count) for test, count in seeds.items()}
     content = {
         **read_definition().content,
         "tests": list(tests.values()),
