@@ -137,9 +137,9 @@ def test_what_is_refused_runs_nothing(seed):
     assert bench.said(nothing, none, none)
 
 
-def test_matching_follows_meshes_and_limits(seed):
+def test_matching_follows_meshes_limits_and_resets(seed):
     runs = []
-    matcher = RunMatcher(4, lambda run, summary: runs.append((run, summary)))
+    matcher = RunMatcher(4, lambda run, summary: runs.append(run))
     triangles = np.random.default_rng(seed).integers(-9, 9, (6, 3, 3))
     for mesh, clear, part in ((0, True, triangles[:3]), (0, False, triangles[3:]), (1, True, triangles[:2])):
         matcher.load(Loaded(mesh, clear, part))
@@ -148,29 +148,18 @@ def test_matching_follows_meshes_and_limits(seed):
     # At the edge at which the run was accepted, told after it.
     matcher.load(Loaded(1, False, triangles[2:3], with_run=True))
     matcher.summary(summary)
-    run = runs[0][0]
-    assert (run.a == triangles[:4]).all() and (run.b == triangles[:3]).all()
-    assert run.overfull == (True, False) and run.reloaded == (True, True) and run.loaded_with_run
-    # Told before it.
-    matcher.load(Loaded(0, True, triangles[:1], with_run=True))
-    matcher.run(RunAccepted(RunRequest()))
-    matcher.summary(summary)
-    assert runs[1][0].reloaded == (True, False) and runs[1][0].loaded_with_run
-    assert len(runs[1][0].a) == 1 and runs[1][0].overfull == (False, False)
-    assert not matcher.stray and matcher.triangles == 10
+    assert (runs[0].a == triangles[:4]).all() and (runs[0].b == triangles[:3]).all()
+    assert runs[0].overfull == (True, False) and runs[0].loaded_with_run
+    assert not matcher.stray and matcher.triangles == 9
     # A reset empties everything.
-    matcher.load(Loaded(0, True, np.zeros((9, 3, 3), np.int64)))
     matcher.run(RunAccepted(RunRequest()))
     matcher.summary(ResetSeen())
     assert not matcher.unfinished and matcher.ended_by_reset == 1
     matcher.run(RunAccepted(RunRequest()))
     matcher.summary(summary)
-    assert len(runs[2][0].a) == 0 and runs[2][0].overfull == (False, False)
+    assert len(runs[1].a) == 0 and runs[1].overfull == (False, False)
     # What belongs to no run is kept.
     matcher.near(NearTaken(np.array([[0, 0]])))
     matcher.core(CorePairs(np.array([[0, 0]])))
     matcher.summary(summary)
-    for _ in range(2):
-        matcher.run(RunAccepted(RunRequest()))
-        matcher.load(Loaded(0, True, triangles[:1]))
-    assert len(matcher.stray) == 6 and matcher.unfinished
+    assert len(matcher.stray) == 3

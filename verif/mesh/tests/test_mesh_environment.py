@@ -20,6 +20,7 @@ pytestmark = pytest.mark.simulator
 SAID = {
     "MeshNearLostTest": "near pairs sent",
     "MeshNearTwiceTest": "near pairs: number",
+    "MeshNearOrderTest": "near pairs: number",
     "MeshUntestedTest": "skipped without a proof",
     "MeshOtherMeshTest": "is due",
     "MeshLoadLostTest": "were given",
