@@ -87,6 +87,8 @@ ENDS: dict[str, Callable[[BoardHost], object]] = {
     "reset": reset,
     "bad CRC": bad_crc,
     "bad stuffing": lambda host: host.silent(b"\xc0\x06\xdb\x06\xc0"),
+    "stuffing twice": lambda host: host.silent(b"\xc0\x06\xdb\xdb\xc0"),
+    "stuffing at the end": lambda host: host.silent(b"\xc0\x06\xdb\xc0"),
     "too short": lambda host: host.silent(b"\xc0\x06\xc0"),
     "too long": lambda host: host.silent(b"\xc0" + bytes(257) + b"\xc0"),
     "framing error": break_line,
@@ -106,11 +108,19 @@ ENDS: dict[str, Callable[[BoardHost], object]] = {
 }
 
 
+NO_FRAMES = (
+    "bad CRC", "bad stuffing", "stuffing twice", "stuffing at the end", "too short", "too long",
+    "framing error", "noise", "frame too early",
+)  # fmt: skip
+
+
 @pytest.mark.parametrize("end", ENDS)
 def test_go_ends_and_only_a_run_brings_it_back(host, end):
     clear_run(host)
     ENDS[end](host)
     assert not says_go(host.top)
+    # What is no frame is counted, once.
+    assert host.status().errors == 1 or end not in NO_FRAMES
     # Talk alone does not help.
     go_clocks = host.top.go_clocks
     for _ in range(3):
@@ -177,7 +187,10 @@ def test_what_does_not_end_go(host):
     host.status()
     host.results(0)
     host.silent(b"\xc0\xc0")
-    host.top.glitch(1)
+    # Shorter than half a bit.
+    host.top.glitch(PARAMETERS.clocks_per_bit // 2 - 1)
+    host.top.step(100)
+    assert host.status().errors == 0
     for _ in range(3):
         host.status()
         host.top.step(PARAMETERS.watchdog_clocks - 7000)
