@@ -14,8 +14,8 @@ from triaxis.verif.testbench.test_table import REPLAY, core_tests
 
 pytestmark = pytest.mark.simulator
 
-# One build for each agent serves all of them.
-CONFIG = "w8_m8"
+# One build for each agent serves all of them; that for the pins is the one of verif/faults.
+CONFIG, PINS = "w8_m8", "w16_m0"
 ON_PINS = ("RandomTest", "StallsTest", "ResetsTest")
 
 
@@ -31,8 +31,8 @@ def burst(test, seed, pairs, folder, **options):
     ],
 )
 def test_passes(tmp_path, seed, test, agent):
-    pairs = 3000 if agent == BURST else 400
-    result = run(run_settings(test, CONFIG, seed, pairs, folder=tmp_path, agent=agent, judged_one_in=50))
+    config, pairs = (CONFIG, 3000) if agent == BURST else (PINS, 400)
+    result = run(run_settings(test, config, seed, pairs, folder=tmp_path, agent=agent, judged_one_in=50))
     assert result.passed and result.counts, result.explain()
     assert result.counts["judged_by_golden_model"] > 0
     hits = load(result.coverage, core_model(*result.settings.configuration.covered)).hits
