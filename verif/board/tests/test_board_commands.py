@@ -12,7 +12,6 @@ from triaxis.verif.board.tests.board_host import (
     BoardHost,
     Code,
     Command,
-    End,
     Mode,
     State,
     clear_run,
@@ -102,6 +101,8 @@ def test_what_is_wrong_is_refused_and_changes_nothing(host, what):
             assert said is None or reply == said
 
 
+# It needs a build of its own.
+@pytest.mark.regress
 def test_coordinates_that_need_more_bits_than_there_are(rng):
     host = BoardHost(SimulatedTop(BoardParameters(width=20, margin_bits=12, watchdog_clocks=100_000)))
     host.hello()
@@ -192,19 +193,6 @@ def test_a_board_that_nobody_uses_is_its_masters_or_anothers(host):
     other.status()
 
 
-def test_hello_of_the_same_session_starts_afresh(host):
-    clear_scene(host)
-    host.move(1, 2, 3)
-    clear_run(host)
-    host.hello()
-    status = host.status()
-    assert (status.run, status.state, status.end, status.mode, status.cycles) == (0, State.NEVER, 0, 0, 0)
-    assert (status.x, status.y, status.z, status.margin, status.count_a, status.count_b) == (0,) * 6
-    clear_scene(host)
-    status = host.run(Mode.ALL)
-    assert (status.run, status.x, status.y, status.z) == (1, 0, 0, 0)
-
-
 def test_bad_sequence(host):
     first = host.sequence
     clear_scene(host)
@@ -270,18 +258,6 @@ def test_repeated_results_are_the_same(host):
     assert host.exchange(on_line(host.frame(command, payload, host.sequence))).code == Code.VALUE
 
 
-def test_loads(host):
-    for mesh in (0, 1):
-        host.load(mesh, flat(100 * mesh, DEPTH))
-    status = host.run(Mode.COUNT)
-    assert (status.end, status.count_a, status.count_b, status.near) == (End.COMPLETE, DEPTH, DEPTH, 0)
-    # From the first index on it replaces.
-    host.load(0, flat(105, 2))
-    status = host.run(Mode.ALL)
-    assert (status.count_a, status.near) == (2, 0)
-    assert host.run(Mode.ALL, 5).near == 2 * DEPTH
-
-
 def test_the_ends_of_the_ranges(host):
     clear_scene(host)
     for values in ((-65536, 65535, 0), (0, -65536, 65535), (65535, 0, -65536)):
@@ -290,13 +266,3 @@ def test_the_ends_of_the_ranges(host):
         assert (status.x, status.y, status.z) == values
     host.move(0, 0, 0)
     assert host.run(Mode.ALL, (1 << 16) - 1).near == 1
-
-
-def test_pairs_come_as_loaded(host, rng):
-    triangles = rng.integers(-(1 << 15), 1 << 15, (DEPTH, 3, 3))
-    host.load(0, triangles)
-    host.load(1, triangles[::-1])
-    host.start(Mode.ALL)
-    _, near = host.all_results()
-    opposite = np.stack([np.arange(DEPTH), DEPTH - 1 - np.arange(DEPTH)], 1)
-    assert set(map(tuple, opposite.tolist())) <= set(map(tuple, near.tolist()))

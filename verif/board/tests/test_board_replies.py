@@ -8,6 +8,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
+from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -69,40 +71,15 @@ class Recording(Exchange):
         return reply
 
 
-class Silence:
-    """A line of which only the time counts."""
-
-    name = "recorded board"
-
-    def __init__(self):
-        self.time = 0.0
-
-    def send(self, data):
-        pass
-
-    def receive(self, seconds):
-        self.time += seconds
-        return b""
-
-    def drop_input(self):
-        pass
-
-    def close(self):
-        pass
-
-    def wait(self, seconds):
-        self.time += seconds
-
-    def now(self):
-        return self.time
-
-
 class Replaying(Exchange):
     """Answers with recorded replies, the last to a command again and again; one of them is altered."""
 
     def __init__(self, replies, number=None):
-        self.silence = Silence()
-        super().__init__(self.silence)
+        self.time = 0.0
+        # A line of which only the time counts.
+        line: Any = Mock(now=lambda: self.time, wait=self.wait)
+        line.name = "recorded board"
+        super().__init__(line)
         self.replies, self.number = replies, number
         self.altered = b""
         self.used = Counter()
@@ -113,8 +90,11 @@ class Replaying(Exchange):
         self.used[command] += 1
         return super().next_frame(command, payload)
 
+    def wait(self, seconds):
+        self.time += seconds
+
     def send(self, command, frame, seconds):
-        self.silence.time += 1
+        self.wait(1)
         mine = [i for i, reply in enumerate(self.replies) if command_of(reply) == command]
         if not mine:
             return None

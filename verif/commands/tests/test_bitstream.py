@@ -8,15 +8,14 @@ import pytest
 from triaxis.fpga import bitstream as bitstream_module
 from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
-from triaxis.fpga.board_build import SIGNED_OFF, bitstream_sources, generics
+from triaxis.fpga.board_build import bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli.engine import checkout_id
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.verif.commands import fpga
-from triaxis.verif.signoff.gate import PARTS, SOURCES
-from triaxis.verif.signoff.tests.test_gate import signed
+from triaxis.verif.signoff.tests.signoff_evidence import good_content
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
@@ -28,6 +27,7 @@ RTL = rtl_hash()
 @pytest.fixture
 def bench(tmp_path, monkeypatch):
     """Lay out a board of one file, a good sign-off, and results in a folder of the test's own."""
+    sign(tmp_path)
     source = tmp_path / "top.sv"
     source.write_text("module nexys4ddr_top; endmodule\n")
     monkeypatch.setattr(fpga, "bitstream_sources", lambda _: [source])
@@ -36,14 +36,11 @@ def bench(tmp_path, monkeypatch):
     monkeypatch.setattr(fpga, "SAIF", tmp_path / "activity.saif")
     monkeypatch.setattr(fpga, "ACTIVITY", tmp_path / "activity.json")
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
-    sign(tmp_path)
     return tmp_path
 
 
 def sign(folder, **changes):
-    parts = {name: {"passed": True, "rtl_hash": RTL} for name in PARTS}
-    content = {**signed(), "rtl_hash": RTL, "environment_hash": SOURCES.hash(), "parts": parts, **changes}
-    (folder / "signoff.json").write_text(json.dumps(content))
+    (folder / "signoff.json").write_text(json.dumps({**good_content(), **changes}))
 
 
 def run(bench):
@@ -67,53 +64,39 @@ def test_bitstream_and_manifest(bench, capsys):
     assert "wns_ns: 0.25" in capsys.readouterr().out
 
 
-def activity_of(folder, rtl):
-    (folder / "activity.saif").write_text("(SAIFILE)")
-    others = dict.fromkeys(("passed", "problems", "summary", "command", "seconds"))
-    (folder / "activity.json").write_text(json.dumps({**others, "rtl_hash": rtl}))
-
-
-def test_simulated_activity_is_used_where_it_is_of_this_rtl(bench, capsys):
+@pytest.mark.parametrize("rtl", [RTL, "b" * 64, None])
+def test_simulated_activity_is_used_where_it_is_of_this_rtl(bench, capsys, rtl):
     make_vivado(bench / "bin", Behaviour())
-    manifest = bench / "fpga" / "nexys4ddr.json"
-    activity_of(bench, "b" * 64)
+    (bench / "activity.saif").write_text("(SAIFILE)")
+    if rtl:
+        others = dict.fromkeys(("passed", "problems", "summary", "command", "seconds"))
+        (bench / "activity.json").write_text(json.dumps({**others, "rtl_hash": rtl}))
     assert run(bench) == 0
-    assert "without simulated activity of this RTL" in capsys.readouterr().out
-    # Nor is one that says nothing of its RTL.
-    for _ in range(2):
-        assert not any(call[0] == "read_saif" for call in calls(bench / "bin"))
-        assert json.loads(manifest.read_text())["activity"] is None
-        (bench / "activity.json").unlink(missing_ok=True)
-        assert run(bench) == 0
-    activity_of(bench, RTL)
-    assert run(bench) == 0
-    assert any(call[0] == "read_saif" for call in calls(bench / "bin"))
-    assert json.loads(manifest.read_text())["activity"] is not None
+    used = any(call[0] == "read_saif" for call in calls(bench / "bin"))
+    manifest = json.loads((bench / "fpga" / "nexys4ddr.json").read_text())
+    assert used == (manifest["activity"] is not None) == (rtl == RTL)
+    assert ("without simulated activity of this RTL" in capsys.readouterr().out) != used
 
 
 def nothing_is_left(bench):
     return not any((bench / "fpga" / name).exists() for name in ("nexys4ddr.bit", "nexys4ddr.json"))
 
 
-@pytest.mark.parametrize(
-    ("changes", "reason"),
-    [
+def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys):
+    for changes, reason in (
         ({"rtl_hash": "b" * 64}, "signed off for RTL bbbbbbbbbbbb"),
-        ({"passed": False}, "did not pass"),
         ({"parts": {}}, "no evidence"),
         (None, "no sign-off"),
-    ],
-)
-def test_the_gate_refuses_before_vivado_is_looked_for(bench, capsys, changes, reason):
-    if changes is None:
-        (bench / "signoff.json").unlink()
-    else:
-        sign(bench, **changes)
-    assert run(bench) == 1
-    said = capsys.readouterr().err
-    assert reason in said
-    assert all(line.startswith("gate: refused: ") for line in said.splitlines())
-    assert not (bench / "fpga").exists()
+    ):
+        if changes is None:
+            (bench / "signoff.json").unlink()
+        else:
+            sign(bench, **changes)
+        assert run(bench) == 1
+        said = capsys.readouterr().err
+        assert reason in said
+        assert all(line.startswith("gate: refused: ") for line in said.splitlines())
+        assert not (bench / "fpga").exists()
 
 
 @pytest.mark.parametrize(
@@ -174,25 +157,20 @@ def test_what_changes_during_the_build_is_refused(bench, capsys, monkeypatch, ha
     assert nothing_is_left(bench)
 
 
-def test_the_build_id_tells_rtl_and_board(tmp_path, monkeypatch):
-    ids = {build_id(rtl, board) for rtl in ("a" * 64, "b" * 64) for board in ("a" * 64, "b" * 64)}
-    assert len(ids) == 4
-    # What a checkout says changes with any file of the board.
+def test_the_build_id_and_what_a_checkout_says_change_with_rtl_and_board(tmp_path, monkeypatch):
+    assert len({build_id(rtl * 64, board * 64) for rtl in "ab" for board in "ab"}) == 4
     before = checkout_id()
     copy = tmp_path / "top.sv"
     copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
     monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
     assert checkout_id() != before
-    assert generics(SIGNED_OFF, 0x0000CAFE)["BuildId"] == "32'h0000cafe"
 
 
 def test_sources_of_the_board(tmp_path):
     names = [path.name for path in bitstream_sources(DUT)]
     assert (names[0], names[-1]) == ("triaxis_pkg.sv", "nexys4ddr_top.sv")
-    assert len(names) == len(set(names))
     assert "CollisionDetector.sv" not in names
     (tmp_path / "core").mkdir()
-    for content, says in (("none.sv\n", "none.sv: not there"), ("", "no file")):
-        (tmp_path / "core" / "triaxis.f").write_text(content)
-        with pytest.raises(InputError, match=says):
-            bitstream_sources(tmp_path)
+    (tmp_path / "core" / "triaxis.f").write_text("none.sv\n")
+    with pytest.raises(InputError, match=r"none\.sv: not there"):
+        bitstream_sources(tmp_path)

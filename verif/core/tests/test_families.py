@@ -1,15 +1,18 @@
-"""Stimulus is what it says: in range, repeatable; contacts touch, margins decide, corners reach bounds."""
+"""Stimulus is what it says: in range, repeatable; contacts touch, near misses miss by a step."""
 
 from itertools import product
+from math import gcd
+from typing import Any
 
 import numpy as np
 import pytest
 
+from triaxis.golden.axes import axis_vector
 from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.exact import dot
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import check_pairs, coordinate_range
-from triaxis.verif.core.stimulus import families as mixtures
-from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixed, mixture
+from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixture
 from triaxis.verif.core.stimulus.general import (
     ORIENTATION,
     SPAN,
@@ -18,13 +21,17 @@ from triaxis.verif.core.stimulus.general import (
     orientations,
     spans,
 )
-from triaxis.verif.core.stimulus.margins import (
-    box_gaps,
-    distances,
-    margin_at_decision,
+from triaxis.verif.core.stimulus.near_miss import (
+    box,
+    edge_box,
+    edge_box_level,
+    edge_edge,
+    edge_edge_level,
+    face_vertex,
+    face_vertex_level,
+    family_of,
 )
-from triaxis.verif.core.stimulus.near_miss import family_of
-from triaxis.verif.core.stimulus.stimulus import Stimulus, collected, divided
+from triaxis.verif.core.stimulus.stimulus import Stimulus
 
 WIDTHS = range(8, 33)
 
@@ -48,112 +55,16 @@ def test_in_range_at_every_width(rng, name):
         assert count == 0 or stimulus.margins.max() <= largest
 
 
-@pytest.mark.parametrize("name", FAMILIES)
-@pytest.mark.parametrize("width", [8, 16, 32])
-def test_both_verdicts_and_large_numbers(rng, name, width):
-    for largest in (0, (1 << width) - 1):
-        stimulus = FAMILIES[name](rng, 1500, width, largest)
-        facts = facts_of(stimulus)
-        # Far pairs without a margin are there to be clear, some others to be near.
-        assert facts.near.any() or (name, largest) == ("far", 0)
-        assert facts.near.all() == (name in ("shared", "penetrating"))
-        small = name in ("tiny", "near-miss small")
-        size = (facts.high.astype(np.int64) - facts.low).max()
-        assert small or size > (1 << width) * 3 // 4
-        assert largest == 0 or len(np.unique(stimulus.margins)) > 20
-
-
-def test_same_seed_same_stimulus():
-    for name, family in FAMILIES.items():
-        first, second, third = (family(np.random.default_rng(s), 100, 16, 255) for s in (5, 5, 6))
+def test_a_seed_gives_the_same_stimulus_and_another_one_others():
+    for name, family in {**FAMILIES, "mixture": mixture}.items():
+        if family is mixture:
+            first, second, third = (mixture(np.random.default_rng(s), 16, 255).burst(5000) for s in (4, 4, 5))
+            assert len(np.unique(first.pairs.reshape(-1, 18), axis=0)) > 0.97 * len(first)
+        else:
+            first, second, third = (family(np.random.default_rng(s), 100, 16, 255) for s in (5, 5, 6))
         assert (first.pairs == second.pairs).all(), name
         assert (first.margins == second.margins).all(), name
         assert (first.pairs != third.pairs).any(), name
-
-
-def test_mixed_is_of_all_families(rng, monkeypatch):
-    def marked(number):
-        def family(rng, count, width, largest_margin):
-            return Stimulus(np.full((count, 2, 3, 3), number, np.int32), np.full(count, number, np.uint32))
-
-        return family
-
-    families = [marked(n) for n in range(7)]
-    monkeypatch.setattr(mixtures, "random_cube_symmetries", lambda rng, pairs: pairs)
-    for count in (1, 100, 5000):
-        stimulus = mixtures.mixed_once(rng, families, count, 16, 0)
-        assert len(stimulus) == count
-        assert set(stimulus.margins) == set(range(7)) or count == 1
-        # Margins stay with their pairs, where these are neither moved nor centred.
-        half = count // 2
-        assert (stimulus.pairs[:half, 0, 0, 0] == stimulus.margins[:half]).all()
-    supply = mixtures.Mixture(rng, families, 16, 0)
-    shares = np.bincount(supply.burst(70_000).margins, minlength=7) / 10_000
-    assert (np.abs(shares - 1) < 0.1).all()
-
-
-def test_mixture_is_deterministic_and_never_repeats_itself():
-    one, two = (mixture(np.random.default_rng(4), 16, 255) for _ in range(2))
-    bursts = [(one.burst(5000), two.burst(5000)) for _ in range(3)]
-    for a, b in bursts:
-        assert (a.pairs == b.pairs).all()
-        assert (a.margins == b.margins).all()
-    every = np.concatenate([a.pairs for a, _ in bursts]).reshape(-1, 18)
-    assert len(np.unique(every, axis=0)) > 0.97 * len(every)
-
-
-def test_counts_are_divided_and_collected():
-    for count, shares in product((0, 1, 7, 100), ([1], [1, 2, 3], [1] * 30)):
-        parts = divided(count, shares)
-        assert sum(parts) == count
-        assert all(abs(p - count * s / sum(shares)) < 1 for p, s in zip(parts, shares, strict=True))
-
-    def nothing(count):
-        return Stimulus(np.empty((0, 2, 3, 3), np.int32), np.empty(0, np.uint32))
-
-    with pytest.raises(RuntimeError, match="0 of"):
-        collected(5, nothing)
-
-
-def test_box_gaps(rng):
-    pairs = rng.integers(-(1 << 31), 1 << 31, (500, 2, 3, 3)).astype(np.int32)
-    pairs[::2, 1] //= 1 << 20
-    for pair, gap in zip(pairs.astype(np.int64), box_gaps(pairs), strict=True):
-        a, b = pair
-        assert gap == np.maximum(b.min(0) - a.max(0), a.min(0) - b.max(0)).max()
-
-
-@pytest.mark.parametrize("width", [8, 16, 24])
-def test_distances_tell_the_margin_at_which_pairs_become_near(rng, width):
-    stimulus = mixed(rng, 6000, width, (1 << width) - 1)
-    about = distances(stimulus.pairs)
-    # Distances are fractions; where float64 cannot tell which side of a whole number, leave it out.
-    sure = np.abs(about - np.rint(about)) > 1e-5
-    smallest = np.ceil(about).astype(np.int64)
-    assert (about > 1).mean() > 0.2
-    facts = bulk_facts(stimulus.pairs, smallest)
-    assert facts.near[sure].all()
-    less = bulk_facts(stimulus.pairs, np.maximum(smallest - 1, 0))
-    assert not less.near[sure & (smallest > 0)].any()
-    # Whole ones: near at the distance itself.
-    whole = ~sure & (np.rint(about) > 0)
-    assert whole.sum() > 100
-    at = np.rint(about).astype(np.int64)
-    assert (bulk_facts(stimulus.pairs, at).level != 0)[whole].mean() > 0.8
-
-
-def test_margins_at_the_decision(rng):
-    pairs = mixed(rng, 20_000, 16, (1 << 16) - 1).pairs
-    apart = pairs[distances(pairs) > 2]
-    facts = bulk_facts(apart, margin_at_decision(rng, apart, (1 << 16) - 1))
-    assert 0.3 < facts.near.mean() < 0.7
-    assert (facts.near & (facts.level != 0)).mean() > 0.05
-    assert (margin_at_decision(rng, apart, 0) == 0).all()
-    assert margin_at_decision(rng, apart, 100).max() == 100
-    # Kinds of axis that decide: box, normal, edge x edge, edge x box.
-    for first, last in ((0, 3), (3, 5), (5, 14), (14, 32)):
-        mask = np.uint32((1 << last) - (1 << first))
-        assert (facts.separating & mask == facts.separating)[~facts.near].sum() > 50
 
 
 # How many vertices of the two span what touches, and whether any axis is at the margin at all: triangles that
@@ -197,12 +108,6 @@ def test_pairs_touch_at_any_margin(rng, name):
     assert (facts.level != 0).mean() > 0.9 or name == "face-face"
 
 
-def test_no_corner_lies_beyond_the_bounds():
-    corners = all_corners()
-    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
-    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN
-
-
 @pytest.mark.parametrize("width", [8, 16])
 def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
     low, high = coordinate_range(width)
@@ -216,3 +121,49 @@ def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
     found = [spans(pairs, i, j, (j + 2) % 3) for i in range(3) for j in range(3)]
     assert np.max(found) == SPAN * cube
     assert np.min(found) == -SPAN * cube
+
+
+def test_no_corner_lies_beyond_the_bounds():
+    corners = all_corners()
+    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
+    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN
+
+
+def _gap(c, a, b):
+    """Return the gap on c, B above A."""
+    return min(dot(c, v) for v in b) - max(dot(c, v) for v in a)
+
+
+# The construction, the axis on which it is close, and the gaps in steps that come up.
+CONSTRUCTIONS = {
+    "face, vertex": (face_vertex, 3, {-1, 1}),
+    "face, vertex level": (face_vertex_level, 3, {0}),
+    "edge, edge": (edge_edge, 5, {-1, 1}),
+    "edge, edge level": (edge_edge_level, 5, {0}),
+    "edge, vertex": (lambda *a: edge_box(*a, flat=False), 16, {-1, 1}),
+    "edge, vertex level": (lambda *a: edge_box_level(*a, flat=False), 16, {0}),
+    "edge, vertex flat": (lambda *a: edge_box(*a, flat=True), 16, {-1, 1}),
+    "edge, vertex flat level": (lambda *a: edge_box_level(*a, flat=True), 16, {0}),
+    "vertex, vertex": (lambda *a: box(*a, flat=False), 0, {-1, 0, 1}),
+    "vertex, vertex flat": (lambda *a: box(*a, flat=True), 0, {-1, 0, 1}),
+}
+
+
+@pytest.mark.parametrize("name", CONSTRUCTIONS)
+def test_gaps_are_the_smallest_steps(rng, name):
+    make, axis, steps = CONSTRUCTIONS[name]
+    for width in WIDTHS:
+        contact = make(rng, 60, width)
+        seen = set()
+        for (a, b), away in zip(contact.pairs.tolist(), contact.away.tolist(), strict=True):
+            c: list[Any] = axis_vector(axis, a, b)
+            if dot(c, away) < 0:
+                c = [-x for x in c]
+            # The direction in which B moves away is that of the axis, component by component.
+            assert away == [(x > 0) - (x < 0) for x in c]
+            step, rest = divmod(_gap(c, a, b), gcd(*c))
+            assert rest == 0
+            seen.add(step)
+        # Both signs, from a number of contacts of which chance gives one sign alone hardly ever.
+        assert seen == steps if len(contact.pairs) > 14 else seen <= steps
+        assert len(contact.pairs) > 5

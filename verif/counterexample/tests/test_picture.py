@@ -4,11 +4,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from matplotlib import image
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.sim.configuration import parse_configuration
-from triaxis.sim.result import AXIS_SHIFT, COPLANAR, NEAR
+from triaxis.sim.result import AXIS_SHIFT, NEAR
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.counterexample.finding import Counterexample, Symptom, symptoms
@@ -24,10 +23,6 @@ COPLANAR_PAIR = (FLOOR, [[3, 3, 0], [5, 5, 0], [6, 3, 0]])
 CASES = {
     "missed": ([(FLOOR, [[1, 1, -1], [1, 1, 3], [3, 3, 2]])], [0], 4 << AXIS_SHIFT, "core claims: axis 4"),
     "false alarm": ([(FLOOR, [[3, 3, 1], [5, 5, 3], [6, 3, 2]])], [0], NEAR, "right: axis 2 (box z)"),
-    "near by a margin": ([(POINT, [[1, 1, 0], [3, 2, 0], [2, 4, 1]])], [2], 0, "distance 1"),
-    "claim": ([(FLOOR, [[9, 9, 0], [7, 9, 0], [9, 9, 5]])], [0], 1 << AXIS_SHIFT, "right: axis 0 (box x)"),
-    "flag": ([(FLOOR, [[9, 9, 0], [7, 9, 0], [8, 8, 0]])], [0], COPLANAR, "claimed, and right: axis 0"),
-    "coplanar": ([COPLANAR_PAIR], [0], NEAR, "right: axis 19"),
     "a core without that axis": (
         [COPLANAR_PAIR], [0], NEAR, "separates, but is not in this core: axis 19", "w16_m0_no_edge_box",
     ),
@@ -35,7 +30,6 @@ CASES = {
         [([[0, 0, 0], [2, 2, 2], [4, 4, 4]], [[4, 4, 4], [6, 6, 6], [9, 9, 9]])], [0], 3 << AXIS_SHIFT,
         "A: a segment, B: a segment",
     ),
-    "two equal points": ([(POINT, POINT)], [0], 3 << AXIS_SHIFT, "A: a point, B: a point"),
     "no answer": ([(FLOOR, FLOOR)], [0], None, "core w32_m32: it hangs"),
     "the whole range": (
         [([[-WIDE] * 3, [WIDE - 1] * 3, [WIDE - 1, -WIDE, 3]], [[0, 0, 1], [9, 9, 5], [-3, -3, 0]])], [0], 0,
@@ -77,13 +71,7 @@ def test_every_kind_of_pair(tmp_path, name):
     assert f"{found.configuration.name}, margin {margins[-1]}" in text
     for vertex in {tuple(vertex) for triangle in pairs[-1] for vertex in triangle}:
         assert str(vertex) in text
-    assert [path.name for path in tmp_path.iterdir()] == ["case.svg"]
-
-
-def test_the_same_counterexample_gives_the_same_picture(tmp_path):
-    for ending in (".png", ".svg"):
-        one, other = tmp_path / f"one{ending}", tmp_path / f"other{ending}"
-        for path in (one, other):
-            draw(counterexample(*CASES["missed"][:3]), path)
-        assert one.read_bytes() == other.read_bytes()
-    assert image.imread(tmp_path / "one.png").shape[:2] == (792, 1430)
+    # The same counterexample gives the same picture.
+    again = tmp_path / "again.svg"
+    draw(found, again)
+    assert again.read_bytes() == (tmp_path / "case.svg").read_bytes()

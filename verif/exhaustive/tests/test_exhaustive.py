@@ -2,25 +2,21 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 from math import comb
 
 import numpy as np
 import pytest
 
-from triaxis.golden.axes import NUM_AXES, axis_vector, separating
+from triaxis.golden.axes import separating
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.certificate import axis_proves_clear, claims_prove_clear
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError, judge_pairs
-from triaxis.golden.pairs import coordinate_range
 from triaxis.host.cli import main
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.result import NEAR
 from triaxis.verif.commands import prove
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.failing_pairs import read_failing_pairs
-from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.symmetry import COORDINATES, REFLECTED
 from triaxis.verif.exhaustive import run
 from triaxis.verif.exhaustive.check import CONFIGURATION, check_class
@@ -31,12 +27,22 @@ from triaxis.verif.exhaustive.state import load, other_states, save, state_file
 class Answers:
     """A core that answers what the oracle says, spoilt by a function of pairs, margins and words."""
 
-    def __init__(self, spoil=lambda pairs, margins, words: words):
-        self.spoil = spoil
+    def __init__(self, spoil=lambda pairs, margins, words: words, oracle=bulk_facts):
+        self.spoil, self.oracle = spoil, oracle
 
     def words(self, pairs, margins):
-        words = expected_words(bulk_facts(pairs, margins), CONFIGURATION)
+        words = expected_words(self.oracle(pairs, margins), CONFIGURATION)
         return self.spoil(pairs, margins, words), len(words)
+
+
+def result_of(core, oracle=bulk_facts, classes=7):
+    """Return the result of the first classes of grid 2."""
+    return run._sum([check_class(Grid(2), core, oracle, 1, number) for number in range(classes)])
+
+
+def equal(pairs):
+    """Return which of the pairs are twice the same triangle."""
+    return (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all((1, 2))
 
 
 def images(triangle, size):
@@ -71,76 +77,35 @@ def test_classes_cover_all_triangles_once(size, classes):
         assert orders == {1: 1, 2: 3, 3: 6}[len(set(triangle))]
 
 
-def test_grids_lie_in_range_and_reach_its_limits(rng):
-    low, high = coordinate_range(8)
-    placed = np.array([Grid(4).placed(rng, 8) for _ in range(200)])
-    assert placed.min() == low
-    assert placed.max() == high
-    assert (placed.max(1) - placed.min(1) == 3).all()
-    assert all(len(np.unique(points, axis=0)) == 64 for points in placed)
-
-
-def test_claims_are_proven_as_the_certificate_checker_does(rng):
-    pairs = mixed_pairs(rng, 640, 16)
-    margins = rng.integers(0, 100, 640) * (np.arange(640) % 2)
-    axes = np.tile(np.arange(NUM_AXES), 20)
-    expected = [
-        axis_proves_clear(a, b, margin, axis_vector(axis, a, b))
-        for (a, b), margin, axis in zip(pairs.tolist(), margins.tolist(), axes.tolist(), strict=True)
-    ]
-    assert (claims_prove_clear(pairs.astype(np.int32), margins, axes) == expected).all()
-    assert any(expected) and not all(expected)
-
-
-@pytest.mark.simulator
-def test_grid_2_counts_what_brute_force_counts(tmp_path):
-    points = Grid(2).points.astype(np.int64)
-    triples = np.stack(np.meshgrid(*[np.arange(8)] * 3, indexing="ij"), -1).reshape(-1, 3)
-    near = 0
-    for triple in points[triples]:
-        pairs = np.stack([np.broadcast_to(triple, (512, 3, 3)), points[triples]], 1)
-        near += int((~separating(pairs, np.zeros(512, np.int64)).any(1)).sum())
-    outcome = run.run_grid(Grid(2), run.identity_of(2, 1), None, tmp_path)
-    assert outcome.problems == []
-    counts = outcome.progress.result.counts
-    assert counts.ordered == (2**18, 2**18)
-    # No two points of the grid are further apart than 1.
-    assert counts.ordered_near == (near, 2**18)
-    assert (counts.pairs, counts.runs, counts.claims) == (840, 1680, 1680 - counts.near)
-
-
 def test_grid_2_counts_what_the_linear_program_counts():
     grid = Grid(2)
-    result = run._sum([check_class(grid, Answers(), bulk_facts, 1, i) for i in range(7)])
+    result = result_of(Answers())
     total = 0
     for representative, count in grid.classes:
         a = grid.points[grid.triangles[representative]]
         pairs = np.stack([np.broadcast_to(a, (120, 3, 3)), grid.points[grid.triangles]], 1)
         near = judge_pairs(pairs.astype(np.int64), np.zeros(120, np.int64))["near"]
         total += int(grid.arrangements[near].sum() * grid.arrangements[representative]) * count
-    assert result.counts.ordered_near[0] == total == 197240
+    counts = result.counts
+    assert counts.ordered_near[0] == total == 197240
+    # No two points of the grid are further apart than 1.
+    assert counts.ordered_near[1] == counts.ordered[0] == counts.ordered[1] == 2**18
+    assert (counts.pairs, counts.runs, counts.claims) == (840, 1680, 1680 - counts.near)
 
 
 @pytest.mark.simulator
 @pytest.mark.regress
 def test_grid_3_passes_on_the_core_and_is_written(tmp_path, seed):
-    outcome = run.run_grid(Grid(3), run.identity_of(3, seed), None, tmp_path)
-    assert outcome.problems == []
+    assert run.run_grid(Grid(3), run.identity_of(3, seed), None, tmp_path).problems == []
     written = json.loads((tmp_path / "grid3.json").read_text())
-    assert written["passed"]
-    assert written["classes"] == written["counts"]["classes"] == 136
-    assert written["ordered_pairs"] == 3**18
-    assert written["counts"]["ordered"] == [3**18] * 2
-    assert written["counts"]["runs"] == 2 * 136 * 3654
+    assert written["passed"] and written["counts"]["ordered"] == [3**18] * 2
     # Counted by the linear program alone: the distances of all 136 x 3654 pairs.
     assert written["counts"]["ordered_near"] == [202803363, 382838311]
-    assert not list(tmp_path.glob("*.state.json"))
-    assert not list(tmp_path.glob("*.npz"))
+    assert [path.name for path in tmp_path.iterdir()] == ["grid3.json"]
 
 
 def flip_near_of_equal_triangles(pairs, margins, words):
-    same = (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all((1, 2))
-    return words ^ (same & (margins == 1)).astype(np.uint16)
+    return words ^ (equal(pairs) & (margins == 1)).astype(np.uint16)
 
 
 def claim_the_next_axis(pairs, margins, words):
@@ -155,43 +120,28 @@ def claim_a_zero_axis(pairs, margins, words):
     return np.where(point_a, words & 0xFF | 3 << 8, words).astype(np.uint16)
 
 
-def set_a_reserved_bit(pairs, margins, words):
-    words[::37] |= np.uint16(1 << 15)
-    return words
-
-
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
         (flip_near_of_equal_triangles, "bulk checker"),
         (claim_the_next_axis, "bulk checker"),
         (claim_a_zero_axis, "does not separate"),
-        (set_a_reserved_bit, "bulk checker"),
     ],
 )
 def test_a_wrong_core_is_caught(spoil, said):
-    checker = partial(check_class, Grid(2), Answers(spoil), bulk_facts, 1)
-    result = run._sum([checker(number) for number in range(7)])
+    result = result_of(Answers(spoil))
     assert result.counts.mismatches > 0
     assert any(said in mismatch.message for mismatch in result.mismatches)
 
 
 def test_near_at_one_margin_and_not_beyond_is_caught_without_an_oracle():
-    def lie(facts, pairs, margins):
-        # Box x is said to separate equal triangles at margin 1.
-        same = (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all((1, 2)) & (margins == 1)
-        return replace(facts, above=np.where(same, 1, facts.above).astype(np.uint32))
-
     def oracle(pairs, margins):
-        return lie(bulk_facts(pairs, margins), pairs, margins)
+        # Box x is said to separate equal triangles at margin 1, by the core too.
+        facts = bulk_facts(pairs, margins)
+        return replace(facts, above=np.where(equal(pairs) & (margins == 1), 1, facts.above).astype(np.uint32))
 
-    class Accomplice:
-        def words(self, pairs, margins):
-            return expected_words(oracle(pairs, margins), CONFIGURATION), len(pairs)
-
-    checker = partial(check_class, Grid(2), Accomplice(), oracle, 1)
-    messages = {m.message for n in range(7) for m in checker(n).mismatches}
-    assert "near at margin 0 and not beyond" in messages
+    result = result_of(Answers(oracle=oracle), oracle)
+    assert "near at margin 0 and not beyond" in {mismatch.message for mismatch in result.mismatches}
 
 
 def test_an_oracle_that_the_linear_program_contradicts_is_an_error():
@@ -199,19 +149,16 @@ def test_an_oracle_that_the_linear_program_contradicts_is_an_error():
         return replace(bulk_facts(pairs, margins), rank_a=np.zeros(len(pairs), np.uint8))
 
     with pytest.raises(CertificateError, match="linear program"):
-        for number in range(7):
-            check_class(Grid(2), Answers(), oracle, 1, number)
+        result_of(Answers(), oracle)
 
 
 def test_a_class_left_out_is_a_problem():
     grid, identity = Grid(2), run.identity_of(2, 1)
-    checker = partial(check_class, grid, Answers(), bulk_facts, 1)
-    progress = run.Progress(run._sum([checker(number) for number in range(6)]))
-    problems = run.Outcome(identity, grid, progress, 6).problems
-    assert len(problems) == 2
-    assert "262144" in problems[0]
-    everything = run.Progress(run._sum([progress.result, checker(6)]))
-    assert run.Outcome(identity, grid, everything, 7).problems == []
+    for classes, problems in ((6, 2), (7, 0)):
+        progress = run.Progress(result_of(Answers(), classes=classes))
+        found = run.Outcome(identity, grid, progress, classes).problems
+        assert len(found) == problems
+        assert not found or "262144" in found[0]
 
 
 def interrupt_after(classes):
@@ -248,12 +195,8 @@ def test_an_interrupted_run_is_continued(tmp_path, monkeypatch, workers):
 
 def test_states_of_other_runs_are_not_continued(tmp_path):
     identity = run.identity_of(2, 1)
-    others = [
-        replace(identity, seed=2),
-        replace(identity, rtl_hash="another"),
-        replace(identity, environment_hash=""),
-    ]
-    progress = run.Progress(run._sum([check_class(Grid(2), Answers(), bulk_facts, 1, 0)]))
+    others = [replace(identity, **{name: "x"}) for name in ("seed", "rtl_hash", "environment_hash")]
+    progress = run.Progress(result_of(Answers(), classes=1))
     for other in others:
         save(tmp_path, other, progress)
     assert load(tmp_path, identity).done == 0
@@ -289,9 +232,12 @@ def broken(monkeypatch):
 def test_a_failing_run_says_what_failed(tmp_path, monkeypatch, capsys, broken):
     monkeypatch.setattr(prove, "WORKERS", 1)
     monkeypatch.setattr(prove, "FOLDER", tmp_path)
+    # Many mismatches stop the run.
+    monkeypatch.setattr(run, "ENOUGH_MISMATCHES", 3)
+    monkeypatch.setattr(run, "_RUNS_PER_REPORT", 1)
     assert main(["prove", "exhaustive", "--grid", "2"]) == 1
     output, errors = capsys.readouterr()
-    assert "FAILED: " in errors
+    assert "FAILED: " in errors and "stopped after" in errors
     assert "ReplayTest --config w8_m1" in errors
     assert "passed" not in output
     written = json.loads((tmp_path / "grid2.json").read_text())
@@ -299,17 +245,9 @@ def test_a_failing_run_says_what_failed(tmp_path, monkeypatch, capsys, broken):
     assert written["problems"]
     pairs, margins = read_failing_pairs(tmp_path / "grid2_failing_pairs.npz", CONFIGURATION)
     assert (margins == 1).all()
-    assert (np.sort(pairs[:, 0], 1) == np.sort(pairs[:, 1], 1)).all()
+    assert equal(pairs).all()
     with np.load(tmp_path / "grid2_failing_pairs.npz") as file:
         assert file["context_counts"].max() == 64
-
-
-@pytest.mark.simulator
-def test_a_run_with_many_mismatches_stops(tmp_path, monkeypatch, broken):
-    monkeypatch.setattr(run, "ENOUGH_MISMATCHES", 3)
-    monkeypatch.setattr(run, "_RUNS_PER_REPORT", 1)
-    outcome = run.run_grid(Grid(2), run.identity_of(2, 1), None, tmp_path, 1)
-    assert "stopped after" in outcome.problems[0]
 
 
 @pytest.mark.simulator

@@ -3,90 +3,66 @@ must fail, say why, keep the failing pairs, and fail again when they are replaye
 """
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from triaxis.sim.configuration import parse_configuration
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import FAULTS, fault_of
+from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
 
 pytestmark = pytest.mark.simulator
+REGRESS = (pytest.mark.regress,)
 
 
-@dataclass(frozen=True)
-class Expected:
-    """The test that must see a fault, and by which message."""
-
-    fault: str
-    test: str
-    message: str
-    about_pairs: bool = True
-    replays: bool = True
-
-
-EXPECTED = (
-    Expected("touching-is-clear", "TouchingTest", "exact answer"),
-    Expected("narrow-cross", "ExtremesTest", "exact answer"),
-    Expected("wrong-edge", "RandomTest", "exact answer"),
-    Expected("last-axis", "RandomTest", "exact answer"),
-    Expected("late-margin", "RandomTest", "exact answer", replays=False),
-    Expected("moving-operands", "FarTest", "an operand moved", about_pairs=False, replays=False),
-    Expected("overfull-queue", "StallsTest", "in flight", about_pairs=False, replays=False),
-    Expected(
-        "withdrawn-result", "StallsTest", "a result changed while it waited", about_pairs=False, replays=False
-    ),
-    Expected("moving-margins", "FarTest", "a margin moved", about_pairs=False, replays=False),
-    Expected("short-queue", "RandomTest", "not ready although", about_pairs=False, replays=False),
-    Expected(
-        "early-result", "RandomTest", "a result is due and not there", about_pairs=False, replays=False
-    ),
-    Expected("hang", "StallsTest", "the core hangs", about_pairs=False, replays=False),
-    Expected("lost-results", "ResetsTest", "was due", replays=False),
-)  # fmt: skip
+# By fault: the test that must see it, the agent, what it must say, whether of a pair, and whether a replay
+# of that pair fails again.
+EXPECTED = {
+    "touching-is-clear": ("TouchingTest", PIN, "exact answer", True, True),
+    "narrow-cross": ("ExtremesTest", BURST, "exact answer", True, True),
+    "wrong-edge": ("RandomTest", PIN, "exact answer", True, True),
+    "last-axis": ("RandomTest", PIN, "exact answer", True, True),
+    "late-margin": ("RandomTest", PIN, "exact answer", True, False),
+    "moving-operands": ("FarTest", BURST, "an operand moved", False, False),
+    "overfull-queue": ("StallsTest", PIN, "in flight", False, False),
+    "withdrawn-result": ("StallsTest", PIN, "a result changed while it waited", False, False),
+    "moving-margins": ("FarTest", PIN, "a margin moved", False, False),
+    "short-queue": ("RandomTest", PIN, "not ready although", False, False),
+    "early-result": ("RandomTest", PIN, "a result is due and not there", False, False),
+    "hang": ("StallsTest", BURST, "the core hangs", False, False),
+    "lost-results": ("ResetsTest", BURST, "was due", True, False),
+}
 
 
 def test_no_further_fault_is_left_out():
     # Those of the mesh engine have tests of their own, in test_fault_catalogue.py.
     core = [fault for fault in FAULTS if not fault.config.startswith("mesh_")]
     further = [fault.name for fault in core if not fault.replaced]
-    assert sorted(further) == sorted(expected.fault for expected in EXPECTED)
+    assert sorted(further) == sorted(EXPECTED)
 
 
-# Each needs a build of its own: one of each way to be caught for every day.
-_DAILY = ("narrow-cross", "hang", "withdrawn-result")
-
-
-@pytest.mark.parametrize(
-    "expected",
-    [
-        pytest.param(one, id=one.fault, marks=() if one.fault in _DAILY else pytest.mark.regress)
-        for one in EXPECTED
-    ],
-)
-def test_fault_is_caught(tmp_path, seed, expected):
-    fault = fault_of(expected.fault)
+# Each needs a build of its own. Wrong answers and broken rules are caught every day in the tests of the
+# catalogue, so that here one is enough.
+@pytest.mark.parametrize("name", [pytest.param(n, marks=REGRESS * (n != "hang")) for n in EXPECTED])
+def test_fault_is_caught(tmp_path, seed, name):
+    test, agent, message, about_pairs, replays = EXPECTED[name]
+    fault = fault_of(name)
     broken = faulty_rtl(fault)
-    configuration = parse_configuration(fault.config)
-
-    settings = run_settings(expected.test, configuration, seed, 1500, folder=tmp_path / "run")
-    result = run(settings, dut=broken)
+    result = run(run_settings(test, fault.config, seed, 1500, folder=tmp_path / "run", agent=agent), broken)
     assert not result.passed
     explanation = result.explain()
-    assert expected.message in explanation, explanation
-    replay = re.search(rf"replay: \.venv/bin/triaxis sim {expected.test} --seed {seed} --config", explanation)
+    assert message in explanation, explanation
+    replay = re.search(rf"replay: \.venv/bin/triaxis sim {test} --seed {seed} --config", explanation)
     assert replay, explanation
 
-    if expected.about_pairs:
+    if about_pairs:
         assert result.failing_pairs
         with np.load(result.failing_pairs) as file:
             assert file["pairs"].shape[1:] == (2, 3, 3)
             assert len(file["margins"]) == len(file["pairs"]) > 0
-    if expected.replays:
-        again = run_settings(
-            "ReplayTest", configuration, seed, 1, str(result.failing_pairs), folder=tmp_path / "again"
-        )
-        assert not run(again, dut=broken).passed
-        assert run(again).passed
+    if replays:
+        pairs, again = str(result.failing_pairs), tmp_path / "again"
+        settings = run_settings("ReplayTest", fault.config, seed, 1, pairs, folder=again, agent=agent)
+        assert not run(settings, broken).passed
+        assert run(settings).passed

@@ -3,17 +3,17 @@
 That they hold on the RTL itself is what `make formal` says.
 """
 
-import shutil
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import EndedError
+from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import axes_proof
 from triaxis.verif.formal.netlist import NetlistError
@@ -23,23 +23,8 @@ from triaxis.verif.formal.proofs import proofs
 pytestmark = pytest.mark.prover
 
 
-@dataclass(frozen=True)
-class Broken:
-    """A change of one RTL file, the proof that must fail for it, and what it must say."""
-
-    name: str
-    proof: str
-    file: str
-    old: str
-    new: str
-    message: str
-
-
-def table(*rows: tuple[str, str, str, str, str, str]) -> tuple[Broken, ...]:
-    return tuple(Broken(*row) for row in rows)
-
-
-STREAMS = table(
+# Each by name: the proof that must fail, the RTL file, what of it is replaced by what, what the proof says.
+BROKEN = (
     ("accepts more than the queue holds", "streams_m0", "core/triaxis_core.sv",
      "(in_flight_q != count_t'(Depth))", "1'b1", "Occupancy"),
     ("a clock too early", "streams_m0", "core/triaxis_core.sv",
@@ -47,18 +32,11 @@ STREAMS = table(
     ("loses results now and then", "streams_m16", "core/triaxis_core.sv",
      ".push_i (valid_q[Latency-1])", ".push_i (valid_q[Latency-1] && result.tag[6:0] != 7'd77)",
      "check"),
-    ("duplicates a result", "streams_m0", "core/triaxis_fifo.sv",
-     "if (pop_i) read_q", "if (pop_i && !(push_i && read_q[3:0] == 4'd9)) read_q", "check"),
     ("withdraws a waiting result", "streams_m0", "core/triaxis_fifo.sv",
      "if (pop_i) read_q", "if (pop_i || (valid_o && read_q[3:0] == 4'd9)) read_q", "check"),
-    ("a result out of a reset", "streams_m0", "core/triaxis_fifo.sv",
-     "write_q <= '0;", "write_q <= ptr_t'(1);", "check"),
     ("ready two clocks after reset", "streams_m0", "core/triaxis_core.sv",
      "awake_q <= 1'b1;", "awake_q <= valid_q[0] || in_flight_q == count_t'(0);\n"
      "      if (!awake_q) awake_q <= tag[0];", "check"),
-)  # fmt: skip
-
-LEAVES = table(
     ("touching taken for clear", "interval_m0", "core/triaxis_interval.sv",
      "points_i[i] > own_i;", "points_i[i] >= own_i;", "Interval"),
     ("threshold a clock late", "interval_m16", "core/triaxis_interval.sv",
@@ -73,8 +51,6 @@ LEAVES = table(
      "(lowest & Having)", "(separated_q & Having)", "ClaimIsLowest"),
     ("flags of a masked pair", "verdict_m0", "core/triaxis_verdict.sv",
      "coplanar_i && !gated_i", "coplanar_i", "FlagCoplanar"),
-    ("coplanar without the last triple product", "verdict_m0", "core/triaxis_flags.sv",
-     "assign det_zero_d[9] = rst_i == 0;", "assign det_zero_d[9] = 1'b1;", "FlagCoplanar"),
     ("the most negative component overflows", "threshold_space", "core/triaxis_threshold.sv",
      "-norm_t'(axis_i[k])", "norm_t'(CWidth'(-axis_i[k]))", "Norm"),
     ("margin before its components", "threshold_plane", "core/triaxis_threshold.sv",
@@ -101,9 +77,6 @@ LEAVES = table(
      "return 3 * w + 2;", "return 3 * w + 1;", "too few at W = 8"),
     ("operands one bit wider than needed", "widths", "core/triaxis_pkg.sv",
      "return w + 1;", "return w + 2;", "more than needed"),
-)  # fmt: skip
-
-ENGINE = table(
     ("the margin counts once on both sides", "engine_skip", "mesh/triaxis_run_control.sv",
      "shift_o[0][k] <= grown_t'(move_o[k]) - grown_t'({1'b0, margin_o});",
      "shift_o[0][k] <= grown_t'(move_o[k]);", "SumsAreExact"),
@@ -132,7 +105,7 @@ ENGINE = table(
 )  # fmt: skip
 
 # The proof of this group is the algebra of the core in the configuration named.
-AXES = table(
+AXES = (
     ("wrong edge in one axis", "w16_m0", "core/triaxis_projections.sv",
      "assign far_d[2][j] = qf_3[j] - q_normal_3;", "assign far_d[2][j] = qf_3[j] - p_normal_3;",
      "not the projections on its axis"),
@@ -170,17 +143,6 @@ AXES = table(
 )  # fmt: skip
 
 
-def _break(broken: Broken, folder: Path) -> Path:
-    """Return a copy of the RTL with one change."""
-    copy = folder / "dut"
-    shutil.copytree(DUT, copy)
-    path = copy / broken.file
-    text = path.read_text()
-    assert text.count(broken.old) == 1, "the RTL has changed: adapt the fault"
-    path.write_text(text.replace(broken.old, broken.new))
-    return copy
-
-
 def _proof(name: str) -> Proof:
     """Return a proof by name; by that of a configuration, or "detector", the algebra of it alone."""
     if name == "detector":
@@ -191,33 +153,25 @@ def _proof(name: str) -> Proof:
 
 # One of each way to prove, by every run of the tests; the others take minutes.
 QUICK = ("touching taken for clear", "a group's box forgets what was before", "a piece at the wrong place",
-         "determinants one bit too narrow", *(broken.name for broken in AXES))  # fmt: skip
+         "determinants one bit too narrow", *(row[0] for row in AXES))  # fmt: skip
 CASES = [
-    pytest.param(one, id=one.name, marks=() if one.name in QUICK else pytest.mark.regress)
-    for one in STREAMS + LEAVES + ENGINE + AXES
+    pytest.param(*row, id=name, marks=() if name in QUICK else pytest.mark.regress)
+    for name, *row in BROKEN + AXES
 ]
 
 
-@pytest.mark.parametrize("broken", CASES)
-def test_proof_fails(tmp_path, broken):
+@pytest.mark.parametrize(("proof", "file", "right", "wrong", "message"), CASES)
+def test_proof_fails(tmp_path, proof, file, right, wrong, message):
     # A proof must fail because it sees the fault, not because the tool does not come to an end.
-    finding = _proof(broken.proof).prove(_break(broken, tmp_path), tmp_path / "proof")
+    finding = _proof(proof).prove(broken_rtl(tmp_path, (file, right, wrong)), tmp_path / "proof")
     assert finding.result is Result.FAILED, finding
-    assert any(broken.message in problem for problem in finding.problems), finding.problems
+    assert any(message in problem for problem in finding.problems), finding.problems
 
 
 def test_every_proof_is_seen_to_fail():
-    seen = {broken.proof for broken in STREAMS + LEAVES + ENGINE}
-    assert {proof.name for proof in proofs() if not proof.name.startswith("axes")} <= seen
-
-
-def test_algebra_and_widths_hold(tmp_path):
-    configurations = (Configuration(8, 8), Configuration(16, 0, edge_box=False))
-    assert (
-        axes_proof("axes", configurations, detectors=(8,)).prove(DUT, tmp_path / "a").result is Result.PROVED
-    )
-    assert _proof("widths").prove(DUT, tmp_path).result is Result.PROVED
-    assert "orientation of four vertices: at most 2 L^3" in (tmp_path / "bounds.txt").read_text()
+    assert {proof.name for proof in proofs() if not proof.name.startswith("axes")} <= {
+        row[1] for row in BROKEN
+    }
 
 
 def test_what_is_not_covered_fails(tmp_path):
@@ -232,8 +186,7 @@ def test_what_is_not_covered_fails(tmp_path):
     [("cross_w2", "core/triaxis_dot.sv", "ERROR"), ("w16_m0", "core/triaxis_sum.sv", "yosys: ")],
 )
 def test_what_does_not_compile_is_not_decided(tmp_path, proof, file, reason):
-    broken = Broken("", proof, file, "endmodule", "endmodul", reason)
-    finding = _proof(proof).prove(_break(broken, tmp_path), tmp_path / "proof")
+    finding = _proof(proof).prove(broken_rtl(tmp_path, (file, "endmodule", "endmodul")), tmp_path / "proof")
     assert finding.result is Result.UNDECIDED
     assert any(reason in said for said in finding.undecided)
 
@@ -260,21 +213,18 @@ def test_a_prover_that_comes_to_no_end_decides_nothing(tmp_path, monkeypatch, pr
     assert f"{len(names)} not decided" in result.summary
 
 
-@dataclass(frozen=True)
 class _Given(Proof):
-    """A proof whose result is given."""
-
-    problem: str = ""
+    """A proof that holds unless it is called bad."""
 
     def attempt(self, dut: Path, folder: Path) -> Finding:
-        if self.problem:
-            raise NetlistError(self.problem)
+        if self.name == "bad":
+            raise NetlistError("not so")
         return Finding()
 
 
 def test_one_failure_fails_all_and_a_part_is_no_evidence(tmp_path, monkeypatch):
     good = _Given("good", "a claim", "given", {}, ())
-    monkeypatch.setattr(proving, "proofs", lambda: (good, replace(good, name="bad", problem="not so")))
+    monkeypatch.setattr(proving, "proofs", lambda: (good, replace(good, name="bad")))
     result = proving.prove_all(lambda step: None, folder=tmp_path)
     assert result.complete and not result.passed
     assert result.problems == ["bad: not so"]

@@ -43,17 +43,9 @@ class Bench:
             self.near = self.near[:1]
         status = Status.FIRST if mode == Mode.FIRST else Status.COMPLETE
         self.summary = Summary(
-            status,
-            200,
-            answer.group_pairs_skipped,
-            answer.group_pairs_opened,
-            answer.pairs_skipped,
-            self.tested,
-            len(self.near),
-            offered_after=200,
-            held=(11, 10),
-            overfull=0,
-        )
+            status, 200, answer.group_pairs_skipped, answer.group_pairs_opened, answer.pairs_skipped,
+            self.tested, len(self.near), offered_after=200, held=(11, 10), overfull=0,
+        )  # fmt: skip
         if mode == Mode.COUNT:
             self.near = self.near[:0]
 
@@ -71,11 +63,6 @@ class Bench:
         matcher.summary(summary or self.summary)
         assert checker.runs == 1 and not matcher.stray
         return [failure.message for failure in checker.failures]
-
-
-@pytest.mark.parametrize("mode", list(Mode))
-def test_what_is_due_passes(seed, mode):
-    assert Bench(seed, mode).said() == []
 
 
 @pytest.mark.parametrize(
@@ -99,18 +86,9 @@ def test_a_wrong_summary_is_said(seed, change, message):
     assert any(message in line for line in found), found
 
 
-def test_wrong_streams_are_said(seed):
-    bench = Bench(seed)
-    assert any("near pairs sent" in line for line in bench.said(near=bench.near[:-1]))
-    assert any("near pairs: number 0" in line for line in bench.said(near=bench.near[::-1]))
-    assert any("near pairs: number" in line for line in bench.said(near=np.repeat(bench.near, 2, 0)))
-    assert any("without a proof" in line for line in bench.said(core=bench.core[1:]))
-    skipped = np.array([[0, 0]]) + np.argwhere(np.ones((11, 10)))[-1:]
-    assert any("pairs in the core" in line for line in bench.said(core=np.concatenate([bench.core, skipped])))
-    assert bench.said(core=np.array([[99, 99]]))
-
-
-def test_saturated_cycles(seed):
+def test_what_is_due_passes_in_every_mode_and_with_saturated_cycles(seed):
+    for mode in Mode:
+        assert Bench(seed, mode).said() == []
     bench = Bench(seed)
     long = replace(bench.summary, offered_after=9000)
     assert bench.said(replace(long, cycles=255)) == []
@@ -159,13 +137,9 @@ def test_what_is_refused_runs_nothing(seed):
     assert bench.said(nothing, none, none)
 
 
-def matcher_of(runs):
-    return RunMatcher(4, lambda run, summary: runs.append((run, summary)))
-
-
-def test_matching_follows_meshes_and_limits(seed):
+def test_matching_follows_meshes_limits_and_resets(seed):
     runs = []
-    matcher = matcher_of(runs)
+    matcher = RunMatcher(4, lambda run, summary: runs.append(run))
     triangles = np.random.default_rng(seed).integers(-9, 9, (6, 3, 3))
     for mesh, clear, part in ((0, True, triangles[:3]), (0, False, triangles[3:]), (1, True, triangles[:2])):
         matcher.load(Loaded(mesh, clear, part))
@@ -174,37 +148,18 @@ def test_matching_follows_meshes_and_limits(seed):
     # At the edge at which the run was accepted, told after it.
     matcher.load(Loaded(1, False, triangles[2:3], with_run=True))
     matcher.summary(summary)
-    run = runs[0][0]
-    assert (run.a == triangles[:4]).all() and (run.b == triangles[:3]).all()
-    assert run.overfull == (True, False) and run.reloaded == (True, True) and run.loaded_with_run
-    # Told before it.
-    matcher.load(Loaded(0, True, triangles[:1], with_run=True))
-    matcher.run(RunAccepted(RunRequest()))
-    matcher.summary(summary)
-    assert runs[1][0].reloaded == (True, False) and runs[1][0].loaded_with_run
-    assert len(runs[1][0].a) == 1 and runs[1][0].overfull == (False, False)
-    assert not matcher.stray and matcher.triangles == 10
-
-
-def test_what_belongs_to_no_run_is_kept(seed):
-    matcher = matcher_of([])
-    pair = np.array([[0, 0]])
-    matcher.near(NearTaken(pair))
-    matcher.core(CorePairs(pair))
-    matcher.summary(Summary(1, 4, 0, 0, 0, 0, 0))
-    matcher.run(RunAccepted(RunRequest()))
-    matcher.load(Loaded(0, True, np.zeros((1, 3, 3), np.int64)))
-    matcher.run(RunAccepted(RunRequest()))
-    assert len(matcher.stray) == 5 and matcher.unfinished
-
-
-def test_a_reset_empties_everything(seed):
-    runs = []
-    matcher = matcher_of(runs)
-    matcher.load(Loaded(0, True, np.zeros((9, 3, 3), np.int64)))
+    assert (runs[0].a == triangles[:4]).all() and (runs[0].b == triangles[:3]).all()
+    assert runs[0].overfull == (True, False) and runs[0].loaded_with_run
+    assert not matcher.stray and matcher.triangles == 9
+    # A reset empties everything.
     matcher.run(RunAccepted(RunRequest()))
     matcher.summary(ResetSeen())
     assert not matcher.unfinished and matcher.ended_by_reset == 1
     matcher.run(RunAccepted(RunRequest()))
-    matcher.summary(Summary(1, 4, 0, 0, 0, 0, 0))
-    assert len(runs[0][0].a) == 0 and runs[0][0].overfull == (False, False)
+    matcher.summary(summary)
+    assert len(runs[1].a) == 0 and runs[1].overfull == (False, False)
+    # What belongs to no run is kept.
+    matcher.near(NearTaken(np.array([[0, 0]])))
+    matcher.core(CorePairs(np.array([[0, 0]])))
+    matcher.summary(summary)
+    assert len(matcher.stray) == 3

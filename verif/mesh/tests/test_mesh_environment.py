@@ -31,7 +31,6 @@ SAID = {
     "MeshNothingTest": "0 runs checked",
     "MeshOnlyEmptyTest": "no pair was checked",
 }
-STREAMS = ("mesh_near_wait", "mesh_done_wait", "mesh_load_run")
 COUNTERS = ("group_pairs_skipped", "group_pairs_opened", "pairs_skipped", "tested", "near")
 
 
@@ -46,45 +45,44 @@ def passed(folder, test, seed, pairs, agent):
     return result
 
 
-@pytest.mark.parametrize("agent", [PIN, BURST])
-@pytest.mark.parametrize("test", ["MeshRandomTest", "MeshAbortTest", "MeshStallsTest", "MeshResetsTest"])
-def test_agents(tmp_path, seed, test, agent):
-    result = passed(tmp_path / "run", test, seed, 300, agent)
-    assert result.counts and result.counts["runs"] > 10
-    assert (result.counts["resets"] > 2) == (test == "MeshResetsTest")
-    hits = load(result.coverage, model_of(SQUARE)).hits
-    for item in {"MeshAbortTest": ["mesh_abort"], "MeshStallsTest": STREAMS}.get(test, ()):
-        assert (hits[item] > 0).all(), item
+# By test: the coverage of which every bin is hit.
+TESTS = {
+    "MeshRandomTest": (),
+    "MeshAbortTest": ("mesh_abort",),
+    "MeshStallsTest": ("mesh_near_wait", "mesh_done_wait", "mesh_load_run"),
+    "MeshResetsTest": (),
+}
+SAME = ("runs", "complete_runs", "triangles", "checked", "skipped_with_proof", "tested", "near")
 
 
-def test_both_agents_send_and_find_the_same(tmp_path, seed):
-    pins, bare = (passed(tmp_path / a, "MeshGapsTest", seed, 100, a) for a in (PIN, BURST))
-    same = ("runs", "complete_runs", "triangles", "checked", "skipped_with_proof", "tested", "near")
-    assert pins.counts and bare.counts
-    assert {name: pins.counts[name] for name in same} == {name: bare.counts[name] for name in same}
-    assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
-
-
-def test_volume(tmp_path, seed):
-    result = passed(tmp_path / "volume", "MeshVolumeTest", seed, 20_000, BURST)
-    assert result.counts and result.counts["judged_by_golden_model"] > 100
+@pytest.mark.parametrize("test", [*TESTS, "MeshGapsTest"])
+def test_agents(tmp_path, seed, test):
+    pins, bare = (passed(tmp_path / a, test, seed, 150, a) for a in (PIN, BURST))
+    for result in (pins, bare):
+        assert result.counts and result.counts["runs"] > 10
+        assert (result.counts["resets"] > 2) == (test == "MeshResetsTest")
+        hits = load(result.coverage, model_of(SQUARE)).hits
+        for item in TESTS.get(test, ()):
+            assert (hits[item] > 0).all(), item
+    # Without what hangs on clocks, both send and find the same.
+    if test == "MeshGapsTest":
+        assert pins.counts and bare.counts
+        assert {name: pins.counts[name] for name in SAME} == {name: bare.counts[name] for name in SAME}
+        assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
 
 
 def test_clocks_are_those_that_are_kept(tmp_path, seed, monkeypatch):
-    config, other = "mesh_a", {"mesh_a": {"one": [9, 9, 50], "two": [1]}}
-    monkeypatch.setattr("triaxis.verif.mesh.kept_clocks.kept", lambda: other)
-    clocks = FoundClocks(config, tmp_path)
-    clocks.add("one", [9, 9, 50])
+    # Every configuration in which the test runs has kept ones.
+    assert {name for runs in table()["MeshClocksTest"].runs for name in runs.configs} <= kept().keys()
+    passed(tmp_path / "clocks", "MeshClocksTest", seed, 1, BURST)
+    monkeypatch.setattr("triaxis.verif.mesh.kept_clocks.kept", lambda: {"a": {"one": [9, 50], "two": [1]}})
+    clocks = FoundClocks("a", tmp_path)
+    clocks.add("one", [9, 50])
     with pytest.raises(AssertionError, match="scenes that there are not: two"):
         clocks.check()
     clocks.add("two", [2])
-    with pytest.raises(AssertionError, match=r"two: \[2\] clocks .*, \[1\] are kept; .*kept_clocks mesh_a"):
+    with pytest.raises(AssertionError, match=r"two: \[2\] clocks .*, \[1\] are kept"):
         clocks.check()
-    # Every configuration in which the test runs has kept ones.
-    configs = {name for runs in table()["MeshClocksTest"].runs for name in runs.configs}
-    monkeypatch.undo()
-    assert configs <= kept().keys()
-    passed(tmp_path / "clocks", "MeshClocksTest", seed, 1, BURST)
 
 
 @pytest.mark.parametrize("name", SAID)
@@ -106,7 +104,6 @@ def test_command(capsys):
     for more, message in (
         (["--soak"], "go with tests of the core"),
         (["--fault", "F7"], "is in the wrapper"),
-        (["--config", "mesh_w16"], "must read"),
         (["--config", "w16_m0"], "needs another --config"),
     ):
         with pytest.raises(InputError, match=message):

@@ -1,6 +1,7 @@
 """The generator of mutants: each operator, the names, the build that holds all of them."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -9,16 +10,12 @@ from triaxis.sim.build import mesh_files
 from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.catalogue import catalogue, mutant_names
 from triaxis.verif.mutation.elaboration import elaboration_mutants
-from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit, applied
-from triaxis.verif.mutation.schema import mutated, schema
+from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit
+from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.statements import hosts
 from triaxis.verif.mutation.syntax import read_source
 from triaxis.verif.mutation.targets import (
-    MAIN,
-    TARGETS,
-    EngineTarget,
     core_latencies,
-    elaborated,
     every_latency,
     right_latencies,
 )
@@ -58,19 +55,15 @@ def runtime(tmp_path, body, ports=None):
     [
         ("assign x_o = p_q + q_q;", "arithmetic", "x_o = p_q - q_q"),
         ("assign x_o = p_q - q_q;", "operand", "x_o = q_q - p_q"),
-        ("assign x_o = p_q - q_q;", "operand", "x_o = p_q"),
         ("assign y_o = p_q < q_q;", "relational", "y_o = p_q <= q_q"),
-        ("assign y_o = p_q < q_q;", "relational", "y_o = p_q > q_q"),
         ("assign y_o = p_q == q_q;", "equality", "y_o = p_q != q_q"),
         ("assign y_o = go_i && hold_i;", "logical", "y_o = go_i || hold_i"),
         ("assign y_o = go_i & hold_i;", "bitwise", "y_o = go_i | hold_i"),
         ("assign y_o = !go_i;", "unary", "y_o = (go_i)"),
-        ("assign y_o = &p_q;", "unary", "y_o = (|p_q)"),
         ("assign x_o = go_i ? p_q : q_q;", "condition", "x_o = !(go_i) ? p_q : q_q"),
         ("assign x_o = p_q + 9'd3;", "constant", "x_o = p_q + 9'd4"),
         ("assign x_o = a_i[1];", "index", "x_o = a_i[next(1)]"),
         ("assign x_o = a_i[1];", "identifier", "x_o = b_i[1]"),
-        ("assign x_o = p_q;", "identifier", "x_o = q_q"),
         ("assign x_o = p_q;", "stuck", "x_o = '0"),
         ("assign x_o = p_q[7:0];", "range", "x_o = (p_q[7:0] >> 1)"),
         ("assign x_o = p_q <<< 2;", "shift", "x_o = p_q >>> 2"),
@@ -78,7 +71,6 @@ def runtime(tmp_path, body, ports=None):
         ("assign x_o = wide_t'(a_i[0]);", "cast", "x_o = wide_t'({a_i[0]})"),
         ("assign x_o = wide_t'(a_i[0]);", "cast", "x_o = wide_t'($signed({(a_i[0]) <<< 1}) >>> 1)"),
         ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "condition", "if (!(go_i))"),
-        ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "condition", "if (1'b1)"),
         ("always_ff @(posedge clk_i) if (go_i) p_q <= q_q;", "deletion", ";"),
         ("always_comb for (int i = 3; i >= 0; i--) y_o = go_i;", "relational", "for (int i = 3; i > 0"),
         (f"{STATES} assign y_o = state_q == Idle;", "identifier", "y_o = state_q == Busy"),
@@ -111,43 +103,26 @@ def test_inputs_of_instances_are_mutated_and_outputs_and_clocks_are_not(tmp_path
 
 
 @pytest.mark.parametrize(
-    "body",
+    ("body", "unwanted"),
     [
         # Casts to unsigned of what is, and of numbers of bits or that are known.
-        "assign x_o = wide_t'(u_q);",
-        "assign x_o = p_q + wide_t'($countones(u_q));",
-        "assign x_o = p_q + wide_t'(Depth - 1);",
-        # The next element of an array of one.
-        "logic one[1]; assign y_o = one[0];",
-        # Defaults, without which there would be a latch.
-        "always_comb begin x_o = p_q; if (go_i) x_o = q_q; end",
+        ("assign x_o = wide_t'(u_q);", r"\(\{u_q\}\)"),
+        ("assign x_o = p_q + wide_t'($countones(u_q));", r"\(\{\$countones.*\}\)|countones.*<<< 1"),
+        ("assign x_o = p_q + wide_t'(Depth - 1);", r"\(\{Depth - 1\}\)|Depth.*<<< 1"),
+        ("assign x_o = wide_t'({1'b0, p_q[7:0]});", "^cast "),
+        # The next element of an array of one; what nothing reads.
+        ("logic one[1]; assign y_o = one[0];", r"next\(0\)"),
+        ("logic unused; assign unused = ^p_q;", "^unary "),
+        # Defaults, without which there would be a latch: of two assignments one is deleted.
+        ("always_comb begin x_o = p_q; if (go_i) x_o = q_q; end", "$^"),
         # A loop that would not end.
-        "always_comb begin y_o = '0; for (int i = 0; i >= 0; i--) if (go_i) y_o = u_q[i]; end",
+        ("always_comb begin y_o = '0; for (int i = 0; i >= 0; i--) if (go_i) y_o = u_q[i]; end", "i <= 0"),
     ],
 )
-def test_what_changes_nothing_or_never_ends_is_not_generated(tmp_path, body):
+def test_what_changes_nothing_or_never_ends_is_not_generated(tmp_path, body, unwanted):
     found = runtime(tmp_path, f"localparam int Depth = 4; logic [7:0] u_q; {body}")
-    unwanted = re.compile(
-        r"\(\{(u_q|\$countones.*|Depth - 1)\}\)|countones.*<<< 1|Depth.*<<< 1|next\(0\)|i <= 0"
-    )
-    assert found
-    assert [changed for _, changed in found if unwanted.search(changed)] == []
-    assert sum(operator == "deletion" for operator, _ in found) <= 1
-
-
-@pytest.mark.parametrize(
-    ("body", "operator"),
-    [
-        ("assign x_o = wide_t'({1'b0, p_q[7:0]});", "cast"),
-        ("logic unused; assign unused = ^p_q;", "unary"),
-        ("always_comb begin y_o = '0; if (go_i) y_o = hold_i; end", ""),
-    ],
-)
-def test_what_nothing_could_show_is_not_generated(tmp_path, body, operator):
-    found = runtime(tmp_path, body)
-    assert operator not in {name for name, _ in found}
-    # The default of a variable in always_comb is not deleted: a latch.
-    assert [text for name, text in found if name == "deletion"] == [";"] * (not operator)
+    assert [changed for operator, changed in found if re.search(unwanted, f"{operator} {changed}")] == []
+    assert sum(operator == "deletion" for operator, _ in found) == body.startswith("always_comb")
 
 
 @pytest.mark.parametrize(
@@ -179,12 +154,6 @@ def test_names_survive_unrelated_edits(tmp_path):
     assert all(re.fullmatch(r"snippet/\w+/[0-9a-f]{8}", name) for name in after)
 
 
-def test_statements_that_read_the_same_have_names_of_their_own(tmp_path):
-    twice = "if (1) begin : g_a assign y_o = !go_i; end else begin : g_b assign y_o = !go_i; end"
-    names = [m.id for host in hosts(parsed(tmp_path, twice), {}) for m in host.mutants]
-    assert len(names) == len(set(names)) > 2
-
-
 def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
     names = mutant_names()
     assert names == mutant_names()
@@ -195,44 +164,11 @@ def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
     assert {mutant.kind for mutant in found.mutants} == {RUNTIME, ELABORATION}
 
 
-def test_every_mutant_is_in_some_targets_elaborated_code():
-    held = [elaborated(target) for target in TARGETS]
-    missing = [
-        mutant.id
-        for mutant in catalogue().mutants
-        if mutant.needs >= 0 and not any(e.holds(mutant.file, mutant.needs) for e in held)
-    ]
-    assert missing == []
-
-
-def test_the_text_of_every_mutant_parses():
-    from pyslang.syntax import SyntaxTree
-
-    texts = {path.relative_to(DUT).as_posix(): path.read_text() for path in mesh_files()}
-    for mutant in catalogue().mutants:
-        tree = SyntaxTree.fromText(applied(texts[mutant.file], [mutant.edit]))
-        # Without the macro file, its uses are unknown.
-        errors = [item for item in tree.diagnostics if item.isError()]
-        assert all("Directive" in str(item.code) or "Include" in str(item.code) for item in errors), mutant
-
-
 def test_a_mutant_that_is_no_systemverilog_is_the_generators_fault():
-    from dataclasses import replace
-
     mutant = next(m for m in catalogue().mutants if m.operator == "arithmetic")
     broken = replace(mutant, edit=Edit(mutant.edit.start, mutant.edit.end, "a +* ;"))
     with pytest.raises(InputError, match="does not parse"), mutated(DUT, broken):
         pass
-
-
-def test_the_schema_keeps_the_original_statement_beside_each_changed_one(tmp_path):
-    source = parsed(tmp_path, "assign y_o = go_i && hold_i;")
-    found = hosts(source, {})
-    numbers = {m.id: number for number, m in enumerate(found[0].mutants, 7)}
-    text = schema(source.text, found, numbers)
-    assert f"triaxis_mutant::selected - 7 < {len(numbers)}" in text
-    assert "7: y_o = go_i || hold_i;" in text
-    assert "else y_o = go_i && hold_i;" in text
 
 
 def test_the_latency_table_finds_a_wrong_latency(tmp_path):
@@ -243,22 +179,3 @@ def test_the_latency_table_finds_a_wrong_latency(tmp_path):
     table = every_latency()
     assert core_latencies(tmp_path, list(table)) == [value + 1 for value in table.values()]
     assert not right_latencies(tmp_path)
-
-
-def test_mutants_of_the_engine_are_looked_for_in_the_engine_alone():
-    files = {mutant.file for mutant in catalogue().mutants}
-    for target in TARGETS:
-        of_engine = isinstance(target, EngineTarget)
-        assert {target.mutates(file) for file in files if file.startswith("mesh/")} == {of_engine}
-        assert {target.mutates(file) for file in files if file.startswith("core/")} == {not of_engine}
-    assert not any(path.parent.name == "mesh" for path in MAIN.build(DUT).sources)
-
-
-@pytest.mark.parametrize("name", ["triaxis_fifo.sv", "core/triaxis_f*o.sv", "dut/core/triaxis_fifo.sv"])
-def test_mutants_of_a_file_are_chosen_by_any_of_its_names(name):
-    assert {m.file for m in catalogue().restricted(name, None).mutants} == {"core/triaxis_fifo.sv"}
-
-
-def test_restricting_to_nothing_is_an_error():
-    with pytest.raises(InputError, match="no such mutant"):
-        catalogue().restricted("nothing*", None)

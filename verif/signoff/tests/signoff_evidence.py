@@ -1,5 +1,7 @@
 """Evidence of a sign-off in which all is well, for tests that break it."""
 
+from functools import cache
+
 from triaxis.coverage.stages import STAGES
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
@@ -9,13 +11,12 @@ from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.result import Signoff
 
 HERE = provenance(SOURCES)
-RTL = HERE.rtl_hash
 WAIVERS = waiver_records(read_waivers(), {waiver.number: 1 for waiver in read_waivers()})
 
 
 def evidence(**content):
     common = {"passed": True, "problems": [], "summary": "all well", "command": "triaxis x", "seconds": 1.0}
-    return {**common, "rtl_hash": RTL, **content}
+    return {**common, "rtl_hash": HERE.rtl_hash, **content}
 
 
 def _simulation():
@@ -90,3 +91,9 @@ def good_parts():
 
 def signed(parts=None):
     return Signoff(parts or good_parts(), HERE, 1, 100_000_000, 1.0)
+
+
+@cache
+def good_content():
+    """Return the file's content of a sign-off in which all is well."""
+    return signed().content()

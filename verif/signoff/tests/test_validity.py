@@ -33,14 +33,10 @@ def test_all_that_a_simulation_loads_counts_and_no_more() -> None:
     assert len(loaded) > 40 and loaded <= found
     assert {"sim/core_player.cpp", "verif/core/sva/triaxis_core_sva.sv", "golden/bulk.cpp"} <= found
     assert not any(name.startswith(("host/cli", "bench", "docs")) or "/tests/" in name for name in found)
-
-
-def test_a_page_or_a_command_voids_no_sign_off() -> None:
+    # Nor does a page or a command void a sign-off.
     found = names(gate.SOURCES)
-    assert {"coverage/stages.toml", "coverage/waivers.toml", "verif/faults/patches/F2.patch"} <= found
-    assert {"verif/signoff/gate.py", "verif/signoff/result.py", "verif/core/uvm_tests.py"} <= found
-    assert not {"verif/signoff/page.py", "verif/signoff/plots.py"} & found
-    assert not any(name.startswith("host/cli") for name in found)
+    assert {"coverage/waivers.toml", "verif/faults/patches/F2.patch", "verif/core/uvm_tests.py"} <= found
+    assert not any(name.startswith(("host/cli", "verif/signoff/page.py")) for name in found)
 
 
 def test_whatever_is_imported_anywhere_in_a_module_changes_the_hash(tmp_path, monkeypatch) -> None:
