@@ -57,6 +57,10 @@ TRIAXIS_INLINE WDataOutP Store(int words, WDataOutP to, Wide value) {
 }
 
 TRIAXIS_INLINE IData ExtendII(int, int bits, IData value) { return Signed32(bits, value); }
+// A number that fits 32 bits is told to be one: the product of two of them is one instruction of vectors.
+TRIAXIS_INLINE QData ExtendQI(int, int bits, QData value) {
+  return bits > 32 ? Signed64(bits, value) : int64_t{Signed32(bits, static_cast<IData>(value))};
+}
 TRIAXIS_INLINE QData ExtendQQ(int, int bits, QData value) { return Signed64(bits, value); }
 
 TRIAXIS_INLINE WDataOutP ExtendWQ(int to_bits, int bits, WDataOutP to, QData value) {
@@ -116,7 +120,7 @@ TRIAXIS_INLINE WDataOutP ShiftLeftW(int bits, int from, int by_bits, WDataOutP t
 #undef VL_LTS_IWW
 #undef VL_GTS_IWW
 #define VL_EXTENDS_II triaxis::ExtendII
-#define VL_EXTENDS_QI triaxis::ExtendQQ
+#define VL_EXTENDS_QI triaxis::ExtendQI
 #define VL_EXTENDS_QQ triaxis::ExtendQQ
 #define VL_EXTENDS_WI triaxis::ExtendWI
 #define VL_EXTENDS_WQ triaxis::ExtendWQ

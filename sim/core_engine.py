@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.errors import ToldError
+from triaxis.golden.errors import InputError, ToldError
 from triaxis.golden.pairs import VERDICT, Pairs, Verdicts
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.models import core_build
+from triaxis.sim.models import core_build, lockstep_build
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import SYMPTOMS, Player
 from triaxis.sim.result import decode
-from triaxis.sim.verilate import MANY, library
+from triaxis.sim.verilate import FAST, MANY, library
 
 _CHUNK = 1 << 16
 # Clocks that the last results of a burst may take once nothing stalls them: far above any latency.
@@ -178,6 +178,39 @@ class RtlEngine:
             if progress:
                 progress(len(verdicts[chunk]))
         return verdicts
+
+
+class LockstepEngine:
+    """Cores of one configuration in lockstep as a function on arrays, built on first use.
+
+    Two to three times as fast as one, and longer in building: for millions of pairs. Only widths whose words
+    fit 64 bits: up to 20.
+    """
+
+    WIDEST = 20
+
+    def __init__(self, configuration: Configuration, speed: str = FAST) -> None:
+        """Build them where needed, and load them. ``speed``: of the code, where little is to be run."""
+        if configuration.width > self.WIDEST:
+            raise InputError(f"W = {configuration.width}: cores in lockstep have at most {self.WIDEST}")
+        self.configuration = configuration
+        self._library: Any = ctypes.CDLL(str(library(replace(lockstep_build(configuration), speed=speed))))
+        self._library.triaxis_lockstep.restype = ctypes.c_int64
+
+    def words(
+        self, pairs: npt.NDArray[np.signedinteger[Any]], margins: npt.NDArray[np.integer[Any]]
+    ) -> tuple[npt.NDArray[np.uint16], int]:
+        """Return result words and clocks as `RtlEngine.words` does; each core gets a part of them.
+
+        Raises CoreError where a core hangs, returns tags out of order, or is not in step with the others.
+        """
+        held = np.ascontiguousarray(pairs, np.int32), np.ascontiguousarray(margins, np.uint32)
+        words = np.empty(len(pairs), np.uint16)
+        count = ctypes.c_int64(len(pairs))
+        clocks = self._library.triaxis_lockstep(*map(_address, held), count, _address(words))
+        if clocks < 0:
+            raise CoreError(f"core {self.configuration.name}: in lockstep: hangs, or wrong tag")
+        return words, clocks
 
 
 def streamed(

@@ -1,4 +1,4 @@
-"""Many cores in lockstep: rewrites the C++ that Verilator made of one so that each statement is a loop over lanes.
+"""Many cores in lockstep: rewrites the C++ of one core so that each statement is a loop over lanes.
 
 Every signal becomes an array with one element a lane, every assignment a loop that the compiler turns into
 vector instructions. What a lane does is what Verilator's statements say: no more is understood of them than
@@ -24,6 +24,7 @@ _CALL = re.compile(rf"{_ROOT}___(\w+)\(vlSelf\);")
 _BRANCH = re.compile(r"if \((.*)\)", re.S)
 _TRIGGERED = re.compile(r"\((\d+)ULL & vlSelfRef\.__VnbaTriggered\[0U\]\)")
 _SIGNAL = re.compile(r"vlSelfRef\.(\w+)")
+_TARGET = re.compile(r"(vlSelfRef\.\w+\s*(\[.*\])?|__V\w+)\s*", re.S)
 _INDEX = re.compile(r"\s*\[")
 # Of the simulator's own, and not of the design.
 _SCHEDULING = re.compile(r"__V(ico|act|nba|stl)\w*|__Vtrigprev\w*")
@@ -172,7 +173,7 @@ class _Writer:
         )
 
     def _function(self, name: str, of: str) -> str:
-        """Return the text of a function, in parts: a compiler takes very long over thousands of loops in one."""
+        """Return the text of a function, in parts: thousands of loops in one take a compiler very long."""
         self._lines = []
         self._walk(self._body(of), "")
         parts = [self._lines[start : start + _PART] for start in range(0, len(self._lines), _PART)]
@@ -221,7 +222,7 @@ class _Writer:
 
     def _assign(self, statement: str, condition: str) -> None:
         target, equals, value = statement.partition("=")
-        if not equals:
+        if not equals or not _TARGET.fullmatch(target):
             raise LanesError(f"lanes: a statement that is no assignment: {statement[:80]}")
         for index in self._whole(target, value):
             to, what = self._named(target + index), self._named(value + index)

@@ -56,26 +56,27 @@ void Offer(Lanes& s, const int32_t* pairs, const uint32_t* margins, int64_t part
 
 }  // namespace
 
-// Returns 0, or 1 where the core hangs, its lanes differ in time, or a tag is not that of the pair.
-extern "C" int32_t triaxis_lockstep(const int32_t* pairs, const uint32_t* margins, int64_t count, uint16_t* words) {
+// Returns the clocks, or -1 where a core hangs, is not in step, or gives a tag that is not that of the pair.
+extern "C" int64_t triaxis_lockstep(const int32_t* pairs, const uint32_t* margins, int64_t count, uint16_t* words) {
   const auto lanes = std::make_unique<Lanes>();
   Lanes& s = *lanes;
   Reset(s);
   const int64_t part = (count + kLanes - 1) / kLanes;
   int64_t sent = 0;
   int64_t received = 0;
+  int64_t clocks = 0;
   for (int idle = 0; received < part; ++idle) {
-    if (idle > kPatience) return 1;
+    if (idle > kPatience) return -1;
     const bool offered = sent < part;
     for (int l = 0; l < kLanes; ++l) s.s_axis_tvalid_i[l] = offered;
     if (offered) Offer(s, pairs, margins, part, count - 1, sent);
     Inputs(s);
     for (int l = 1; l < kLanes; ++l) {
-      if (s.s_axis_tready_o[l] != s.s_axis_tready_o[0] || s.m_axis_tvalid_o[l] != s.m_axis_tvalid_o[0]) return 1;
+      if (s.s_axis_tready_o[l] != s.s_axis_tready_o[0] || s.m_axis_tvalid_o[l] != s.m_axis_tvalid_o[0]) return -1;
     }
     if (s.m_axis_tvalid_o[0]) {
       for (int l = 0; l < kLanes; ++l) {
-        if (s.m_axis_tuser_o[l] != (static_cast<uint64_t>(received) & kTagMask)) return 1;
+        if (s.m_axis_tuser_o[l] != (static_cast<uint64_t>(received) & kTagMask)) return -1;
         const int64_t at = l * part + received;
         if (at < count) words[at] = static_cast<uint16_t>(s.m_axis_tdata_o[l]);
       }
@@ -84,6 +85,7 @@ extern "C" int32_t triaxis_lockstep(const int32_t* pairs, const uint32_t* margin
     }
     sent += offered && s.s_axis_tready_o[0];
     Clock(s);
+    ++clocks;
   }
-  return 0;
+  return clocks;
 }

@@ -15,6 +15,9 @@ CORE_TOP, MESH_TOP, DETECTOR_TOP, BOARD_TOP = (
 )  # fmt: skip
 BARE_TOP = "triaxis_bare_tb"
 
+# Sixteen of 32 bits fill the widest vectors that there are; more of them than caches hold are slower.
+LANES = 16
+
 CORE_SVA, MESH_SVA = VERIF / "core" / "sva", VERIF / "mesh" / "sva"
 
 
@@ -39,6 +42,12 @@ def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
         configuration.name, CORE_TOP, configuration.parameters, tuple(rtl_sources(dut)),
         (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=defines, dut=dut, speed=_speed(dut),
     )  # fmt: skip
+
+
+def lockstep_build(configuration: Configuration) -> Build:
+    """Return many cores in lockstep as a library; see core_engine.py."""
+    build = core_build(configuration)
+    return replace(build, cpp=(SIM / "lanes_player.cpp",), lanes=LANES)
 
 
 def asserted(build: Build) -> Build:

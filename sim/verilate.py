@@ -16,6 +16,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.native import cxx, target
 from triaxis.sim.build import built, content_hash, run_tool
+from triaxis.sim.lanes import write_lanes
 from triaxis.sim.paths import BUILD, DUT, SIM
 from triaxis.sim.toolchain import verilator
 
@@ -57,7 +58,8 @@ class Build:
     ``assertions``: those in the sources are checked. ``traced``: it follows its own switching activity.
     ``selectable``: it holds mutants, one of which is selected by its number. ``plain``: with Verilator's own
     arithmetic, not that of arithmetic.h, to compare with. ``speed``: of the model's code. ``split``:
-    statements in a C++ file, 0 all in one. ``objects``: compiled already.
+    statements in a C++ file, 0 all in one. ``objects``: compiled already. ``lanes``: of cores in lockstep, 0
+    for one core alone; see lanes.py.
     """
 
     name: str
@@ -78,13 +80,14 @@ class Build:
     speed: str = FAST
     split: int | None = None
     objects: tuple[Path, ...] = ()
+    lanes: int = 0
 
     @property
     def kind(self) -> str:
         """Return in a word for each what is special about it, for the names of folders."""
         marks = {
             "covered": self.counters, "traced": self.traced, "mutated": self.selectable, "plain": self.plain,
-            "asserted": self.form is Form.LIBRARY and self.assertions,
+            "asserted": self.form is Form.LIBRARY and self.assertions, f"lanes{self.lanes}": self.lanes,
         }  # fmt: skip
         return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
 
@@ -100,6 +103,8 @@ class Build:
         ]  # fmt: skip
         if self.speed == FAST:
             arguments.append("-O3")
+        if self.lanes:
+            arguments.append("--flatten")
         if self.counters:
             arguments += COUNTERS
         elif self.speed == FAST:
@@ -136,7 +141,7 @@ class Build:
         files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
         return content_hash(
             files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_linked(self),
-            self.speed, str(self.plain),
+            self.speed, str(self.plain), str(self.lanes),
             repr(sorted(self.parameters.items())), repr(sorted(self.defines.items())), str(self.selectable),
             # Counters are told by the files that they are of.
             str(self.dut) if self.counters else "",
@@ -144,7 +149,7 @@ class Build:
 
 
 _ARITHMETIC = SIM / "arithmetic.h"
-_PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "counters" / "verilated_cov.h")
+_PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "lanes.py", SIM / "counters" / "verilated_cov.h")
 
 
 def elaboration(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> list[str]:
@@ -270,6 +275,8 @@ def _without_folders(command: Sequence[str]) -> list[str]:
 def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     """Compile what Verilator wrote to ``model``, with the player, into a library or program in ``folder``."""
     verilated = runtime(build)
+    if build.lanes:
+        write_lanes(model, build.lanes)
     places = [f"-I{model}", *(f"-I{place}" for place in sorted({path.parent for path in build.headers}))]
     defines = [f"-D{name}={value}" for name, value in build.defines.items()]
     flags = [
@@ -288,8 +295,9 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
         units = [whole]
 
     def compiled(unit: Path) -> str:
-        # What runs once, at the start, is half of the code.
-        speed = QUICK if unit.stem.endswith("__Slow") else build.speed
+        # What runs once, at the start, is half of the code; beside lanes, all that is Verilator's.
+        once = unit.stem.endswith("__Slow") or (build.lanes and unit.parent == model)
+        speed = QUICK if once else build.speed
         output = model / f"{unit.stem}.o"
         run_tool([*compiler(build, speed), *flags, "-c", str(unit), "-o", str(output)], folder, build.kind)
         return str(output)

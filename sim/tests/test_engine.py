@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from triaxis.golden.axes import claims
+from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import NO_AXIS
+from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.core_engine import RtlEngine, configuration_for
+from triaxis.sim.core_engine import LockstepEngine, RtlEngine, configuration_for
 from triaxis.sim.detector import WIDTH, detect
+from triaxis.sim.lanes import LanesError, write_lanes
+from triaxis.sim.models import lockstep_build
 from triaxis.sim.paths import DUT
+from triaxis.sim.verilate import FAST, QUICK, verilate_command
 from triaxis.verif.core.stimulus.families import mixed_pairs
 from triaxis.verif.core.stimulus.margins import random_margins
 from triaxis.verif.core.stimulus.seed_vectors import seed_normals, seed_vectors
@@ -70,3 +75,39 @@ def test_the_detector_is_exact_and_blind_to_the_normals_handed_in(rng):
     inputs = re.findall(r"input logic signed \[W-1:0\] (\w+)", text)
     vertices = [f"{t}{i}_{k}" for t in "AB" for i in (1, 2, 3) for k in "xyz"]
     assert inputs == vertices + [f"N{t}_{k}" for t in "AB" for k in "xyz"]
+
+
+_LOCKSTEP = [
+    pytest.param(*core, FAST, marks=pytest.mark.regress)
+    for core in ((8, 1, True), (16, 0, False), (18, 18, True), (20, 0, True))
+]
+
+
+@pytest.mark.parametrize(("width", "margin_bits", "gating", "speed"), [(8, 8, True, QUICK), *_LOCKSTEP])
+def test_cores_in_lockstep_answer_what_one_does(rng, width, margin_bits, gating, speed):
+    configuration = Configuration(width, margin_bits, gating=gating)
+    engine = LockstepEngine(configuration, speed)
+    # More than a tag tells apart in a part, none for the last cores, one for one of them.
+    for count in (1, 40, 70_000):
+        pairs = mixed_pairs(rng, count, width)
+        margins = random_margins(rng, pairs, (1 << margin_bits) - 1)
+        words, clocks = engine.words(pairs, margins)
+        assert (words == RtlEngine(configuration).words(pairs, margins)[0]).all()
+        assert clocks >= count // 16
+
+
+def test_what_lanes_do_not_understand_is_refused(tmp_path):
+    with pytest.raises(InputError, match="at most 20"):
+        LockstepEngine(Configuration(24, 0))
+    build = lockstep_build(Configuration(8, 1))
+    run_tool(verilate_command(build, tmp_path), tmp_path, build.kind)
+    source = tmp_path / "Vtop___024root__0.cpp"
+    text = source.read_text()
+    for found, instead, said in (
+        ("triaxis_core__DOT__accept = ", "triaxis_core__DOT__unheard_of = ", "an unknown signal"),
+        ("triaxis_core__DOT__accept = ", "triaxis_core__DOT__accept += ", "no assignment"),
+        ("ico_sequent__TOP__0(Vtop", "renamed(Vtop", "no function"),
+    ):
+        source.write_text(text.replace(found, instead))
+        with pytest.raises(LanesError, match=said):
+            write_lanes(tmp_path, 16)

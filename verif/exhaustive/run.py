@@ -17,13 +17,13 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
 from triaxis.sim.build import rtl_hash
-from triaxis.sim.core_engine import RtlEngine
+from triaxis.sim.core_engine import LockstepEngine, RtlEngine
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD
 from triaxis.sim.validity import Sources, validity
 from triaxis.verif.core.checking import Failure
 from triaxis.verif.core.failing_pairs import write_failing_pairs
-from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassResult, Mismatch, check_class
+from triaxis.verif.exhaustive.check import CONFIGURATION, MARGINS, ClassResult, Core, Mismatch, check_class
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.state import Identity, Progress, forget, load, save
 
@@ -37,6 +37,8 @@ _KEPT = 20
 # interrupts.
 _RUNS_PER_REPORT = 1 << 16
 _SECONDS_BETWEEN_SAVES = 5.0
+# On smaller grids, to build cores in lockstep takes longer than they save.
+_LOCKSTEP_FROM = 4
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def run_grid(
     """
     report = progress or (lambda _: None)
     # Built here, so that the workers find it.
-    RtlEngine(CONFIGURATION)
+    _core(grid.size)
     state = load(folder, identity)
     report(state.done)
     before = state.done
@@ -132,13 +134,17 @@ def _sum(results: list[ClassResult]) -> ClassResult:
     return total
 
 
+def _core(size: int) -> Core:
+    return LockstepEngine(CONFIGURATION) if size >= _LOCKSTEP_FROM else RtlEngine(CONFIGURATION)
+
+
 # A run, its first class, and the one after its last.
 _Task = tuple[Identity, int, int]
 
 
 @cache
 def _checker(identity: Identity) -> Callable[[int], ClassResult]:
-    checker = partial(check_class, Grid(identity.grid), RtlEngine(CONFIGURATION), bulk_facts, identity.seed)
+    checker = partial(check_class, Grid(identity.grid), _core(identity.grid), bulk_facts, identity.seed)
     if rtl_hash() != identity.rtl_hash:
         raise InputError("dut/: changed while the run started: start it again")
     return checker
