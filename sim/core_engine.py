@@ -145,13 +145,16 @@ def _address(array: Array) -> ctypes.c_void_p:
 class RtlEngine:
     """The core in one configuration as a function on arrays, built on first use."""
 
-    def __init__(self, configuration: Configuration, dut: Path = DUT, traced: bool = False) -> None:
+    def __init__(
+        self, configuration: Configuration, dut: Path = DUT, traced: bool = False, plain: bool = False
+    ) -> None:
         """Build the core where needed, and load it. ``dut``: another folder of RTL with the same files.
 
         ``traced``: a build that follows its own switching activity; see `triaxis.sim.player.followed`.
+        ``plain``: one with Verilator's own arithmetic, to compare with.
         """
         self.configuration = configuration
-        build = core_build(configuration, dut)
+        build = replace(core_build(configuration, dut), plain=plain)
         self._player = CorePlayer(library(replace(build, traced=True, speed=MANY) if traced else build))
         self.library = self._player.library
 

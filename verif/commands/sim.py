@@ -18,7 +18,7 @@ from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import RunResult, run_settings
-from triaxis.verif.testbench.test_table import (
+from triaxis.verif.testbench.table import (
     REPLAY,
     check_test_fits,
     check_test_name,

@@ -5,7 +5,7 @@ from triaxis.verif.core.base_test import CoreTest
 from triaxis.verif.core.sequences import ArraySequence
 from triaxis.verif.core.stimulus.margins import at_any_margin
 from triaxis.verif.core.uvm_tests import USUAL
-from triaxis.verif.testbench.test_table import Runs, listed
+from triaxis.verif.testbench.table import Runs, listed
 
 
 @listed(

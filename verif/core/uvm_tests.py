@@ -28,7 +28,7 @@ from triaxis.verif.core.stimulus.stimulus import Stimulus
 from triaxis.verif.core.stimulus.symmetry import all_orders
 from triaxis.verif.testbench.failures import ends_at_first
 from triaxis.verif.testbench.settings import PIN
-from triaxis.verif.testbench.test_table import Runs, listed
+from triaxis.verif.testbench.table import Runs, listed
 
 # The builds that differ in what they elaborate, the fastest to simulate first.
 BUILDS = (

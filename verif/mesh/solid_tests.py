@@ -14,7 +14,7 @@ from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.scenes import random_margin
 from triaxis.verif.mesh.shapes import Integers
 from triaxis.verif.mesh.uvm_tests import BOARD
-from triaxis.verif.testbench.test_table import Runs, listed
+from triaxis.verif.testbench.table import Runs, listed
 
 # Margins are this part of the range.
 _MARGIN_PART = 256

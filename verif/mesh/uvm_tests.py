@@ -28,7 +28,7 @@ from triaxis.verif.mesh.scenes import (
     too_many,
 )
 from triaxis.verif.testbench.settings import PIN
-from triaxis.verif.testbench.test_table import Runs, listed
+from triaxis.verif.testbench.table import Runs, listed
 
 # A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; the
 # widest; one lane, in the width of the board's finer build; the engine as it stands on the board; narrow;

@@ -16,7 +16,7 @@ from triaxis.sim.paths import ROOT
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.regress.records import PlannedRun
 from triaxis.verif.testbench.settings import BURST, PIN, width_of
-from triaxis.verif.testbench.test_table import Entry, Runs, configurations, table
+from triaxis.verif.testbench.table import Entry, Runs, configurations, table
 
 DEFINITION = Path(__file__).with_name("triaxis_sim_cfg.hjson")
 TESTPLAN = ROOT / "coverage" / "testplan.hjson"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from triaxis.sim.paths import BUILD
 from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
 from triaxis.verif.testbench.simulation import run_settings
-from triaxis.verif.testbench.test_table import Entry, Runs, configurations, table
+from triaxis.verif.testbench.table import Entry, Runs, configurations, table
 
 FOLDER = BUILD / "signoff"
 RESULT = FOLDER / "signoff.json"

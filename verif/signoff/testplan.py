@@ -22,7 +22,7 @@ from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.parts import Evidence, Part
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
-from triaxis.verif.testbench.test_table import planned_tests, table
+from triaxis.verif.testbench.table import planned_tests, table
 
 # Runs that check and are no UVM tests: the wrapper, whole meshes, the small grid in full, code coverage.
 DETECTOR, SCENES, EXHAUSTIVE, CODE_COVERAGE = "detector", "scenes", "exhaustive", "code_coverage"

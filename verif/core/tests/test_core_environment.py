@@ -10,7 +10,7 @@ from triaxis.coverage.counts import load
 from triaxis.verif.testbench import simulation
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
-from triaxis.verif.testbench.test_table import REPLAY, core_tests
+from triaxis.verif.testbench.table import REPLAY, core_tests
 
 pytestmark = pytest.mark.simulator
 

@@ -12,7 +12,7 @@ from triaxis.verif.mesh.uvm_tests import SQUARE
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
-from triaxis.verif.testbench.test_table import table
+from triaxis.verif.testbench.table import table
 
 pytestmark = pytest.mark.simulator
 

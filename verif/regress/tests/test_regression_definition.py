@@ -10,7 +10,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.verif.regress.definition import NIGHTLY, read_definition, write_view
 from triaxis.verif.signoff.plan import plan
-from triaxis.verif.testbench.test_table import configurations, planned_tests
+from triaxis.verif.testbench.table import configurations, planned_tests
 
 BILLION = 1_000_000_000
 
