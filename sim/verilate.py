@@ -255,7 +255,8 @@ def runtime(build: Build) -> Path:
 def _headers(build: Build) -> Path:
     """Return what every model includes, compiled once for all of one kind and speed."""
     command = compiler(build, build.speed)
-    included = "verilated.h" if build.plain else _ARITHMETIC.name
+    # Inlined arithmetic is more to compile, and without optimisation no faster.
+    included = "verilated.h" if build.plain or build.speed == QUICK else _ARITHMETIC.name
     key = content_hash(
         [_ARITHMETIC], "headers", included, str(verilator()), target(cxx()), *_without_folders(command)
     )
