@@ -21,13 +21,14 @@ _MEMBER = re.compile(r"\s*((?:VlUnpacked<)*)(CData|SData|IData|QData)/\*[\d:]*\*
 _FUNCTION = re.compile(rf"^void {_ROOT}___(\w+)\({_ROOT}\* vlSelf\) {{\n(.*?)^}}\n", re.S | re.M)
 _LOCAL = re.compile(r"(?:CData|SData|IData)/\*[\d:]*\*/ (\w+);")
 _CALL = re.compile(rf"{_ROOT}___(\w+)\(vlSelf\);")
-_BRANCH = re.compile(r"if \((.*)\)", re.S)
 _TRIGGERED = re.compile(r"\((\d+)ULL & vlSelfRef\.__VnbaTriggered\[0U\]\)")
 _SIGNAL = re.compile(r"vlSelfRef\.(\w+)")
 _TARGET = re.compile(r"(vlSelfRef\.\w+\s*(\[.*\])?|__V\w+)\s*", re.S)
+_WHOLE = re.compile(r"\s*vlSelfRef\.\w+(\s*\[\d+U\])*")
 _INDEX = re.compile(r"\s*\[")
 # Of the simulator's own, and not of the design.
 _SCHEDULING = re.compile(r"__V(ico|act|nba|stl)\w*|__Vtrigprev\w*")
+_SPACE, _ELSE = re.compile(r"\s*(?=\S)"), re.compile(r"\s*else\s*")
 _LOCAL_NAME = re.compile(r"\b__V\w+\b")
 # A rising clock is the first of what is waited for.
 _CLOCK = 1
@@ -104,14 +105,14 @@ def _block(text: str, start: int) -> tuple[str, int]:
 def _statements(text: str) -> Iterator[str | _If]:
     """Yield the statements of a block: texts without the semicolon, and branches."""
     place = 0
-    while match := re.compile(r"\s*(?=\S)").match(text, place):
+    while match := _SPACE.match(text, place):
         place = match.end()
         if text.startswith("if ", place):
             end = _closing(text, text.index("(", place))
             condition = text[text.index("(", place) : end]
             then, place = _block(text, text.index("{", end))
             otherwise = ""
-            if follows := re.compile(r"\s*else\s*").match(text, place):
+            if follows := _ELSE.match(text, place):
                 place = follows.end()
                 if text.startswith("if ", place):
                     # All that belongs to the second one is in the other branch.
@@ -132,7 +133,7 @@ def _statements(text: str) -> Iterator[str | _If]:
 def _end_of_if(text: str, place: int) -> int:
     while True:
         end = _closing(text, text.index("{", _closing(text, text.index("(", place))))
-        follows = re.compile(r"\s*else\s*").match(text, end)
+        follows = _ELSE.match(text, end)
         if not follows:
             return end
         place = follows.end()
@@ -235,8 +236,8 @@ class _Writer:
         if not found:
             return [""]
         given = len(self._split(target.strip(), found)[0])
-        dims = self._members[found[1]].dims[given:] if found[1] in self._members else ()
-        if dims and not re.fullmatch(r"\s*vlSelfRef\.\w+(\s*\[\d+U\])*", value):
+        dims = self._members[found[1]].dims[given:]
+        if dims and not _WHOLE.fullmatch(value):
             raise LanesError(f"lanes: an array is assigned what is none: {target.strip()[:80]}")
         return _indices(dims)
 
