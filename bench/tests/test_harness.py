@@ -92,6 +92,7 @@ def test_bounds_are_judged(bound, cycles, passed):
 
 
 @pytest.mark.simulator
+@pytest.mark.regress
 def test_made_scenes_reach_their_bounds():
     rows = bench_mesh(cases(None), lambda _: None)
     assert mesh_cycles.findings(rows, False).problems == []

@@ -13,7 +13,6 @@ from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
 
 pytestmark = pytest.mark.simulator
-REGRESS = (pytest.mark.regress,)
 
 
 # By fault: the test that must see it, the agent, what it must say, whether of a pair, and whether a replay
@@ -43,8 +42,9 @@ def test_no_further_fault_is_left_out():
 
 
 # Each needs a build of its own. Wrong answers and broken rules are caught every day in the tests of the
-# catalogue, so that here one is enough.
-@pytest.mark.parametrize("name", [pytest.param(n, marks=REGRESS * (n != "hang")) for n in EXPECTED])
+# catalogue.
+@pytest.mark.regress
+@pytest.mark.parametrize("name", EXPECTED)
 def test_fault_is_caught(tmp_path, seed, name):
     test, agent, message, about_pairs, replays = EXPECTED[name]
     fault = fault_of(name)
