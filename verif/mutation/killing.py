@@ -124,7 +124,8 @@ class Hunt:
                         for number, mutant in enumerate(alive[start : start + _AT_A_TIME])
                     ]
                     models = [model for job in jobs if (model := job.result())]
-                    self._try(stage, models, Model(_ORIGINAL, str(healthy)))
+                    # Once is enough: what runs on it is the same each time.
+                    self._try(stage, models, None if start else Model(_ORIGINAL, str(healthy)))
 
     def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
         with mutated(self.dut, mutant) as dut:
@@ -155,17 +156,20 @@ class Hunt:
         self.killed[name] = killed
         self._progress(1)
 
-    def _try(self, stage: Stage, models: Sequence[Model], original: Model) -> None:
+    def _try(self, stage: Stage, models: Sequence[Model], original: Model | None) -> None:
         """Let the tests run on the models, in as many simulators as there are jobs, and on the original."""
         name = stage.target.name
+        healthy = [original] if original else []
         if stage.target.combinational:
-            self._ask_wrapper(stage.target, [original, *models])
+            self._ask_wrapper(stage.target, [*healthy, *models])
             return
         # Those that are shown to be equivalent are tried all the same, but by one test.
         excused = [model for model in models if model.name in self.excused]
         others = [model for model in models if model.name not in self.excused]
         brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
-        shares = [(others[number :: self.jobs], stage.tests) for number in range(self.jobs)]
+        # The original goes first, with all tests: where it fails, nothing else is believed.
+        shares = [([*healthy, *others[:: self.jobs]], stage.tests)]
+        shares += [(others[number :: self.jobs], stage.tests) for number in range(1, self.jobs)]
         with temporary() as folder, _threads(self.jobs) as pool:
             trials: list[Trials] = []
             for number, (share, tests) in enumerate([*shares, (excused, brief)]):
@@ -173,7 +177,7 @@ class Hunt:
                 place.mkdir()
                 if share:
                     there = tuple(replace(test, folder=str(place)) for test in tests)
-                    trials.append(Trials(there, (original, *share), place))
+                    trials.append(Trials(there, tuple(share), place))
             # Whatever ends a long run, what it found out is kept.
             try:
                 list(pool.map(run_trials, trials))
