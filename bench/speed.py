@@ -44,7 +44,7 @@ RATIOS = {
     ("bare_w32", "bare_w32_reference"): 4.0,
     ("burst_unchecked", "bare"): None,
     ("burst_checked", "bare"): 0.9,
-    ("burst_soak", "bare"): None,
+    ("burst_soak", "bare"): 0.75,
     ("burst_checked", "pin"): 100.0,
     ("bulk_checker", "bare"): 1.0,
 }

@@ -218,7 +218,8 @@ class _Writer:
     def _condition(self, value: str) -> str:
         name = f"condition_{len(self._locals)}"
         self._locals.add(name)
-        self._loop(f"s.{name}[l] = {value}")
+        # A condition may have more bits than what keeps it.
+        self._loop(f"s.{name}[l] = ({value}) != 0")
         return name
 
     def _assign(self, statement: str, condition: str) -> None:

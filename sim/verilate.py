@@ -139,6 +139,8 @@ class Build:
         Where cocotb's libraries are is in every program: in a checkout that was moved they are elsewhere.
         """
         files = [*self.sources, *self.above, *self.cpp, *self.headers, *_PLAYERS, *self.objects]
+        if self.lanes:
+            files.append(SIM / "lanes.py")
         return content_hash(
             files, str(verilator()), target(cxx()), self.top, *self.flags, *self.preprocessed, *_linked(self),
             self.speed, str(self.plain), str(self.lanes),
@@ -149,7 +151,7 @@ class Build:
 
 
 _ARITHMETIC = SIM / "arithmetic.h"
-_PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "lanes.py", SIM / "counters" / "verilated_cov.h")
+_PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "counters" / "verilated_cov.h")
 
 
 def elaboration(top: str, parameters: Mapping[str, int], dut: Path = DUT) -> list[str]:
