@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: near(A, B, m), the claimed axis and the flags of one pair per clock: box axes first,
-// then, for pairs that their boxes leave undecided, cross products, ten triple products and the
-// tests of the other 29 axes.
+// then, for pairs that their boxes leave undecided, the areas of triangles seen along each coordinate
+// axis, the prisms under them, and the tests of the other 29 axes.
 // Widths: see triaxis_pkg.
 // Latency: datapath_latency(W, M); 0 with Comb = 1, which turns every register into a wire.
 
@@ -28,13 +28,14 @@ module triaxis_datapath
 
   localparam int unsigned Stage = Comb ? 0 : 1;
   // Clocks after the operand register.
-  localparam int unsigned TimeAxis = DiffLatency + cross_latency(W) + AxisLatency;
-  localparam int unsigned TimeDet = DiffLatency + cross_latency(W) + dot_latency(W);
-  localparam int unsigned TimePlane = TimeAxis + interval_latency(M);
+  localparam int unsigned TimeArea = area_latency(W);
+  localparam int unsigned TimeFlat = TimeArea + prism_latency(W) + FlatLatency;
+  localparam int unsigned TimePlane = TimeArea + interval_latency(M);
   localparam int unsigned TimeDecision = decision_latency(W, M);
 
   typedef logic signed [W-1:0] coord_t;
-  typedef logic signed [cross_width(W)-1:0] cross_vector_t[3];
+  typedef logic signed [cross_width(W)-1:0] cross_t;
+  typedef logic signed [span_width(W)-1:0] span_t;
   typedef logic signed [det_width(W)-1:0] det_t;
   typedef logic [margin_width(M)-1:0] margin_t;
   typedef logic [2:0] box_t;
@@ -88,61 +89,66 @@ module triaxis_datapath
       .q_o(box_decision)
   );
 
-  // --- Cross products, triple products, normals -----------------------------------------------
+  // --- Areas along each coordinate axis, prisms along z --------------------------------------------
 
-  cross_vector_t normal_a_early, normal_a, normal_b, f[3], pr[3], rq[3];
-  det_t pqr[3], pf[3], qf[3], rst;
+  cross_t normal_a[3], normal_b[3], a_points[3][3][3], b_points[3][3][3];
+  logic signed [axis_width(W)-1:0] edge_edge[3][3][3];
+  span_t prism_a, prism_b, prism_aab[3][3], prism_abb[3][3];
+  coord_t heights_a[3], heights_b[3];
 
-  triaxis_products #(
-      .W(W),
-      .EdgeBox(EdgeBox),
-      .Comb(Comb)
-  ) u_products (
-      .clk_i,
-      .a_i(operand_a),
-      .b_i(operand_b),
-      .normal_a_o(normal_a_early),
-      .f_o(f),
-      .pr_o(pr),
-      .rq_o(rq),
-      .pqr_o(pqr),
-      .pf_o(pf),
-      .qf_o(qf),
-      .rst_o(rst)
-  );
-
-  triaxis_delay #(
-      .T(cross_vector_t),
-      .Cycles(AxisLatency * Stage)
-  ) u_normal_a (
-      .clk_i,
-      .d_i(normal_a_early),
-      .q_o(normal_a)
-  );
-
-  // N_B is the sum of the f_j.
-  for (genvar k = 0; k < 3; k++) begin : g_normal_b
-    logic signed [cross_width(W)-1:0] terms[3];
-    assign terms[0] = f[0][k];
-    assign terms[1] = f[1][k];
-    assign terms[2] = f[2][k];
-    triaxis_sum #(
-        .Terms(3),
-        .Width(cross_width(W)),
-        .Comb (Comb)
-    ) u_normal_b (
+  for (genvar k = 0; k < 3; k++) begin : g_along
+    coord_t a[3][2], b[3][2];
+    logic signed [axis_width(W)-1:0] edges[3][3];
+    for (genvar v = 0; v < 3; v++) begin : g_vertex
+      assign a[v][0] = operand_a[v][(k+1)%3];
+      assign a[v][1] = operand_a[v][(k+2)%3];
+      assign b[v][0] = operand_b[v][(k+1)%3];
+      assign b[v][1] = operand_b[v][(k+2)%3];
+      for (genvar j = 0; j < 3; j++) begin : g_edge
+        assign edge_edge[v][j][k] = edges[v][j];
+      end
+    end
+    triaxis_areas #(
+        .W(W),
+        .Between(EdgeBox || k == 2),
+        .Comb(Comb)
+    ) u_areas (
         .clk_i,
-        .terms_i(terms),
-        .sum_o  (normal_b[k])
+        .a_i(a),
+        .b_i(b),
+        .normal_a_o(normal_a[k]),
+        .normal_b_o(normal_b[k]),
+        .a_points_o(a_points[k]),
+        .b_points_o(b_points[k]),
+        .edge_edge_o(edges)
     );
+    assign heights_a[k] = operand_a[k][2];
+    assign heights_b[k] = operand_b[k][2];
   end
+
+  triaxis_prisms #(
+      .W(W),
+      .Comb(Comb)
+  ) u_prisms (
+      .clk_i,
+      .a_heights_i(heights_a),
+      .b_heights_i(heights_b),
+      .normal_a_i(normal_a[2]),
+      .normal_b_i(normal_b[2]),
+      .a_points_i(a_points[2]),
+      .b_points_i(b_points[2]),
+      .a_o(prism_a),
+      .b_o(prism_b),
+      .aab_o(prism_aab),
+      .abb_o(prism_abb)
+  );
 
   // --- The axes, and the margins that they need -------------------------------------------------
 
   logic [NumAxes-1:0] separated;
-  logic signed [axis_width(W)-1:0] edge_edge[3][3][3];
   logic [axis_threshold_width(W, M)-1:0] space_threshold[AxisNormalA:AxisEdgeBoxA-1];
   logic [edge_threshold_width(W, M)-1:0] plane_threshold[AxisEdgeBoxA:NumAxes-1];
+  det_t flat[10];
 
   assign separated[AxisBox+:3] = box_decision;
 
@@ -152,11 +158,12 @@ module triaxis_datapath
       .Comb(Comb)
   ) u_space_axes (
       .clk_i,
-      .pqr_i(pqr),
-      .pf_i(pf),
-      .qf_i(qf),
-      .rst_i(rst),
+      .a_i(prism_a),
+      .b_i(prism_b),
+      .aab_i(prism_aab),
+      .abb_i(prism_abb),
       .threshold_i(space_threshold),
+      .flat_o(flat),
       .separated_o(separated[AxisEdgeBoxA-1:AxisNormalA])
   );
 
@@ -169,14 +176,11 @@ module triaxis_datapath
         .Comb(Comb)
     ) u_plane_axes (
         .clk_i,
-        .normal_a_early_i(normal_a_early),
-        .pr_i(pr),
-        .rq_i(rq),
-        .f_i(f),
-        .normal_a_i(normal_a),
-        .normal_b_i(normal_b),
+        .normal_a_i (normal_a),
+        .normal_b_i (normal_b),
+        .a_points_i (a_points),
+        .b_points_i (b_points),
         .threshold_i(plane_threshold),
-        .edge_edge_o(edge_edge),
         .separated_o(plane_separated)
     );
 
@@ -189,13 +193,8 @@ module triaxis_datapath
         .q_o(separated[NumAxes-1:AxisEdgeBoxA])
     );
   end else begin : g_no_edge_box
-    logic unused[3];
-    for (genvar k = 0; k < 3; k++) begin : g_unused
-      assign unused[k] = ^{pr[k][0], pr[k][1], pr[k][2], rq[k][0], rq[k][1], rq[k][2]};
-    end
     logic unused_threshold;
     assign unused_threshold = ^plane_threshold[AxisEdgeBoxA];
-    assign edge_edge = '{default: '0};
     assign separated[NumAxes-1:AxisEdgeBoxA] = '0;
   end
 
@@ -221,16 +220,13 @@ module triaxis_datapath
 
   triaxis_flags #(
       .W(W),
-      .NormalWait((TimeDecision - TimeAxis) * Stage),
-      .DetWait((TimeDecision - TimeDet) * Stage)
+      .NormalWait((TimeDecision - TimeArea) * Stage),
+      .DetWait((TimeDecision - TimeFlat) * Stage)
   ) u_flags (
       .clk_i,
       .normal_a_i(normal_a),
       .normal_b_i(normal_b),
-      .pqr_i(pqr),
-      .pf_i(pf),
-      .qf_i(qf),
-      .rst_i(rst),
+      .flat_i(flat),
       .degenerate_a_o(degenerate_a),
       .degenerate_b_o(degenerate_b),
       .coplanar_o(coplanar)

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: degenerate A and B (a zero normal: the triangle is a segment or a point) and coplanar
-// (all six vertices in one plane: exactly where all ten triple products vanish).
+// (all six vertices in one plane: exactly where the ten orientations of A1 with three others vanish).
 // Widths: one bit each.
 // Latency: to interval_latency(M) after the projections, with the axis bits: the normals arrive
-// NormalWait clocks before, the triple products DetWait clocks before.
+// NormalWait clocks before, the orientations DetWait clocks before.
 
 module triaxis_flags
   import triaxis_pkg::*;
@@ -17,10 +17,7 @@ module triaxis_flags
     input logic clk_i,
     input logic signed [cross_width(W)-1:0] normal_a_i[3],
     input logic signed [cross_width(W)-1:0] normal_b_i[3],
-    input logic signed [det_width(W)-1:0] pqr_i[3],
-    input logic signed [det_width(W)-1:0] pf_i[3],
-    input logic signed [det_width(W)-1:0] qf_i[3],
-    input logic signed [det_width(W)-1:0] rst_i,
+    input logic signed [det_width(W)-1:0] flat_i[10],
     output logic degenerate_a_o,
     output logic degenerate_b_o,
     output logic coplanar_o
@@ -35,11 +32,10 @@ module triaxis_flags
   for (genvar k = 0; k < 3; k++) begin : g_zero
     assign a_zero_d[k] = normal_a_i[k] == 0;
     assign b_zero_d[k] = normal_b_i[k] == 0;
-    assign det_zero_d[k] = pqr_i[k] == 0;
-    assign det_zero_d[3+k] = pf_i[k] == 0;
-    assign det_zero_d[6+k] = qf_i[k] == 0;
   end
-  assign det_zero_d[9] = rst_i == 0;
+  for (genvar n = 0; n < 10; n++) begin : g_flat
+    assign det_zero_d[n] = flat_i[n] == 0;
+  end
 
   triaxis_delay #(
       .T(zeros_t),

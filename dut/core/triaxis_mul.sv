@@ -4,7 +4,8 @@
 // Computes: the signed product a_i * b_i, split into pieces that each fill one DSP48E1.
 // Widths: |a b| <= 2^(AWidth-1) * 2^(BWidth-1) = 2^(AWidth+BWidth-2), which fits
 // AWidth + BWidth bits signed.
-// Latency: mul_latency(AWidth, BWidth): one clock for the operands, one for the products, both in
+// Pieces of at most NarrowBits bits take no DSP block.
+// Latency: mul_latency(AWidth, BWidth): one clock for the operands, two for the products, all in
 // registers that the DSP block has, then the sum of the pieces.
 
 `include "triaxis_stage.svh"
@@ -72,10 +73,36 @@ module triaxis_mul
       // The top pieces are narrower than their ports: keep only the bits that a piece can have.
       localparam int unsigned XBits = (i == XPieces - 1) ? XWidth - i * XStep : DspPortA;
       localparam int unsigned YBits = (j == YPieces - 1) ? YWidth - j * YStep : DspPortB;
-      logic signed [XBits+YBits-1:0] piece_d, piece_q;
-      assign piece_d = XBits'(x_piece[i]) * YBits'(y_piece[j]);
-      `TRIAXIS_STAGE(piece_q, piece_d)
-      assign term[i*YPieces+j] = (AWidth + BWidth)'(piece_q) <<< (i * XStep + j * YStep);
+      logic signed [XBits+YBits-1:0] piece;
+      if (XBits <= NarrowBits) begin : g_narrow_x
+        triaxis_narrow_mul #(
+            .WideWidth(YBits),
+            .NarrowWidth(XBits),
+            .Comb(Comb)
+        ) u_mul (
+            .clk_i,
+            .wide_i(YBits'(y_piece[j])),
+            .narrow_i(XBits'(x_piece[i])),
+            .product_o(piece)
+        );
+      end else if (YBits <= NarrowBits) begin : g_narrow_y
+        triaxis_narrow_mul #(
+            .WideWidth(XBits),
+            .NarrowWidth(YBits),
+            .Comb(Comb)
+        ) u_mul (
+            .clk_i,
+            .wide_i(XBits'(x_piece[i])),
+            .narrow_i(YBits'(y_piece[j])),
+            .product_o(piece)
+        );
+      end else begin : g_wide
+        logic signed [XBits+YBits-1:0] piece_d, piece_q;
+        assign piece_d = XBits'(x_piece[i]) * YBits'(y_piece[j]);
+        `TRIAXIS_STAGE(piece_q, piece_d)
+        `TRIAXIS_STAGE(piece, piece_q)
+      end
+      assign term[i*YPieces+j] = (AWidth + BWidth)'(piece) <<< (i * XStep + j * YStep);
     end
   end
 

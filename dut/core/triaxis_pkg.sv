@@ -9,6 +9,8 @@
 // verif/formal/tests/test_widths.py enumerates those corners.
 //
 //   difference of two vertices            |.| <= L      W+1  bits signed
+//   sum of two coordinates                |.| <= 2^W    W+1  bits signed
+//   sum of three coordinates              |.| < 2^(W+1) W+2  bits signed
 //   cross product from a common vertex    |.| <= L^2    2W+1 bits signed
 //   edge x edge, one component            |.| <= 2 L^2  2W+2 bits signed
 //   edge x edge, sum of the absolutes     |.| <= 4 L^2  2W+3 bits signed (never negative)
@@ -43,6 +45,10 @@ package triaxis_pkg;
 
   function automatic int unsigned diff_width(int unsigned w);
     return w + 1;
+  endfunction
+
+  function automatic int unsigned height_width(int unsigned w);
+    return w + 2;
   endfunction
 
   function automatic int unsigned cross_width(int unsigned w);
@@ -85,15 +91,29 @@ package triaxis_pkg;
 `endif
   parameter int unsigned DspPortB = 18;
 
+  // A piece of at most this many bits is multiplied by additions: it would waste a block.
+  parameter int unsigned NarrowBits = 5;
+
   function automatic int unsigned mul_pieces(int unsigned width, int unsigned port);
     if (width <= port) return 1;
     return 1 + (width - port + port - 2) / (port - 1);
   endfunction
 
+  // Pieces that are too wide for additions: all, or all but the top one.
+  function automatic int unsigned mul_wide_pieces(int unsigned width, int unsigned port);
+    int unsigned lower = mul_pieces(width, port) - 1;
+    return lower + ((width - lower * (port - 1) > NarrowBits) ? 1 : 0);
+  endfunction
+
+  // What x on the 25-bit port times y on the 18-bit port takes: blocks, and pieces to add up.
+  function automatic int unsigned mul_cost(int unsigned xw, int unsigned yw);
+    return 3 * mul_wide_pieces(xw, DspPortA) * mul_wide_pieces(yw, DspPortB) +
+        2 * mul_pieces(xw, DspPortA) * mul_pieces(yw, DspPortB);
+  endfunction
+
   // True where the first operand is better placed on the 25-bit port.
   function automatic bit mul_first_on_a(int unsigned aw, int unsigned bw);
-    return mul_pieces(aw, DspPortA) * mul_pieces(bw, DspPortB) <=
-        mul_pieces(aw, DspPortB) * mul_pieces(bw, DspPortA);
+    return mul_cost(aw, bw) <= mul_cost(bw, aw);
   endfunction
 
   function automatic int unsigned mul_products(int unsigned aw, int unsigned bw);
@@ -105,27 +125,33 @@ package triaxis_pkg;
   parameter int unsigned InputLatency = 1;  // input register
   parameter int unsigned BoxLatency = 4;  // order, extents, gaps, comparison
   parameter int unsigned GateLatency = 1;  // operand register
-  parameter int unsigned DiffLatency = 1;
-  parameter int unsigned AxisLatency = 2;  // edge x edge axes, normal of B, 2D orientations
-  parameter int unsigned ProjectionLatency = 4;
-  parameter int unsigned VerdictLatency = 2;  // axis bits, then claim
+  parameter int unsigned SumLatency = 1;  // operands of a multiplier
+  parameter int unsigned AreaLatency = 2;  // trapezoids to areas
+  parameter int unsigned FlatLatency = 2;  // prisms to orientations of four vertices
+  parameter int unsigned ProjectionLatency = 4;  // prisms to projections
+  parameter int unsigned VerdictLatency = 3;  // axis bits, the lowest of them, claim
   parameter int unsigned FifoLatency = 1;
 
   function automatic int unsigned sum_latency(int unsigned terms);
     return $clog2(terms);
   endfunction
 
-  // Operands, products, then the sum of the pieces.
+  // Operands, products, products again, then the sum of the pieces.
   function automatic int unsigned mul_latency(int unsigned aw, int unsigned bw);
-    return 2 + sum_latency(mul_products(aw, bw));
+    return 3 + sum_latency(mul_products(aw, bw));
   endfunction
 
-  function automatic int unsigned cross_latency(int unsigned w);
-    return mul_latency(diff_width(w), diff_width(w)) + 1;
+  function automatic int unsigned trapezoid_latency(int unsigned w);
+    return SumLatency + mul_latency(diff_width(w), diff_width(w));
   endfunction
 
-  function automatic int unsigned dot_latency(int unsigned w);
-    return mul_latency(cross_width(w), diff_width(w)) + sum_latency(3);
+  // From the operand register to the areas seen along the coordinate axes, and so to the normals.
+  function automatic int unsigned area_latency(int unsigned w);
+    return trapezoid_latency(w) + AreaLatency;
+  endfunction
+
+  function automatic int unsigned prism_latency(int unsigned w);
+    return mul_latency(cross_width(w), height_width(w));
   endfunction
 
   function automatic int unsigned interval_latency(int unsigned m);
@@ -140,8 +166,7 @@ package triaxis_pkg;
 
   // From the operand register to the registered axis bits.
   function automatic int unsigned decision_latency(int unsigned w, int unsigned m);
-    return DiffLatency + cross_latency(w) + dot_latency(w) + ProjectionLatency +
-        interval_latency(m);
+    return area_latency(w) + prism_latency(w) + ProjectionLatency + interval_latency(m);
   endfunction
 
   // From the input port to the verdict, before the result FIFO.

@@ -1,14 +1,16 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Computes: every inner product that the eleven three-dimensional axes need, from ten triple
-// products (docs/theory.md, section 4), named as in triaxis_products. An axis serves with
-// either sign, so the sign that needs no negation is taken:
-//   normal of A      A at 0, B at normal_a_o
-//   normal of B      B at 0, A at normal_b_o
-//   edge i x edge j  A at 0 and own_o[i][j], B at points_o[i][j]
-// Edge 0 of A is p (with the axis taken as f x p), edge 1 is q - p, edge 2 is -q.
-// Widths: orientations of four vertices 3W+2 bits; differences of projections 3W+3 bits.
+// Computes: every inner product that the eleven three-dimensional axes need, from the prisms under
+// twenty triangles (docs/theory.md, section 4). An axis serves with either sign, so the sign that
+// needs no negation is taken:
+//   normal of A      A at 0, vertex j of B at normal_a_o[j]
+//   normal of B      B at 0, vertex i of A at normal_b_o[i]
+//   edge i x edge j  A at 0 and own_o[j], B at points_o[i][j]
+// and flat_o, ten orientations of four vertices: all those with A1, ProjectionLatency - FlatLatency
+// clocks before the rest.
+// Widths: orientations of four vertices 3W+2 bits; differences of projections 3W+3 bits. Sums wrap on
+// the way.
 // Latency: ProjectionLatency = 4, one addition each. A suffix _n marks the value after n stages.
 
 `include "triaxis_stage.svh"
@@ -20,112 +22,81 @@ module triaxis_projections
     parameter bit Comb = 1'b0
 ) (
     input logic clk_i,
-    input logic signed [det_width(W)-1:0] pqr_i[3],
-    input logic signed [det_width(W)-1:0] pf_i[3],
-    input logic signed [det_width(W)-1:0] qf_i[3],
-    input logic signed [det_width(W)-1:0] rst_i,
+    input logic signed [span_width(W)-1:0] a_i,
+    input logic signed [span_width(W)-1:0] b_i,
+    input logic signed [span_width(W)-1:0] aab_i[3][3],
+    input logic signed [span_width(W)-1:0] abb_i[3][3],
+    output logic signed [det_width(W)-1:0] flat_o[10],
     output logic signed [span_width(W)-1:0] normal_a_o[3],
     output logic signed [span_width(W)-1:0] normal_b_o[3],
-    output logic signed [span_width(W)-1:0] own_o[3][3],
+    output logic signed [span_width(W)-1:0] own_o[3],
     output logic signed [span_width(W)-1:0] points_o[3][3][2]
 );
 
   typedef logic signed [span_width(W)-1:0] span_t;
+  typedef logic signed [det_width(W)-1:0] det_t;
 
-  span_t pqr_0[3], pqr_1[3], pqr_2[3], pqr_3[3], pqr_4[3];
-  span_t pf_0[3], pf_1[3], pf_2[3], pf_3[3], pf_4[3];
-  span_t qf_0[3], qf_1[3], qf_2[3], qf_3[3], qf_4[3];
-  span_t rst_0, rst_1, rst_2;
-  span_t along_d[3], along_1[3], along_2[3], along_3[3], along_4[3];  // N_A . (edge j of B)
-  span_t against_d[3], against_1[3], against_2[3], against_3[3], against_4[3];  // its negative
-  span_t pf_less_qf_d[3], pf_less_qf_1[3];
-  span_t pf01_d, pf01_1, qf01_d, qf01_1;
-  span_t p_normal_d, p_normal_2, p_normal_3;  // p . N_B
-  span_t q_normal_d, q_normal_2, q_normal_3;  // q . N_B
-  span_t middle_d[3], middle_2[3], middle_3[3], middle_4[3];  // orientations with edge 1 of A
-  span_t normal_b_d[3], normal_b_3[3];  // N_B . (B1 - A_i)
-  span_t edge1_normal_d, edge1_normal_3;  // N_B . (edge 1 of A)
+  span_t first_a_d[3], first_a_1[3], last_a_d[3], last_a_1[3];  // two and two of four faces
+  span_t first_b_d[3], first_b_1[3], last_b_d[3], last_b_1[3];
+  span_t on_a_d[3][3], on_a_1[3][3], on_b_d[3][3], on_b_1[3][3];
+  span_t normal_a_d[3], normal_a_2[3], normal_a_3[3];  // A with vertex j of B
+  span_t normal_b_d[3], normal_b_2[3], normal_b_3[3];  // B with vertex i of A
+  span_t edges_d[3][3], edges_2[3][3], edges_3[3][3], edges_4[3][3];  // edge i with edge j
+  span_t along_d[3], along_3[3];  // N_A . (edge j of B)
+  span_t across_d[3], across_3[3];  // N_B . (edge i of A), negative
   span_t far_d[3][3], far_4[3][3];  // third vertex of B, on edge i x edge j
 
-  assign rst_0 = span_t'(rst_i);
-  for (genvar j = 0; j < 3; j++) begin : g_extend
-    assign pqr_0[j] = span_t'(pqr_i[j]);
-    assign pf_0[j]  = span_t'(pf_i[j]);
-    assign qf_0[j]  = span_t'(qf_i[j]);
+  for (genvar j = 0; j < 3; j++) begin : g_vertex
+    assign first_a_d[j]  = aab_i[0][j] + aab_i[1][j];
+    assign last_a_d[j]   = aab_i[2][j] - a_i;
+    assign first_b_d[j]  = b_i - abb_i[j][0];
+    assign last_b_d[j]   = abb_i[j][1] + abb_i[j][2];
+    assign normal_a_d[j] = first_a_1[j] + last_a_1[j];
+    assign normal_b_d[j] = first_b_1[j] - last_b_1[j];
+    assign along_d[j]    = normal_a_2[(j+1)%3] - normal_a_2[j];
+    assign across_d[j]   = normal_b_2[(j+1)%3] - normal_b_2[j];
+  end
+  for (genvar i = 0; i < 3; i++) begin : g_edge_a
+    for (genvar j = 0; j < 3; j++) begin : g_edge_b
+      assign on_a_d[i][j]  = aab_i[i][(j+1)%3] - aab_i[i][j];
+      assign on_b_d[i][j]  = abb_i[(i+1)%3][j] - abb_i[i][j];
+      assign edges_d[i][j] = on_a_1[i][j] + on_b_1[i][j];
+      assign far_d[i][j]   = edges_3[i][j] + across_3[i];
+    end
   end
 
-  for (genvar j = 0; j < 3; j++) begin : g_stage1
-    assign along_d[j] = pqr_0[(j+1)%3] - pqr_0[j];
-    assign against_d[j] = pqr_0[j] - pqr_0[(j+1)%3];
-    assign pf_less_qf_d[j] = pf_0[j] - qf_0[j];
-  end
-  assign pf01_d = pf_0[0] + pf_0[1];
-  assign qf01_d = qf_0[0] + qf_0[1];
-  `TRIAXIS_STAGE(pqr_1, pqr_0)
-  `TRIAXIS_STAGE(pf_1, pf_0)
-  `TRIAXIS_STAGE(qf_1, qf_0)
-  `TRIAXIS_STAGE(rst_1, rst_0)
-  `TRIAXIS_STAGE(along_1, along_d)
-  `TRIAXIS_STAGE(against_1, against_d)
-  `TRIAXIS_STAGE(pf_less_qf_1, pf_less_qf_d)
-  `TRIAXIS_STAGE(pf01_1, pf01_d)
-  `TRIAXIS_STAGE(qf01_1, qf01_d)
+  `TRIAXIS_STAGE(first_a_1, first_a_d)
+  `TRIAXIS_STAGE(last_a_1, last_a_d)
+  `TRIAXIS_STAGE(first_b_1, first_b_d)
+  `TRIAXIS_STAGE(last_b_1, last_b_d)
+  `TRIAXIS_STAGE(on_a_1, on_a_d)
+  `TRIAXIS_STAGE(on_b_1, on_b_d)
 
-  for (genvar j = 0; j < 3; j++) begin : g_stage2
-    assign middle_d[j] = pf_less_qf_1[j] - along_1[j];
-  end
-  assign p_normal_d = pf01_1 + pf_1[2];
-  assign q_normal_d = qf01_1 + qf_1[2];
-  `TRIAXIS_STAGE(pqr_2, pqr_1)
-  `TRIAXIS_STAGE(pf_2, pf_1)
-  `TRIAXIS_STAGE(qf_2, qf_1)
-  `TRIAXIS_STAGE(rst_2, rst_1)
-  `TRIAXIS_STAGE(along_2, along_1)
-  `TRIAXIS_STAGE(against_2, against_1)
-  `TRIAXIS_STAGE(middle_2, middle_d)
-  `TRIAXIS_STAGE(p_normal_2, p_normal_d)
-  `TRIAXIS_STAGE(q_normal_2, q_normal_d)
+  `TRIAXIS_STAGE(normal_a_2, normal_a_d)
+  `TRIAXIS_STAGE(normal_b_2, normal_b_d)
+  `TRIAXIS_STAGE(edges_2, edges_d)
 
-  assign normal_b_d[0]  = rst_2;
-  assign normal_b_d[1]  = rst_2 - p_normal_2;
-  assign normal_b_d[2]  = rst_2 - q_normal_2;
-  assign edge1_normal_d = q_normal_2 - p_normal_2;
-  `TRIAXIS_STAGE(pqr_3, pqr_2)
-  `TRIAXIS_STAGE(pf_3, pf_2)
-  `TRIAXIS_STAGE(qf_3, qf_2)
-  `TRIAXIS_STAGE(along_3, along_2)
-  `TRIAXIS_STAGE(against_3, against_2)
-  `TRIAXIS_STAGE(middle_3, middle_2)
-  `TRIAXIS_STAGE(p_normal_3, p_normal_2)
-  `TRIAXIS_STAGE(q_normal_3, q_normal_2)
-  `TRIAXIS_STAGE(normal_b_3, normal_b_d)
-  `TRIAXIS_STAGE(edge1_normal_3, edge1_normal_d)
+  `TRIAXIS_STAGE(normal_a_3, normal_a_2)
+  `TRIAXIS_STAGE(normal_b_3, normal_b_2)
+  `TRIAXIS_STAGE(edges_3, edges_2)
+  `TRIAXIS_STAGE(along_3, along_d)
+  `TRIAXIS_STAGE(across_3, across_d)
 
-  for (genvar j = 0; j < 3; j++) begin : g_stage4
-    assign far_d[0][j] = pf_3[j] - p_normal_3;
-    assign far_d[1][j] = middle_3[j] + edge1_normal_3;
-    assign far_d[2][j] = qf_3[j] - q_normal_3;
-  end
-  `TRIAXIS_STAGE(pqr_4, pqr_3)
-  `TRIAXIS_STAGE(pf_4, pf_3)
-  `TRIAXIS_STAGE(qf_4, qf_3)
-  `TRIAXIS_STAGE(along_4, along_3)
-  `TRIAXIS_STAGE(against_4, against_3)
-  `TRIAXIS_STAGE(middle_4, middle_3)
+  `TRIAXIS_STAGE(normal_a_o, normal_a_3)
   `TRIAXIS_STAGE(normal_b_o, normal_b_3)
+  `TRIAXIS_STAGE(own_o, along_3)
+  `TRIAXIS_STAGE(edges_4, edges_3)
   `TRIAXIS_STAGE(far_4, far_d)
 
-  assign normal_a_o = pqr_4;
-  for (genvar j = 0; j < 3; j++) begin : g_out
-    assign own_o[0][j] = along_4[j];
-    assign own_o[1][j] = against_4[j];
-    assign own_o[2][j] = against_4[j];
-    assign points_o[0][j][0] = pf_4[j];
-    assign points_o[1][j][0] = middle_4[j];
-    assign points_o[2][j][0] = qf_4[j];
-    for (genvar i = 0; i < 3; i++) begin : g_far
+  for (genvar i = 0; i < 3; i++) begin : g_out
+    assign flat_o[i]   = det_t'(normal_a_2[i]);
+    assign flat_o[3+i] = det_t'(edges_2[0][i]);
+    assign flat_o[6+i] = det_t'(edges_2[2][i]);
+    for (genvar j = 0; j < 3; j++) begin : g_points
+      assign points_o[i][j][0] = edges_4[i][j];
       assign points_o[i][j][1] = far_4[i][j];
     end
   end
+  assign flat_o[9] = det_t'(normal_b_2[0]);
 
 endmodule

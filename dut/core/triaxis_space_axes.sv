@@ -1,10 +1,12 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Computes: which of the eleven three-dimensional axes separate: the normals and edge x edge. Bits
-// and thresholds are numbered as the axes are (see triaxis_pkg).
+// Computes, from the prisms: which of the eleven three-dimensional axes separate, the normals and
+// edge x edge, with bits and thresholds numbered as the axes are (see triaxis_pkg); and flat_o, the ten
+// orientations that are all 0 where all six vertices lie in one plane.
 // Widths: projections 3W+3 bits signed; moved by a threshold, 3W+4.
-// Latency: ProjectionLatency + interval_latency(M). Thresholds are due at ProjectionLatency.
+// Latency: ProjectionLatency + interval_latency(M); FlatLatency for flat_o. Thresholds are due at
+// ProjectionLatency.
 
 module triaxis_space_axes
   import triaxis_pkg::*;
@@ -14,11 +16,12 @@ module triaxis_space_axes
     parameter bit Comb = 1'b0
 ) (
     input logic clk_i,
-    input logic signed [det_width(W)-1:0] pqr_i[3],
-    input logic signed [det_width(W)-1:0] pf_i[3],
-    input logic signed [det_width(W)-1:0] qf_i[3],
-    input logic signed [det_width(W)-1:0] rst_i,
+    input logic signed [span_width(W)-1:0] a_i,
+    input logic signed [span_width(W)-1:0] b_i,
+    input logic signed [span_width(W)-1:0] aab_i[3][3],
+    input logic signed [span_width(W)-1:0] abb_i[3][3],
     input logic [axis_threshold_width(W, M)-1:0] threshold_i[AxisNormalA:AxisEdgeBoxA-1],
+    output logic signed [det_width(W)-1:0] flat_o[10],
     output logic [AxisEdgeBoxA-1:AxisNormalA] separated_o
 );
 
@@ -27,7 +30,7 @@ module triaxis_space_axes
   typedef logic signed [Width-1:0] value_t;
   typedef logic signed [span_width(W)-1:0] span_t;
 
-  span_t normal_a[3], normal_b[3], own[3][3], points[3][3][2];
+  span_t normal_a[3], normal_b[3], own[3], points[3][3][2];
   value_t normal_a_points[3], normal_b_points[3];
 
   triaxis_projections #(
@@ -35,10 +38,11 @@ module triaxis_space_axes
       .Comb(Comb)
   ) u_projections (
       .clk_i,
-      .pqr_i,
-      .pf_i,
-      .qf_i,
-      .rst_i,
+      .a_i,
+      .b_i,
+      .aab_i,
+      .abb_i,
+      .flat_o,
       .normal_a_o(normal_a),
       .normal_b_o(normal_b),
       .own_o(own),
@@ -91,7 +95,7 @@ module triaxis_space_axes
           .Comb(Comb)
       ) u_edge_edge (
           .clk_i,
-          .own_i(value_t'(own[i][j])),
+          .own_i(value_t'(own[j])),
           .points_i(edge_points),
           .threshold_i(threshold_i[AxisEdgeEdge+3*i+j]),
           .separated_o(separated_o[AxisEdgeEdge+3*i+j])

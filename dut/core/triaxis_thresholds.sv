@@ -5,9 +5,8 @@
 // it, numbered as the axes are: space_o for the normals and edge x edge, plane_o for edge x box.
 // Zeros, and no logic, where M = 0.
 // Widths: at most 4 L^2 margin, 2W+2+M bits, and 2 L margin, W+1+M bits, unsigned.
-// Latency: counted from the operand register: normals and edge x edge axes arrive at
-// TimeCross + AxisLatency, space_o leaves at TimeDet + ProjectionLatency, plane_o at
-// TimeCross + AxisLatency.
+// Latency: counted from the operand register: normals and edge x edge axes arrive at area_latency(W),
+// when plane_o leaves; space_o leaves prism_latency(W) + ProjectionLatency after them.
 
 module triaxis_thresholds
   import triaxis_pkg::*;
@@ -44,10 +43,10 @@ module triaxis_thresholds
     assign space_o = '{default: '0};
     assign plane_o = '{default: '0};
   end else begin : g_margin
-    localparam int unsigned TimeAxis = DiffLatency + cross_latency(W) + AxisLatency;
-    localparam int unsigned SpaceDue = dot_latency(W) + ProjectionLatency - AxisLatency;
+    localparam int unsigned SpaceDue = prism_latency(W) + ProjectionLatency;
     localparam int unsigned SpaceWait = SpaceDue - threshold_latency(3, axis_width(W), M);
-    localparam int unsigned PlaneWait = TimeAxis - 1 - threshold_latency(2, diff_width(W), M);
+    localparam int unsigned PlaneDue = area_latency(W);
+    localparam int unsigned PlaneWait = PlaneDue - 1 - threshold_latency(2, diff_width(W), M);
     typedef logic signed [axis_width(W)-1:0] axis_comp_t;
     typedef logic [M-1:0] margin_t;
     typedef logic [axis_threshold_width(W, M)-1:0] space_t[AxisNormalA:AxisEdgeBoxA-1];
@@ -70,7 +69,7 @@ module triaxis_thresholds
 
     triaxis_delay #(
         .T(margin_t),
-        .Cycles(Comb ? 0 : TimeAxis)
+        .Cycles(Comb ? 0 : PlaneDue)
     ) u_axis_margin (
         .clk_i,
         .d_i(margin_i),

@@ -128,14 +128,14 @@ class DataPath:
         return found
 
     def _check_fits(self, word: Word, where: str) -> None:
-        largest = word.polynomial.largest(self._width)
-        is_coordinate = len(word.polynomial.terms) == 1 and word.polynomial.degree == 1
-        if is_coordinate and word.bits >= self._width:
-            return
-        if largest is None:
+        extent = word.polynomial.extent(self._width)
+        if extent is None:
             raise NetlistError(f"{where}: no bound is known for what it holds")
-        if largest >= 1 << (word.bits - 1):
-            raise NetlistError(f"{where}: {word.bits} bits are too few: values reach {largest}")
+        lowest, highest = extent
+        if max(highest, -1 - lowest) >= 1 << (word.bits - 1):
+            raise NetlistError(
+                f"{where}: {word.bits} bits are too few: values reach {max(highest, -lowest)}"
+            )
 
     def _place(self, source: Bit, where: str) -> tuple[Word, int]:
         """Return the value that a net is a bit of, and which."""

@@ -188,8 +188,7 @@ class AxisProof:
         for words, normal in zip(found, normals(), strict=True):
             if not same_up_to_signs([word.polynomial for word in words], normal):
                 raise NetlistError(f"{cell.name}: not the normal")
-        ten = [word for name in ("pqr_i", "pf_i", "qf_i") for word in self._elements(cell, name, 3)]
-        ten += self._elements(cell, "rst_i", 1)
+        ten = self._elements(cell, "flat_i", 10)
         if missing := missing_of_plane([word.polynomial for word in ten]):
             raise NetlistError(f"{cell.name}: {missing}")
         waits = [cell.parameters[name] for name in ("NormalWait", "DetWait")]

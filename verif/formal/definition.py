@@ -86,12 +86,18 @@ class Polynomial:
             for k in range(3)
         )
 
-    def largest(self, width: int) -> int | None:
-        """Return the largest absolute for coordinates of ``width`` bits; None where it is not known."""
-        if len(self.terms) == 1 and self.degree == 1 and MARGIN not in self.variables:
-            return 1 << (width - 1)
+    def extent(self, width: int) -> tuple[int, int] | None:
+        """Return bounds for coordinates of ``width`` bits, exact for sums; None where they are not known."""
+        if self.degree == 1 and MARGIN not in self.variables:
+            up = sum(factor for _, factor in self.terms if factor > 0)
+            down = sum(-factor for _, factor in self.terms if factor < 0)
+            lowest, highest = -1 << (width - 1), (1 << (width - 1)) - 1
+            return up * lowest - down * highest, up * highest - down * lowest
         bound = self.corner_bound
-        return None if bound is None or self.degree is None else bound * ((1 << width) - 1) ** self.degree
+        if bound is None or self.degree is None:
+            return None
+        largest = bound * ((1 << width) - 1) ** self.degree
+        return -largest, largest
 
 
 def _collect(terms: Iterable[tuple[_Monomial, int]]) -> Polynomial:
