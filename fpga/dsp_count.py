@@ -1,21 +1,14 @@
-"""DSP blocks that a build takes, exactly and in half a second: the elaborated RTL's multiplications, counted
-by the rule by which the synthesiser maps each of them.
+"""DSP blocks that a build takes, exactly and in half a second, counted on the elaborated RTL.
 
-`triaxis_mul` splits its operands into pieces, each of which fits one DSP48E1. The synthesiser (synth_xilinx
-of yosys) leaves a piece to look-up tables where an operand has fewer than 2 bits, or what is used of the
-product fewer than 9, once it has dropped what is constant or unused:
-
-  - where both operands have a sign bit that is always 0, both lose it. Lower pieces have such a bit; the top
-    piece of a margin has one too;
-  - a threshold leaves out the two highest bits of its product, which are always equal to the sign.
-
-fpga/tests/test_dsp_count.py compares the counts with those of the synthesiser.
+`triaxis_mul` splits its operands into pieces and takes one DSP48E1 for each product of two wide ones; narrow
+pieces are multiplied by additions. fpga/tests/test_dsp_count.py compares the counts with those of the
+synthesiser.
 """
 
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -25,10 +18,10 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 
 _MULTIPLIER = "triaxis_mul"
-# The multiplier whose second operand is a margin with a leading 0, and how much of its product is not used.
-_THRESHOLD, _UNUSED = "triaxis_threshold", 2
-# Ports of a DSP48E1, and what is too narrow for one; see `synth_xilinx` in yosys.
-_PORT_A, _PORT_B = 25, 18
+# Its generate blocks for the product of two pieces, and for that of two wide ones.
+_PIECE, _WIDE = "g_product", "g_wide"
+# Ports of a DSP48E1 for numbers without a sign, and what is too narrow for one; see `synth_xilinx` in yosys.
+_PORT_A, _PORT_B = 24, 17
 _LEAST_OPERAND, _LEAST_PRODUCT = 2, 9
 
 
@@ -45,89 +38,32 @@ class DspCount:
     dsps: int
 
 
-@dataclass(frozen=True)
-class _Product:
-    """Operands as wide as this, in bits; ``unused`` high bits of the product; b with a leading 0 or not."""
-
-    a: int
-    b: int
-    unused: int = 0
-    b_leads_with_0: bool = False
-
-    def count(self) -> DspCount:
-        """Return what the product takes, split as `triaxis_mul` splits it."""
-        first_on_a = _cells(self.a, self.b) <= _cells(self.b, self.a)
-        x, y = (self.a, self.b) if first_on_a else (self.b, self.a)
-        cells = [
-            (i, j) for i in _pieces(x, _PORT_A, self.b_leads_with_0 and not first_on_a)
-            for j in _pieces(y, _PORT_B, self.b_leads_with_0 and first_on_a)
-        ]  # fmt: skip
-        return DspCount(1, len(cells), sum(_takes_dsp(i, j, self.unused) for i, j in cells))
-
-
-@dataclass(frozen=True)
-class _Piece:
-    """Bits of an operand that one cell takes; ``leads_with_0``: the highest of them is constant."""
-
-    bits: int
-    top: bool
-    leads_with_0: bool
-
-
-def _pieces(bits: int, port: int, leads_with_0: bool) -> list[_Piece]:
-    """Return the pieces of an operand, lowest first: the lower ones hold one bit less than the port."""
-    count = 1 + max(0, -(-(bits - port) // (port - 1)))
-    lower = [_Piece(port, top=False, leads_with_0=True) for _ in range(count - 1)]
-    return [*lower, _Piece(bits - (count - 1) * (port - 1), top=True, leads_with_0=leads_with_0)]
-
-
-def _cells(x: int, y: int) -> int:
-    return len(_pieces(x, _PORT_A, False)) * len(_pieces(y, _PORT_B, False))
-
-
-def _takes_dsp(x: _Piece, y: _Piece, unused: int) -> bool:
-    """Return whether the synthesiser makes a DSP block of the product of two pieces."""
-    used = x.bits + y.bits - (unused if x.top and y.top else 0)
-    dropped = int(x.leads_with_0 and y.leads_with_0)
-    narrow, wide = sorted((x.bits - dropped, y.bits - dropped))
-    return narrow >= _LEAST_OPERAND and min(used, narrow + wide) >= _LEAST_PRODUCT
-
-
 def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> DspCount:
     """Elaborate a top module and count. ``sources`` in the order in which they compile.
 
     Raises InputError where the RTL does not elaborate.
     """
-    total: Counter[str] = Counter()
-    for product, times in _products(sources, include, top, parameters).items():
-        total.update({name: times * value for name, value in asdict(product.count()).items()})
-    return DspCount(total["products"], total["pieces"], total["dsps"])
-
-
-def _products(
-    sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]
-) -> Counter[_Product]:
-    """Return the multiplications of the elaborated design: those of `triaxis_mul`, and all others."""
     from pyslang import ast
 
-    found: Counter[_Product] = Counter()
+    total: Counter[str] = Counter()
 
-    def visitor(module: str) -> Any:
-        def visit(node: Any) -> Any:
-            kind = node.kind.name
-            if kind == "GenerateBlock" and node.isUninstantiated:
-                return ast.VisitAction.Skip
-            if kind == "Instance" and node.definition.name == _MULTIPLIER:
-                found[_of_multiplier(node, module)] += 1
-                return ast.VisitAction.Skip
-            if kind == "Instance":
-                node.body.visit(visitor(node.definition.name))
-                return ast.VisitAction.Skip
-            if kind == "BinaryOp" and node.op == ast.BinaryOperator.Multiply:
-                found.update(_of_expression(node, context))
-            return ast.VisitAction.Advance
+    def visit(node: Any) -> Any:
+        kind = node.kind.name
+        if kind == "GenerateBlock" and node.isUninstantiated:
+            return ast.VisitAction.Skip
+        if kind == "Instance" and node.definition.name == _MULTIPLIER:
+            node.body.visit(visit_pieces)
+            total["products"] += 1
+            return ast.VisitAction.Skip
+        if kind == "BinaryOp" and node.op == ast.BinaryOperator.Multiply:
+            total.update(_of_expression(node, context))
+        return ast.VisitAction.Advance
 
-        return visit
+    def visit_pieces(node: Any) -> Any:
+        if node.kind.name == "GenerateBlock" and not node.isUninstantiated:
+            total["pieces"] += node.hierarchicalPath.rpartition(".")[2].startswith(f"{_PIECE}[")
+            total["dsps"] += node.name == _WIDE
+        return ast.VisitAction.Advance
 
     compilation = _compilation(sources, include, top, parameters)
     instances = compilation.getRoot().topInstances
@@ -137,8 +73,8 @@ def _products(
         raise InputError(f"{top} with {values}: does not elaborate: check the parameters' ranges")
     context = ast.EvalContext(instances[0])
     for instance in instances:
-        instance.visit(visitor(top))
-    return found
+        instance.visit(visit)
+    return DspCount(total["products"], total["pieces"], total["dsps"])
 
 
 def _compilation(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> Any:
@@ -161,25 +97,20 @@ def _compilation(sources: Sequence[Path], include: Path, top: str, parameters: M
     return compilation
 
 
-def _of_multiplier(instance: Any, within: str) -> _Product:
-    a, b = (int(instance.body.find(name).value.value) for name in ("AWidth", "BWidth"))
-    if within == _THRESHOLD:
-        return _Product(a, b, unused=_UNUSED, b_leads_with_0=True)
-    return _Product(a, b)
-
-
-def _of_expression(node: Any, context: Any) -> Iterable[_Product]:
-    """Yield a multiplication outside `triaxis_mul`, which works on unsigned numbers; none of constants."""
+def _of_expression(node: Any, context: Any) -> dict[str, int]:
+    """Return what a multiplication outside `triaxis_mul` takes, of unsigned numbers; none of constants."""
     constants = [_constant(side, context) for side in (node.left, node.right)]
     known = [value for value in constants if value is not None]
     # Powers of two are shifts.
     if len(known) == 2 or any(value & (value - 1) == 0 for value in known):
-        return
-    widths = [
+        return {}
+    narrow, wide = sorted(
         _stripped(side).type.bitWidth if value is None else value.bit_length()
         for side, value in zip((node.left, node.right), constants, strict=True)
-    ]
-    yield _Product(widths[0], widths[1])
+    )
+    blocks = min(-(-wide // _PORT_A) * -(-narrow // _PORT_B), -(-wide // _PORT_B) * -(-narrow // _PORT_A))
+    takes = narrow >= _LEAST_OPERAND and narrow + wide >= _LEAST_PRODUCT
+    return {"products": 1, "pieces": blocks, "dsps": blocks * takes}
 
 
 def _stripped(expression: Any) -> Any:

@@ -28,6 +28,8 @@ from triaxis.verif.formal.netlist import (
 from triaxis.verif.formal.proof import Finding, Proof
 
 _TOP = "triaxis_mul"
+# Multiplies a narrow piece, in so many clocks; it has a proof of its own.
+_NARROW, _NARROW_LATENCY = "triaxis_narrow_mul", 2
 
 
 @dataclass(frozen=True)
@@ -141,11 +143,20 @@ class _Multiplier:
             one = _Slice(name, low, low + len(bits) - 1, not unsigned)
             return _Value(self._variable(one), len(bits), 0)
         driver = self._netlist.drivers.get(bits[0])
-        if driver is None or list(bits) != list(driver[0].ports["Y"][: len(bits)]):
+        if driver is None or list(bits) != list(driver[0].ports[driver[1]][: len(bits)]):
             raise NetlistError("not the value of a cell")
         return self._cell(driver[0])
 
+    def _narrow(self, cell: Cell) -> _Value:
+        wide, narrow = self._word(cell.ports["wide_i"]), self._word(cell.ports["narrow_i"])
+        if wide.age != narrow.age or not (wide.is_slice and narrow.is_slice):
+            raise NetlistError(f"{cell.name}: it multiplies what are no slices of operands, of one clock")
+        bits = len(cell.ports["product_o"])
+        return _Value(wide.polynomial * narrow.polynomial, bits, wide.age + _NARROW_LATENCY)
+
     def _cell(self, cell: Cell) -> _Value:
+        if cell.kind == _NARROW:
+            return self._known.setdefault(cell.name, self._narrow(cell))
         if cell.name not in self._known:
             left, right = self._word(cell.ports["A"]), self._word(cell.ports["B"])
             if left.age != right.age:
@@ -164,13 +175,17 @@ class _Multiplier:
 
 
 def shapes(package: Package) -> list[tuple[int, int]]:
-    """Return the widths of operands that the core multiplies, at every W without margins and with M = W."""
+    """Return the widths of operands that the core multiplies, at every W without margins and with M = W.
+
+    And with margins of few bits at the ends of that range.
+    """
     found = set()
     for width in range(MIN_WIDTH, MAX_WIDTH + 1):
         difference, cross = package.call("diff_width", width), package.call("cross_width", width)
-        axis = package.call("axis_width", width)
-        margin = width + 1
-        found |= {(difference, difference), (cross, difference), (axis + 1, margin), (difference + 1, margin)}
+        axis, height = package.call("axis_width", width), package.call("height_width", width)
+        few = range(2, 8) if width in (MIN_WIDTH, MAX_WIDTH) else ()
+        found |= {(difference, difference), (cross, height)}
+        found |= {(operand, bits) for operand in (axis + 1, difference + 1) for bits in (*few, width + 1)}
     return sorted(found)
 
 
@@ -181,16 +196,17 @@ class PiecesProof(Proof):
         """Prove all shapes; see `Proof`."""
         package = Package(dut)
         every = shapes(package)
-        names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_mul.sv"]
+        names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_narrow_mul.sv", "core/triaxis_mul.sv"]
+        closed = f"--blackboxed-module {_NARROW}"
         script = "; ".join(
-            f"{read_slang(flat(names), _TOP, {'AWidth': a, 'BWidth': b})}; opt_clean; "
+            f"{read_slang(flat(names), _TOP, {'AWidth': a, 'BWidth': b}, closed)}; opt_clean; "
             f"write_json mul_{a}_{b}.json; design -reset"
             for a, b in every
         )
         run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
         for a, b in every:
             text = (folder / f"mul_{a}_{b}.json").read_text(encoding="utf-8")
-            age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], ())).prove()
+            age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], (_NARROW,))).prove()
             if age != package.call("mul_latency", a, b):
                 raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
         return Finding(log=folder / "yosys.log", facts={"netlists": len(every)})
@@ -201,8 +217,8 @@ def multiply_wide() -> Proof:
     return PiecesProof(
         "multiply_wide",
         "The pieces of the split multiplier add up to the product, without overflow and at the documented "
-        "latency, for operands of all widths that the core multiplies at any W, for M = 0 and M = W.",
+        "latency, for operands of all widths that the core multiplies at any W, for M = 0, M = W and small M.",
         "polynomial identities on the elaborated netlist",
         {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"},
-        ("the product of two pieces is their product",),
+        ("the product of two pieces is their product; of narrow ones `multiply_narrow` shows it",),
     )

@@ -44,7 +44,7 @@ def _assertions(
 
 
 # The multiplier and what it is made of.
-_MULTIPLIER = ("core/triaxis_mul", "core/triaxis_sum", "core/triaxis_delay")
+_MULTIPLIER = ("core/triaxis_mul", "core/triaxis_narrow_mul", "core/triaxis_sum", "core/triaxis_delay")
 
 
 def _streams(margin: int) -> SbyProof:
@@ -113,14 +113,15 @@ def _multiply() -> SbyProof:
         "three or four pieces, straight and swapped.",
         _MULTIPLIER,
         {},
-        6,
+        7,
         (
-            "the ports of a DSP block are 4 x 3 bits in the copy that is proved, so that small operands are "
-            "split",
+            "the ports of a DSP block are 4 x 3 bits in the copy that is proved, and narrow pieces 2 bits, so "
+            "that small operands are split",
         ),
-        window=5,
+        window=6,
     )
     ports = (("DspPortA = 25", "DspPortA = 4"), ("DspPortB = 18", "DspPortB = 3"))
+    ports += (("NarrowBits = 5", "NarrowBits = 2"),)
     return replace(proof, edits={"core/triaxis_pkg.sv": ports})
 
 
@@ -227,28 +228,40 @@ def proofs() -> tuple[Proof, ...]:
         _intervals(0),
         _box(_WIDTH),
         _box(0),
-        _threshold("threshold_space", 3, 34, _WIDTH, 7, exact=False),
-        _threshold("threshold_plane", 2, 17, _WIDTH, 5, exact=False),
-        _threshold("threshold_small", 3, 5, 3, 6, exact=True),
+        _threshold("threshold_space", 3, 34, _WIDTH, 8, exact=False),
+        _threshold("threshold_plane", 2, 17, _WIDTH, 6, exact=False),
+        _threshold("threshold_small", 3, 5, 3, 7, exact=True),
         *engine_proofs(),
         _assertions(
             "verdict_m0",
             "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
-            "degenerate and coplanar exactly where the normal and all ten free triple products are zero; no "
+            "degenerate and coplanar exactly where the normal and all ten free orientations are zero; no "
             "flag of a masked pair.",
             ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
             {"W": _WIDTH, "NormalWait": 9, "DetWait": 6},
-            13,
-            window=12,
+            14,
+            window=13,
         ),
         _assertions(
-            "cross_w2",
-            "Cross and triple products of four vertices, multipliers included, are the determinants of the "
-            "definition.",
-            ("core/triaxis_cross", "core/triaxis_dot", *_MULTIPLIER),
-            {"W": 2},
+            "areas_w1",
+            "The areas of three vertices and the volumes of four, multipliers included, are the determinants of "
+            "the definition, for each kind of them. Being affine in each coordinate, they are known by two values "
+            "of each.",
+            (
+                "core/triaxis_areas", "core/triaxis_trapezoid", "core/triaxis_prisms", "core/triaxis_projections",
+                *_MULTIPLIER,
+            ),  # fmt: skip
+            {"W": 1},
             1,
             window=1,
+        ),
+        _assertions(
+            "multiply_narrow",
+            "The multiplier of narrow pieces gives the product of its operands, for pieces of 1 to 5 bits.",
+            ("core/triaxis_narrow_mul",),
+            {"Wide": 6},
+            4,
+            window=3,
         ),
         multiply_wide(),
         widths(),

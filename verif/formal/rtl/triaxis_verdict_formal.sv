@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Claim and flags, registers included, against their specification, for free axis bits, normals and
-// triple products: near exactly where no axis separates; otherwise the claim separates and none
-// below it does; flags say zero normals and ten zero triple products, and nothing where masked.
+// orientations: near exactly where no axis separates; otherwise the claim separates and none
+// below it does; flags say zero normals and ten zero orientations, and nothing where masked.
 
 `include "triaxis_formal.svh"
 
@@ -19,10 +19,7 @@ module triaxis_verdict_formal
     input logic gated_i,
     input logic signed [cross_width(W)-1:0] normal_a_i[3],
     input logic signed [cross_width(W)-1:0] normal_b_i[3],
-    input logic signed [det_width(W)-1:0] pqr_i[3],
-    input logic signed [det_width(W)-1:0] pf_i[3],
-    input logic signed [det_width(W)-1:0] qf_i[3],
-    input logic signed [det_width(W)-1:0] rst_i
+    input logic signed [det_width(W)-1:0] flat_i[10]
 );
 
   localparam int unsigned Last = NormalWait + VerdictLatency;
@@ -60,16 +57,16 @@ module triaxis_verdict_formal
   assign flat_a = {normal_a_i[0], normal_a_i[1], normal_a_i[2]} == '0;
   assign flat_b = {normal_b_i[0], normal_b_i[1], normal_b_i[2]} == '0;
   always_comb begin
-    flat = rst_i == det_t'(0);
-    for (int j = 0; j < 3; j++) begin
-      if (pqr_i[j] != det_t'(0) || pf_i[j] != det_t'(0) || qf_i[j] != det_t'(0)) flat = 1'b0;
+    flat = 1'b1;
+    for (int n = 0; n < 10; n++) begin
+      if (flat_i[n] != det_t'(0)) flat = 1'b0;
     end
   end
 
   logic [NumAxes-1:0] found;
   logic open;
-  assign found = separated_q[1];
-  assign open  = !gated_q[1];
+  assign found = separated_q[VerdictLatency-1];
+  assign open  = !gated_q[VerdictLatency-1];
 
   logic lower;
   always_comb begin
@@ -87,7 +84,7 @@ module triaxis_verdict_formal
       FlagCoplanar : assert (verdict_o.coplanar == (open && flat_q[DetWait+VerdictLatency-1]));
       SeenLastAxis : cover (verdict_o.axis == axis_t'(NumAxes - 1));
       SeenFlags : cover (verdict_o.coplanar && verdict_o.degenerate_a && !verdict_o.degenerate_b);
-      SeenMasked : cover (gated_q[1] && flat_a_q[Last-1]);
+      SeenMasked : cover (gated_q[VerdictLatency-1] && flat_a_q[Last-1]);
     end
   end
 
