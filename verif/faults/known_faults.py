@@ -80,7 +80,7 @@ FAULTS = (
     ),
     _replaced("F4", "axis truncation", "Cross products are kept in W bits; they need 2W+1."),
     _replaced("F5", "edge truncation", "Differences of coordinates are kept in W bits; they need W+1."),
-    _replaced("F6", "product truncation", "Sums of three products are kept in 2W bits; they need 3W+2."),
+    _replaced("F6", "product truncation", "Sums of products are kept in 2W bits; they need 3W+2."),
     _replaced(
         "F7", "given normals",
         "The wrapper CollisionDetector tests the normals that it is handed, not those of the vertices.",
@@ -113,7 +113,7 @@ FAULTS = (
         Kind.ENVIRONMENT,
     ),
     _further("touching-is-clear", "Contact from one side counts as separation."),
-    _further("narrow-cross", "Cross products are kept in one bit less than they need."),
+    _further("narrow-cross", "Areas, and so cross products, are kept in one bit less than they need."),
     _further("wrong-edge", "One projection takes edge 0 of A for edge 2."),
     _further("last-axis", "The claim is the highest-numbered separating axis."),
     _further("late-margin", "The box axes get their margin a clock late.", "w16_m16"),

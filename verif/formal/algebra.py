@@ -133,9 +133,7 @@ class DataPath:
             raise NetlistError(f"{where}: no bound is known for what it holds")
         lowest, highest = extent
         if max(highest, -1 - lowest) >= 1 << (word.bits - 1):
-            raise NetlistError(
-                f"{where}: {word.bits} bits are too few: values reach {max(highest, -lowest)}"
-            )
+            raise NetlistError(f"{where}: {word.bits} bits are too few: values reach {max(highest, -lowest)}")
 
     def _place(self, source: Bit, where: str) -> tuple[Word, int]:
         """Return the value that a net is a bit of, and which."""

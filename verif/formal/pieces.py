@@ -196,7 +196,12 @@ class PiecesProof(Proof):
         """Prove all shapes; see `Proof`."""
         package = Package(dut)
         every = shapes(package)
-        names = ["core/triaxis_pkg.sv", "core/triaxis_sum.sv", "core/triaxis_narrow_mul.sv", "core/triaxis_mul.sv"]
+        names = [
+            "core/triaxis_pkg.sv",
+            "core/triaxis_sum.sv",
+            "core/triaxis_narrow_mul.sv",
+            "core/triaxis_mul.sv",
+        ]
         closed = f"--blackboxed-module {_NARROW}"
         script = "; ".join(
             f"{read_slang(flat(names), _TOP, {'AWidth': a, 'BWidth': b}, closed)}; opt_clean; "

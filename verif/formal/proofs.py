@@ -248,7 +248,10 @@ def proofs() -> tuple[Proof, ...]:
             "the definition, for each kind of them. Being affine in each coordinate, they are known by two values "
             "of each.",
             (
-                "core/triaxis_areas", "core/triaxis_trapezoid", "core/triaxis_prisms", "core/triaxis_projections",
+                "core/triaxis_areas",
+                "core/triaxis_trapezoid",
+                "core/triaxis_prisms",
+                "core/triaxis_projections",
                 *_MULTIPLIER,
             ),  # fmt: skip
             {"W": 1},

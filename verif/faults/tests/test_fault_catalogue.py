@@ -75,18 +75,18 @@ def test_changed_rtl_is_noticed(tmp_path):
     """By every fault of that file, before anything is built."""
     dut = tmp_path / "dut"
     shutil.copytree(DUT, dut)
-    cross = dut / "core/triaxis_cross.sv"
-    cross.write_text(cross.read_text().replace("plus - minus", "minus - plus"))
+    areas = dut / "core/triaxis_areas.sv"
+    areas.write_text(areas.read_text().replace("a_sum_1 + a_last_1", "a_last_1 + a_sum_1"))
     for name in ("F4", "narrow-cross"):
-        with pytest.raises(InputError, match=r"triaxis_cross\.sv is there 0 times.*adapt the fault"):
+        with pytest.raises(InputError, match=r"triaxis_areas\.sv is there 0 times.*adapt the fault"):
             catch_all(lambda _: None, faults=[fault_of(name)], dut=dut)
-    cross.unlink()
+    areas.unlink()
     with pytest.raises(InputError, match="adapt the fault"):
         apply_patch(PATCHES / "F4.patch", dut)
     # What it replaces may stand elsewhere, but not twice.
-    cross.write_text("\n\n" + (DUT / "core/triaxis_cross.sv").read_text())
+    areas.write_text("\n\n" + (DUT / "core/triaxis_areas.sv").read_text())
     apply_patch(PATCHES / "F4.patch", dut)
-    cross.write_text(2 * (DUT / "core/triaxis_cross.sv").read_text())
+    areas.write_text(2 * (DUT / "core/triaxis_areas.sv").read_text())
     with pytest.raises(InputError, match="there 2 times"):
         apply_patch(PATCHES / "F4.patch", dut)
     patch = tmp_path / "x.patch"
