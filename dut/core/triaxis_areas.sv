@@ -36,8 +36,8 @@ module triaxis_areas
   typedef logic signed [axis_width(W)-1:0] area_t;
 
   // Trapezoids along the edges of A and of B.
-  area_t a_0[3], b_0[3];
-  area_t a_sum_d, a_sum_1, a_last_1, b_sum_d, b_sum_1, b_last_1;
+  area_t a_0[3], a_1[3], b_0[3], b_1[3];
+  area_t a_sum_d, a_sum_1, b_sum_d, b_sum_1;
   cross_t normal_a_d, normal_b_d;
 
   for (genvar i = 0; i < 3; i++) begin : g_edge
@@ -63,25 +63,21 @@ module triaxis_areas
 
   assign a_sum_d = a_0[0] + a_0[1];
   assign b_sum_d = b_0[0] + b_0[1];
+  `TRIAXIS_STAGE(a_1, a_0)
+  `TRIAXIS_STAGE(b_1, b_0)
   `TRIAXIS_STAGE(a_sum_1, a_sum_d)
   `TRIAXIS_STAGE(b_sum_1, b_sum_d)
-  `TRIAXIS_STAGE(a_last_1, a_0[2])
-  `TRIAXIS_STAGE(b_last_1, b_0[2])
-  assign normal_a_d = cross_t'(a_sum_1 + a_last_1);
-  assign normal_b_d = cross_t'(b_sum_1 + b_last_1);
+  assign normal_a_d = cross_t'(a_sum_1 + a_1[2]);
+  assign normal_b_d = cross_t'(b_sum_1 + b_1[2]);
   `TRIAXIS_STAGE(normal_a_o, normal_a_d)
   `TRIAXIS_STAGE(normal_b_o, normal_b_d)
 
   if (Between) begin : g_between
-    area_t a_1[3], b_1[3];
     area_t between[3][3];  // from vertex i of A to vertex j of B
     area_t across_a_d[3][3], across_a_1[3][3];  // both ends of edge i of A, and vertex j of B
     area_t across_b_d[3][3], across_b_1[3][3];  // vertex i of A, and both ends of edge j of B
     cross_t a_points_d[3][3], b_points_d[3][3];
     area_t edge_edge_d[3][3];
-
-    `TRIAXIS_STAGE(a_1, a_0)
-    `TRIAXIS_STAGE(b_1, b_0)
 
     for (genvar i = 0; i < 3; i++) begin : g_vertex_a
       for (genvar j = 0; j < 3; j++) begin : g_vertex_b

@@ -222,7 +222,7 @@ def multiply_wide() -> Proof:
     return PiecesProof(
         "multiply_wide",
         "The pieces of the split multiplier add up to the product, without overflow and at the documented "
-        "latency, for operands of all widths that the core multiplies at any W, for M = 0, M = W and small M.",
+        "latency, for operands of all widths the core multiplies at any W, with no, small or all margins.",
         "polynomial identities on the elaborated netlist",
         {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"},
         ("the product of two pieces is their product; of narrow ones `multiply_narrow` shows it",),

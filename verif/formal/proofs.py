@@ -115,7 +115,7 @@ def _multiply() -> SbyProof:
         {},
         7,
         (
-            "the ports of a DSP block are 4 x 3 bits in the copy that is proved, and narrow pieces 2 bits, so "
+            "the ports of a DSP block have 4 x 3 bits in the copy that is proved, and narrow pieces 2, so "
             "that small operands are split",
         ),
         window=6,
@@ -244,16 +244,16 @@ def proofs() -> tuple[Proof, ...]:
         ),
         _assertions(
             "areas_w1",
-            "The areas of three vertices and the volumes of four, multipliers included, are the determinants of "
-            "the definition, for each kind of them. Being affine in each coordinate, they are known by two values "
-            "of each.",
+            "The areas of three vertices and the volumes of four, multipliers included, are the determinants "
+            "of the definition, for each kind of them. Being affine in each coordinate, they are known by "
+            "two values of each.",
             (
                 "core/triaxis_areas",
                 "core/triaxis_trapezoid",
                 "core/triaxis_prisms",
                 "core/triaxis_projections",
                 *_MULTIPLIER,
-            ),  # fmt: skip
+            ),
             {"W": 1},
             1,
             window=1,

@@ -76,7 +76,7 @@ def test_changed_rtl_is_noticed(tmp_path):
     dut = tmp_path / "dut"
     shutil.copytree(DUT, dut)
     areas = dut / "core/triaxis_areas.sv"
-    areas.write_text(areas.read_text().replace("a_sum_1 + a_last_1", "a_last_1 + a_sum_1"))
+    areas.write_text(areas.read_text().replace("a_sum_1 + a_1[2]", "a_1[2] + a_sum_1"))
     for name in ("F4", "narrow-cross"):
         with pytest.raises(InputError, match=r"triaxis_areas\.sv is there 0 times.*adapt the fault"):
             catch_all(lambda _: None, faults=[fault_of(name)], dut=dut)
