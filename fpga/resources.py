@@ -95,14 +95,14 @@ class Build:
 
 
 BUILDS = (
-    Build("all_axes", "core, W = 16, all 32 axes, M = 0", {"W": 16, "M": 0}, Limits(dsps=124)),
+    Build("all_axes", "core, W = 16, all 32 axes, M = 0", {"W": 16, "M": 0}, Limits(dsps=85)),
     Build(
         "no_edge_box",
         "core, W = 16, without edge x box, M = 0",
         {"W": 16, "M": 0, "EdgeBox": 0},
-        Limits(dsps=86),
+        Limits(dsps=67),
     ),
-    Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}),
+    Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, Limits(dsps=140)),
     Build(
         "board",
         "board, W = 16, M = 16, 4,096 triangles, 8 lanes",

@@ -36,7 +36,6 @@ module triaxis_datapath
   typedef logic signed [W-1:0] coord_t;
   typedef logic signed [cross_width(W)-1:0] cross_t;
   typedef logic signed [span_width(W)-1:0] span_t;
-  typedef logic signed [det_width(W)-1:0] det_t;
   typedef logic [margin_width(M)-1:0] margin_t;
   typedef logic [2:0] box_t;
   typedef logic [NumAxes-1:AxisEdgeBoxA] plane_bits_t;
@@ -148,7 +147,7 @@ module triaxis_datapath
   logic [NumAxes-1:0] separated;
   logic [axis_threshold_width(W, M)-1:0] space_threshold[AxisNormalA:AxisEdgeBoxA-1];
   logic [edge_threshold_width(W, M)-1:0] plane_threshold[AxisEdgeBoxA:NumAxes-1];
-  det_t flat[10];
+  span_t flat_a[3], flat_b[3], flat_edges[3][3];
 
   assign separated[AxisBox+:3] = box_decision;
 
@@ -163,7 +162,9 @@ module triaxis_datapath
       .aab_i(prism_aab),
       .abb_i(prism_abb),
       .threshold_i(space_threshold),
-      .flat_o(flat),
+      .flat_a_o(flat_a),
+      .flat_b_o(flat_b),
+      .flat_edges_o(flat_edges),
       .separated_o(separated[AxisEdgeBoxA-1:AxisNormalA])
   );
 
@@ -226,7 +227,9 @@ module triaxis_datapath
       .clk_i,
       .normal_a_i(normal_a),
       .normal_b_i(normal_b),
-      .flat_i(flat),
+      .flat_a_i(flat_a),
+      .flat_b_i(flat_b),
+      .flat_edges_i(flat_edges),
       .degenerate_a_o(degenerate_a),
       .degenerate_b_o(degenerate_b),
       .coplanar_o(coplanar)

@@ -19,17 +19,16 @@ module triaxis_narrow_mul #(
     output logic signed [WideWidth+NarrowWidth-1:0] product_o
 );
 
-  localparam int unsigned Pairs = (NarrowWidth + 1) / 2;
   typedef logic signed [WideWidth+NarrowWidth-1:0] product_t;
 
   product_t row[NarrowWidth];
-  product_t pair_d[Pairs], pair_q[Pairs], product_d;
+  product_t pair_d[(NarrowWidth+1)/2], pair_q[(NarrowWidth+1)/2], product_d;
 
   for (genvar b = 0; b < NarrowWidth; b++) begin : g_row
     assign row[b] = narrow_i[b] ? product_t'(wide_i) <<< b : '0;
   end
 
-  for (genvar n = 0; n < Pairs; n++) begin : g_pair
+  for (genvar n = 0; n < (NarrowWidth + 1) / 2; n++) begin : g_pair
     if (2 * n + 2 < NarrowWidth) begin : g_add
       assign pair_d[n] = row[2*n] + row[2*n+1];
     end else if (2 * n + 2 == NarrowWidth) begin : g_top
@@ -42,7 +41,7 @@ module triaxis_narrow_mul #(
 
   always_comb begin
     product_d = '0;
-    for (int n = 0; n < int'(Pairs); n++) product_d += pair_q[n];
+    for (int n = 0; n < (int'(NarrowWidth) + 1) / 2; n++) product_d += pair_q[n];
   end
   `TRIAXIS_STAGE(product_o, product_d)
 

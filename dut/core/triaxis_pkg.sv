@@ -99,21 +99,10 @@ package triaxis_pkg;
     return 1 + (width - port + port - 2) / (port - 1);
   endfunction
 
-  // Pieces that are too wide for additions: all, or all but the top one.
-  function automatic int unsigned mul_wide_pieces(int unsigned width, int unsigned port);
-    int unsigned lower = mul_pieces(width, port) - 1;
-    return lower + ((width - lower * (port - 1) > NarrowBits) ? 1 : 0);
-  endfunction
-
-  // What x on the 25-bit port times y on the 18-bit port takes: blocks, and pieces to add up.
-  function automatic int unsigned mul_cost(int unsigned xw, int unsigned yw);
-    return 3 * mul_wide_pieces(xw, DspPortA) * mul_wide_pieces(yw, DspPortB) +
-        2 * mul_pieces(xw, DspPortA) * mul_pieces(yw, DspPortB);
-  endfunction
-
-  // True where the first operand is better placed on the 25-bit port.
+  // True where the first operand is better placed on the 25-bit port: there are no more pieces.
   function automatic bit mul_first_on_a(int unsigned aw, int unsigned bw);
-    return mul_cost(aw, bw) <= mul_cost(bw, aw);
+    return mul_pieces(aw, DspPortA) * mul_pieces(bw, DspPortB) <=
+        mul_pieces(aw, DspPortB) * mul_pieces(bw, DspPortA);
   endfunction
 
   function automatic int unsigned mul_products(int unsigned aw, int unsigned bw);

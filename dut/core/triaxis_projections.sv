@@ -7,8 +7,7 @@
 //   normal of A      A at 0, vertex j of B at normal_a_o[j]
 //   normal of B      B at 0, vertex i of A at normal_b_o[i]
 //   edge i x edge j  A at 0 and own_o[j], B at points_o[i][j]
-// and flat_o, ten orientations of four vertices: all those with A1, ProjectionLatency - FlatLatency
-// clocks before the rest.
+// and flat_a_o, flat_b_o, flat_edges_o, the orientations of four vertices among these, at FlatLatency.
 // Widths: orientations of four vertices 3W+2 bits; differences of projections 3W+3 bits. Sums wrap on
 // the way.
 // Latency: ProjectionLatency = 4, one addition each. A suffix _n marks the value after n stages.
@@ -26,7 +25,9 @@ module triaxis_projections
     input logic signed [span_width(W)-1:0] b_i,
     input logic signed [span_width(W)-1:0] aab_i[3][3],
     input logic signed [span_width(W)-1:0] abb_i[3][3],
-    output logic signed [det_width(W)-1:0] flat_o[10],
+    output logic signed [span_width(W)-1:0] flat_a_o[3],
+    output logic signed [span_width(W)-1:0] flat_b_o[3],
+    output logic signed [span_width(W)-1:0] flat_edges_o[3][3],
     output logic signed [span_width(W)-1:0] normal_a_o[3],
     output logic signed [span_width(W)-1:0] normal_b_o[3],
     output logic signed [span_width(W)-1:0] own_o[3],
@@ -34,7 +35,6 @@ module triaxis_projections
 );
 
   typedef logic signed [span_width(W)-1:0] span_t;
-  typedef logic signed [det_width(W)-1:0] det_t;
 
   span_t first_a_d[3], first_a_1[3], last_a_d[3], last_a_1[3];  // two and two of four faces
   span_t first_b_d[3], first_b_1[3], last_b_d[3], last_b_1[3];
@@ -89,14 +89,13 @@ module triaxis_projections
   `TRIAXIS_STAGE(far_4, far_d)
 
   for (genvar i = 0; i < 3; i++) begin : g_out
-    assign flat_o[i]   = det_t'(normal_a_2[i]);
-    assign flat_o[3+i] = det_t'(edges_2[0][i]);
-    assign flat_o[6+i] = det_t'(edges_2[2][i]);
     for (genvar j = 0; j < 3; j++) begin : g_points
       assign points_o[i][j][0] = edges_4[i][j];
       assign points_o[i][j][1] = far_4[i][j];
     end
   end
-  assign flat_o[9] = det_t'(normal_b_2[0]);
+  assign flat_a_o = normal_a_2;
+  assign flat_b_o = normal_b_2;
+  assign flat_edges_o = edges_2;
 
 endmodule

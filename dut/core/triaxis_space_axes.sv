@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes, from the prisms: which of the eleven three-dimensional axes separate, the normals and
-// edge x edge, with bits and thresholds numbered as the axes are (see triaxis_pkg); and flat_o, the ten
-// orientations that are all 0 where all six vertices lie in one plane.
+// edge x edge, with bits and thresholds numbered as the axes are (see triaxis_pkg); and the fifteen
+// orientations of four vertices, which are all 0 where all six lie in one plane.
 // Widths: projections 3W+3 bits signed; moved by a threshold, 3W+4.
-// Latency: ProjectionLatency + interval_latency(M); FlatLatency for flat_o. Thresholds are due at
+// Latency: ProjectionLatency + interval_latency(M); FlatLatency for the orientations. Thresholds are due at
 // ProjectionLatency.
 
 module triaxis_space_axes
@@ -21,7 +21,9 @@ module triaxis_space_axes
     input logic signed [span_width(W)-1:0] aab_i[3][3],
     input logic signed [span_width(W)-1:0] abb_i[3][3],
     input logic [axis_threshold_width(W, M)-1:0] threshold_i[AxisNormalA:AxisEdgeBoxA-1],
-    output logic signed [det_width(W)-1:0] flat_o[10],
+    output logic signed [span_width(W)-1:0] flat_a_o[3],
+    output logic signed [span_width(W)-1:0] flat_b_o[3],
+    output logic signed [span_width(W)-1:0] flat_edges_o[3][3],
     output logic [AxisEdgeBoxA-1:AxisNormalA] separated_o
 );
 
@@ -42,7 +44,9 @@ module triaxis_space_axes
       .b_i,
       .aab_i,
       .abb_i,
-      .flat_o,
+      .flat_a_o,
+      .flat_b_o,
+      .flat_edges_o,
       .normal_a_o(normal_a),
       .normal_b_o(normal_b),
       .own_o(own),

@@ -4,7 +4,7 @@ Words are read as `triaxis.verif.formal.algebra` says. Then, with the ports of t
 
 - the interval test of axis n compares exactly the projections, by definition, of the six vertices on the
   axis, and its threshold is made of the components of that axis, up to signs, and of the margin;
-- flags come from the normals and the ten orientations of the definition;
+- flags come from the normals and all orientations of four vertices;
 - axis n arrives at bit n of the verdict, all 32 at one age, and the verdict at the queue at the age
   that the package documents, with the tag of its own pair;
 - operands are taken exactly where the pair is valid and (with gating) its boxes do not decide it, and the
@@ -188,13 +188,14 @@ class AxisProof:
         for words, normal in zip(found, normals(), strict=True):
             if not same_up_to_signs([word.polynomial for word in words], normal):
                 raise NetlistError(f"{cell.name}: not the normal")
-        ten = self._elements(cell, "flat_i", 10)
-        if missing := missing_of_plane([word.polynomial for word in ten]):
+        flat = self._elements(cell, "flat_a_i", 3) + self._elements(cell, "flat_b_i", 3)
+        flat += self._elements(cell, "flat_edges_i", 9)
+        if missing := missing_of_plane([word.polynomial for word in flat]):
             raise NetlistError(f"{cell.name}: {missing}")
         waits = [cell.parameters[name] for name in ("NormalWait", "DetWait")]
         ages = {
             self._path.common_age(cell.name, *found[0], *found[1]) + waits[0],
-            self._path.common_age(cell.name, *ten) + waits[1],
+            self._path.common_age(cell.name, *flat) + waits[1],
         }
         if len(ages) != 1:
             raise NetlistError(f"{cell.name}: flags of several clocks")

@@ -241,9 +241,9 @@ def same_up_to_signs(found: Sequence[Polynomial], wanted: Sequence[Polynomial]) 
     return next(both) == next(both)
 
 
-def missing_of_plane(ten: Sequence[Polynomial]) -> str | None:
-    """Return why zeros of these ten orientations do not put all six vertices in a plane; None: they do."""
-    known = {one for polynomial in ten for one in (polynomial, -polynomial)}
+def missing_of_plane(flat: Sequence[Polynomial]) -> str | None:
+    """Return why zeros of these orientations do not put all six vertices in a plane; None: they do."""
+    known = {one for polynomial in flat for one in (polynomial, -polynomial)}
     for numbers, orientation in orientations().items():
         if numbers[0] == 0:
             if orientation not in known:

@@ -235,7 +235,7 @@ def proofs() -> tuple[Proof, ...]:
         _assertions(
             "verdict_m0",
             "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "
-            "degenerate and coplanar exactly where the normal and all ten free orientations are zero; no "
+            "degenerate and coplanar exactly where the normal and all free orientations are zero; no "
             "flag of a masked pair.",
             ("core/triaxis_verdict", "core/triaxis_flags", "core/triaxis_delay"),
             {"W": _WIDTH, "NormalWait": 9, "DetWait": 6},

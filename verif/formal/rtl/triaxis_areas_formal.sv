@@ -16,18 +16,18 @@ module triaxis_areas_formal
   typedef logic signed [Wide-1:0] wide_t;
   typedef logic signed [W-1:0] coord_t;
 
-  coord_t flat_a[3][2], flat_b[3][2], heights_a[3], heights_b[3];
+  coord_t plane_a[3][2], plane_b[3][2], heights_a[3], heights_b[3];
   logic signed [cross_width(W)-1:0] normal_a, normal_b, a_points[3][3], b_points[3][3];
   logic signed [axis_width(W)-1:0] edge_edge[3][3];
   logic signed [span_width(W)-1:0] a, b, aab[3][3], abb[3][3];
-  logic signed [det_width(W)-1:0] flat[10];
+  logic signed [span_width(W)-1:0] flat_a[3], flat_b[3], flat_edges[3][3];
   logic signed [span_width(W)-1:0] project_a[3], project_b[3], own[3], points[3][3][2];
 
   for (genvar v = 0; v < 3; v++) begin : g_vertex
-    assign flat_a[v][0] = vertex_i[v][0];
-    assign flat_a[v][1] = vertex_i[v][1];
-    assign flat_b[v][0] = vertex_i[3+v][0];
-    assign flat_b[v][1] = vertex_i[3+v][1];
+    assign plane_a[v][0] = vertex_i[v][0];
+    assign plane_a[v][1] = vertex_i[v][1];
+    assign plane_b[v][0] = vertex_i[3+v][0];
+    assign plane_b[v][1] = vertex_i[3+v][1];
     assign heights_a[v] = vertex_i[v][2];
     assign heights_b[v] = vertex_i[3+v][2];
   end
@@ -37,8 +37,8 @@ module triaxis_areas_formal
       .Comb(1'b1)
   ) u_areas (
       .clk_i(1'b0),
-      .a_i(flat_a),
-      .b_i(flat_b),
+      .a_i(plane_a),
+      .b_i(plane_b),
       .normal_a_o(normal_a),
       .normal_b_o(normal_b),
       .a_points_o(a_points),
@@ -72,7 +72,9 @@ module triaxis_areas_formal
       .b_i(b),
       .aab_i(aab),
       .abb_i(abb),
-      .flat_o(flat),
+      .flat_a_o(flat_a),
+      .flat_b_o(flat_b),
+      .flat_edges_o(flat_edges),
       .normal_a_o(project_a),
       .normal_b_o(project_b),
       .own_o(own),

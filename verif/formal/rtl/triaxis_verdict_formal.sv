@@ -3,7 +3,7 @@
 //
 // Claim and flags, registers included, against their specification, for free axis bits, normals and
 // orientations: near exactly where no axis separates; otherwise the claim separates and none
-// below it does; flags say zero normals and ten zero orientations, and nothing where masked.
+// below it does; flags say zero normals and fifteen zero orientations, and nothing where masked.
 
 `include "triaxis_formal.svh"
 
@@ -19,11 +19,13 @@ module triaxis_verdict_formal
     input logic gated_i,
     input logic signed [cross_width(W)-1:0] normal_a_i[3],
     input logic signed [cross_width(W)-1:0] normal_b_i[3],
-    input logic signed [det_width(W)-1:0] flat_i[10]
+    input logic signed [span_width(W)-1:0] flat_a_i[3],
+    input logic signed [span_width(W)-1:0] flat_b_i[3],
+    input logic signed [span_width(W)-1:0] flat_edges_i[3][3]
 );
 
   localparam int unsigned Last = NormalWait + VerdictLatency;
-  typedef logic signed [det_width(W)-1:0] det_t;
+  typedef logic signed [span_width(W)-1:0] span_t;
 
   logic degenerate_a_o, degenerate_b_o, coplanar_o;
   verdict_t verdict_o;
@@ -58,8 +60,9 @@ module triaxis_verdict_formal
   assign flat_b = {normal_b_i[0], normal_b_i[1], normal_b_i[2]} == '0;
   always_comb begin
     flat = 1'b1;
-    for (int n = 0; n < 10; n++) begin
-      if (flat_i[n] != det_t'(0)) flat = 1'b0;
+    for (int n = 0; n < 3; n++) begin
+      if (flat_a_i[n] != span_t'(0) || flat_b_i[n] != span_t'(0)) flat = 1'b0;
+      for (int j = 0; j < 3; j++) if (flat_edges_i[n][j] != span_t'(0)) flat = 1'b0;
     end
   end
 
