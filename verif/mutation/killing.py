@@ -120,7 +120,7 @@ class Hunt:
             return
         library = self._library(stage.target)
         models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
-        with self.timeline.span(f"{stage.name}: {len(alive)} in it"):
+        with self.timeline.span(f"{stage.name}: {len(alive)} in one library"):
             self._try(stage, models, Model(_ORIGINAL, str(library)))
 
     def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
@@ -137,7 +137,7 @@ class Hunt:
         if not alive:
             return
         self._tried |= {(one.id, stage.target.name) for one in alive if one.id in self.excused}
-        with self.timeline.span(f"{stage.name}: {len(alive)} in libraries of their own"):
+        with self.timeline.span(f"{stage.name}: {len(alive)} built"):
             self._build(stage, alive)
 
     def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
@@ -169,7 +169,7 @@ class Hunt:
 
     def _library(self, target: AnyTarget) -> Path:
         if target.name not in self._libraries:
-            with self.timeline.span(f"{target.name}: library of all"), temporary() as whole:
+            with self.timeline.span(f"{target.name}: library built"), temporary() as whole:
                 extra = write_schema(self.catalogue, self.numbers, self.dut, whole / "dut", target)
                 self._libraries[target.name] = schema_library(target, whole / "dut", extra, self.jobs)
         return self._libraries[target.name]

@@ -100,10 +100,10 @@ def time_by_part(pieces: Mapping[str, tuple[float, float, float]]) -> str:
         bars = axes.barh(list(pieces), widths, left=begins, color=colours, height=0.65)
         axes.bar_label(bars, [f"{value:.0f} s" for value in processor], padding=3, fontsize=8)
         axes.set_xlim(0, max(ends, default=1) * 1.15)
-        axes.set_xlabel("seconds since the begin; beside each bar, those of the processor")
+        axes.set_xlabel("seconds; beside each bar, those of the processor")
         axes.invert_yaxis()
 
-    return _drawn("Time", 0.9 + 0.22 * len(pieces), draw, width=8.0)
+    return _drawn("Time", 0.9 + 0.22 * len(pieces), draw, width=9.0)
 
 
 def trend(

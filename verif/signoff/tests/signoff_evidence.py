@@ -59,7 +59,7 @@ def _mutation():
     entry = {"id": "triaxis_sum/x/1", "place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
     return evidence(
         files={"a.sv": counts}, operators={"add": counts}, killed=["triaxis_sum/x/2"], survivors=[],
-        equivalents=[entry], seconds=None, stages=[asdict(Span("w8_m8: 24 in it", 90.0, 700.0, 1234.0))],
+        equivalents=[entry], seconds=None, stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
     )  # fmt: skip
 
 
