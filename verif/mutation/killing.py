@@ -72,7 +72,11 @@ class Stage:
     def name(self) -> str:
         """Return the target, and what is special about it here."""
         exact = isinstance(self.target, EngineTarget) and self.target.exact_core
-        marks = {"exact core": exact, "assertions": self.assertions, self.remark: self.remark}
+        marks = {
+            "exact core": exact,
+            "assertions": self.assertions and self.target.assertions,
+            self.remark: self.remark,
+        }
         return ", ".join([self.target.name, *(mark for mark, holds in marks.items() if holds)])
 
 
