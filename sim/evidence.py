@@ -5,9 +5,12 @@ and carries the stamp; what else it holds is the part's own. What was not measur
 """
 
 import json
+import os
 import platform
-from collections.abc import Mapping
-from dataclasses import asdict
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,38 @@ from triaxis.golden.outputs import write_whole
 from triaxis.sim.validity import Sources, provenance
 
 _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
+
+
+@dataclass(frozen=True)
+class Span:
+    """A piece of a run: its begin and its end in seconds since the run began, and the processor's seconds.
+
+    Those of processes that ended meanwhile are among them.
+    """
+
+    name: str
+    begin: float
+    end: float
+    cpu_seconds: float
+
+
+class Timeline:
+    """What the pieces of a run took, which begins here; no verdict is made of it."""
+
+    def __init__(self) -> None:
+        """Begin."""
+        self._start = time.monotonic()
+        self.spans: list[Span] = []
+
+    @contextmanager
+    def span(self, name: str) -> Iterator[None]:
+        """Measure a piece, whatever ends it."""
+        begin, before = time.monotonic() - self._start, sum(os.times()[:4])
+        try:
+            yield
+        finally:
+            end, after = time.monotonic() - self._start, sum(os.times()[:4])
+            self.spans.append(Span(name, round(begin, 1), round(end, 1), round(after - before, 1)))
 
 
 def write_evidence(path: Path, content: Mapping[str, Any], sources: Sources) -> Path:

@@ -151,6 +151,7 @@ class Build:
 
 
 _ARITHMETIC = SIM / "arithmetic.h"
+_DEFINES = "defines.h"
 _PLAYERS = (SIM / "player.h", _ARITHMETIC, SIM / "counters" / "verilated_cov.h")
 
 
@@ -254,11 +255,11 @@ def runtime(build: Build) -> Path:
     return built(BUILD / "runtime" / key[:12], make) / "libruntime.a"
 
 
-def _headers(build: Build) -> Path:
+def _headers(build: Build, speed: str) -> Path:
     """Return what every model includes, compiled once for all of one kind and speed."""
-    command = compiler(build, build.speed)
+    command = compiler(build, speed)
     # Inlined arithmetic is more to compile, and without optimisation no faster.
-    included = "verilated.h" if build.plain or build.speed == QUICK else _ARITHMETIC.name
+    included = "verilated.h" if build.plain or speed == QUICK else _ARITHMETIC.name
     key = content_hash(
         [_ARITHMETIC], "headers", included, str(verilator()), target(cxx()), *_without_folders(command)
     )
@@ -271,6 +272,19 @@ def _headers(build: Build) -> Path:
     return built(BUILD / "runtime" / key[:12], make) / "model.h"
 
 
+def unit_command(build: Build, model: Path, speed: str) -> list[str]:
+    """Return the compiler with all flags for a unit of a model.
+
+    What is compiled already comes first, and is of the same speed: a compiler takes it in no other place, nor
+    after a macro of a name that is in it, and reads Verilator's headers anew without a word, for a second.
+    """
+    folders = [model, *sorted({path.parent for path in build.headers})]
+    return [
+        *compiler(build, speed), "-include", str(_headers(build, speed)), "-include", str(model / _DEFINES),
+        *(f"-I{place}" for place in folders),
+    ]  # fmt: skip
+
+
 def _without_folders(command: Sequence[str]) -> list[str]:
     return [argument for argument in command if not argument.startswith("-I")]
 
@@ -280,33 +294,30 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     verilated = runtime(build)
     if build.lanes:
         write_lanes(model, build.lanes)
-    places = [f"-I{model}", *(f"-I{place}" for place in sorted({path.parent for path in build.headers}))]
-    defines = [f"-D{name}={value}" for name, value in build.defines.items()]
-    flags = [
-        "-include",
-        str(_headers(build)),
-        *places,
-        *defines,
-        *(["-DSELECTABLE"] if build.selectable else ()),
-    ]
+    defines = {**build.defines, **({"SELECTABLE": 1} if build.selectable else {})}
+    (model / _DEFINES).write_text("".join(f"#define {name} {value}\n" for name, value in defines.items()))
     units = sorted(model.glob(f"{PREFIX}*.cpp"), key=lambda unit: (-unit.stat().st_size, unit))
     units += build.cpp
-    if jobs == 1:
-        # One unit is quicker than many that include the same.
-        whole = model / "whole.cc"
-        whole.write_text("".join(f'#include "{unit}"\n' for unit in units))
-        units = [whole]
+    # What runs once, at the start, is half of the code; beside lanes, all that is Verilator's.
+    quick = [
+        unit for unit in units
+        if build.speed == QUICK or unit.stem.endswith("__Slow") or (build.lanes and unit.parent == model)
+    ]  # fmt: skip
+    pieces = [(unit, build.speed) for unit in units if unit not in quick]
+    # Few units are quicker than many that include the same.
+    for number, share in enumerate(share for start in range(jobs) if (share := quick[start::jobs])):
+        whole = model / f"whole{number}.cc"
+        whole.write_text("".join(f'#include "{unit}"\n' for unit in share))
+        pieces.append((whole, QUICK))
 
-    def compiled(unit: Path) -> str:
-        # What runs once, at the start, is half of the code; beside lanes, all that is Verilator's.
-        once = unit.stem.endswith("__Slow") or (build.lanes and unit.parent == model)
-        speed = QUICK if once else build.speed
+    def compiled(unit: Path, speed: str) -> str:
         output = model / f"{unit.stem}.o"
-        run_tool([*compiler(build, speed), *flags, "-c", str(unit), "-o", str(output)], folder, build.kind)
+        command = unit_command(build, model, speed)
+        run_tool([*command, "-c", str(unit), "-o", str(output)], folder, build.kind)
         return str(output)
 
     with ThreadPoolExecutor(jobs) as pool:
-        objects = list(pool.map(compiled, units))
+        objects = list(pool.map(compiled, *zip(*pieces, strict=True)))
     made = folder / product(build)
     command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, build.objects), str(verilated)]
     run_tool([*command, *_linked(build)], folder, build.kind)

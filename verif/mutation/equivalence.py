@@ -283,8 +283,8 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
 def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Compare the models of the engine with each mutant and without; return what is wrong, None if nothing.
 
-    With the stand-in for the core's data path. That the models of the targets are the same, with the core, is
-    seen where the mutants are played: none is built.
+    With the stand-in for the core's data path. That those of all targets are the same is seen where the
+    mutants are played: none is built.
     """
     if entry.module != "triaxis_mesh" or set(entry.parameters) != _SIZES:
         return f"{entry.mutants[0]}: model: needs triaxis_mesh with {', '.join(sorted(_SIZES))}"

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
 from triaxis.verif.core.detector_check import first_wrong
 from triaxis.verif.mutation.builds import (
@@ -57,11 +58,26 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True)
 class Stage:
-    """One way in which mutants that are left are tried: a target, with assertions or not, and tests."""
+    """One way in which mutants that are left are tried: a target, with assertions or not, and tests.
+
+    ``remark``: what is special about the tests, for the timeline.
+    """
 
     target: AnyTarget
     tests: tuple[RunSettings, ...]
     assertions: bool = True
+    remark: str = ""
+
+    @property
+    def name(self) -> str:
+        """Return the target, and what is special about it here."""
+        exact = isinstance(self.target, EngineTarget) and self.target.exact_core
+        marks = {
+            "exact core": exact,
+            "assertions": self.assertions and self.target.assertions,
+            self.remark: self.remark,
+        }
+        return ", ".join([self.target.name, *(mark for mark, holds in marks.items() if holds)])
 
 
 @contextmanager
@@ -79,14 +95,15 @@ class Hunt:
 
     def __init__(
         self, catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, seed: int, jobs: int,
-        store: Store, excused: frozenset[str], progress: Progress,
+        store: Store, excused: frozenset[str], progress: Progress, timeline: Timeline,
     ) -> None:  # fmt: skip
         """Know what the store knows. ``numbers``: of the mutants that are tried in one library."""
-        self.excused = excused
+        self.excused, self.timeline = excused, timeline
         self.catalogue, self.numbers, self.dut, self.seed, self.jobs = catalogue, numbers, dut, seed, jobs
         self.store, self.killed, self._progress = store, store.killed, progress
         self._elaborated: dict[str, Elaborated] = {}
         self._libraries: dict[str, Path] = {}
+        self._tried: set[tuple[str, str]] = set()
 
     def holds(self, target: AnyTarget, mutant: Mutant) -> bool:
         """Return whether a target elaborates a mutant."""
@@ -107,13 +124,27 @@ class Hunt:
             return
         library = self._library(stage.target)
         models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
-        self._try(stage, models, Model(_ORIGINAL, str(library)))
+        with self.timeline.span(f"{stage.name}: {len(alive)} in one library"):
+            self._try(stage, models, Model(_ORIGINAL, str(library)))
 
     def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
-        """Try mutants that need a library each; one that is elaborated to what the original is needs none."""
-        alive = self.alive(stage.target, mutants)
+        """Try mutants that need a library each; one that is elaborated to what the original is needs none.
+
+        For those that are shown to be equivalent the evidence is a proof, made in the same run; to try them
+        holds the proof against something else, and once in each configuration is enough for that. What a
+        configuration is built with besides, the core or what stands in for it, or assertions, is no part of
+        what is proved.
+        """
+        alive = [
+            one for one in self.alive(stage.target, mutants) if (one.id, stage.target.name) not in self._tried
+        ]
         if not alive:
             return
+        self._tried |= {(one.id, stage.target.name) for one in alive if one.id in self.excused}
+        with self.timeline.span(f"{stage.name}: {len(alive)} built"):
+            self._build(stage, alive)
+
+    def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
         with temporary() as whole, _threads(self.jobs) as pool:
             healthy = mutant_library(stage.target, self.dut, whole / "original", stage.assertions)
@@ -142,7 +173,7 @@ class Hunt:
 
     def _library(self, target: AnyTarget) -> Path:
         if target.name not in self._libraries:
-            with temporary() as whole:
+            with self.timeline.span(f"{target.name}: library built"), temporary() as whole:
                 extra = write_schema(self.catalogue, self.numbers, self.dut, whole / "dut", target)
                 self._libraries[target.name] = schema_library(target, whole / "dut", extra, self.jobs)
         return self._libraries[target.name]
@@ -220,14 +251,14 @@ def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
             hunt.built(Stage(target, target.tests(hunt.seed)), others)
     # Only pairs close to a decision on a long axis show a piece that is cut.
     for target in FULL_PIECES if of_core else ():
-        hunt.built(Stage(target, target.tests(hunt.seed, _LONGER), False), others)
+        hunt.built(Stage(target, target.tests(hunt.seed, _LONGER), False, "longer"), others)
 
 
 def _volume(hunt: Hunt, targets: Sequence[AnyTarget], excused: frozenset[str]) -> None:
     """Try those that survive with volume, but for those that are excused."""
     runtime, others = _split(hunt, excused)
     for target in targets:
-        stage = Stage(target, target.volume(hunt.seed))
+        stage = Stage(target, target.volume(hunt.seed), remark="volume")
         if stage.tests:
             hunt.selected(stage, runtime)
             hunt.built(stage, others)
@@ -243,6 +274,7 @@ def judge(
     catalogue: Catalogue,
     seed: int,
     jobs: int,
+    timeline: Timeline,
     excused: frozenset[str] = frozenset(),
     dut: Path = DUT,
     targets: tuple[AnyTarget, ...] = TARGETS,
@@ -261,7 +293,8 @@ def judge(
     numbers = runtime_numbers(catalogue.mutants)
     if len(numbers) <= _FEW:
         numbers = {}
-    hunt = Hunt(replace(catalogue, mutants=tuple(todo)), numbers, dut, seed, jobs, store, excused, progress)
+    left = replace(catalogue, mutants=tuple(todo))
+    hunt = Hunt(left, numbers, dut, seed, jobs, store, excused, progress, timeline)
     wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
     try:

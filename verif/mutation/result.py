@@ -12,7 +12,7 @@ from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import rtl_hash
-from triaxis.sim.evidence import read_evidence, write_evidence
+from triaxis.sim.evidence import Span, read_evidence, write_evidence
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
@@ -115,7 +115,7 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
 
 @dataclass(frozen=True)
 class MutationResult:
-    """The fates of all mutants of a run, in a fixed order; what is wrong; and how long it took.
+    """The fates of all mutants of a run, in a fixed order; what is wrong; how long it and its stages took.
 
     ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of.
     """
@@ -126,6 +126,7 @@ class MutationResult:
     seconds: float
     rtl_hash: str
     killers_hash: str
+    stages: tuple[Span, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -180,6 +181,7 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
         "seed": result.seed,
         "rtl_hash": result.rtl_hash,
         "killers_hash": result.killers_hash,
+        "stages": [asdict(stage) for stage in result.stages],
         **_counts(result.fates),
         "mutants": [asdict(fate) for fate in result.fates],
     }

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.builds import sweep
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue
@@ -40,7 +41,7 @@ def mutate(
     ``fresh``: do everything again, whatever is known from
     earlier runs. Raises InputError where the RTL without mutants fails.
     """
-    start = time.perf_counter()
+    start, timeline = time.perf_counter(), Timeline()
     rtl, killers = rtl_hash(dut), killers_hash()
     sweep()
     everything = catalogue(dut)
@@ -48,10 +49,11 @@ def mutate(
     entries = read_equivalents(equivalents)
     if fresh:
         forget_proofs()
-    evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
+    with timeline.span("evidence of equivalence"):
+        evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
     # The smallest widths alone say too little: what only they show is tried in volume as well.
     excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
-    outcomes = judge(found, seed, jobs, excused, dut, targets, fresh, with_volume, progress)
+    outcomes = judge(found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress)
     fates = tuple(fate_of(outcome, outcome.mutant.id in evidence.equivalent) for outcome in outcomes)
     problems = [
         *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),
@@ -64,7 +66,8 @@ def mutate(
     ]
     if (rtl_hash(dut), killers_hash()) != (rtl, killers):
         problems.append("the RTL, or what plays its mutants, changed during the run: run again")
-    return MutationResult(fates, tuple(problems), seed, time.perf_counter() - start, rtl, killers)
+    seconds = time.perf_counter() - start
+    return MutationResult(fates, tuple(problems), seed, seconds, rtl, killers, tuple(timeline.spans))
 
 
 def _survivor(fate: Fate) -> str:

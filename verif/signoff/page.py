@@ -44,7 +44,7 @@ def signoff_page(content: Content, figures: Sequence[Figure], nights: Sequence[C
         title="Triaxis: sign-off",
         stages=STAGES,
         asked=figures,
-        glance=[Markup(plot) for plot in _glance(content["parts"])],
+        glance=[Markup(plot) for plot in _glance(content)],
         nights=nights,
         trends=[Markup(plot) for plot in _trends(nights, dates)],
         night_keys=_NIGHT_KEYS,
@@ -54,8 +54,9 @@ def signoff_page(content: Content, figures: Sequence[Figure], nights: Sequence[C
     )
 
 
-def _glance(parts: Mapping[str, Content]) -> Iterator[str]:
+def _glance(content: Content) -> Iterator[str]:
     """Yield the plots of what was measured."""
+    parts = content["parts"]
     if shares := _coverage_shares(parts):
         yield plots.coverage_bars(shares)
     if parts["mutation"]["absent"] is None:
@@ -71,8 +72,22 @@ def _glance(parts: Mapping[str, Content]) -> Iterator[str]:
                 if f["pairs"] is not None or not f["caught"]
             }
         )
-    took = {name.replace("_", " "): part.get("seconds") for name, part in parts.items()}
-    yield plots.time_by_part({name: value for name, value in took.items() if value is not None})
+    yield plots.time_by_part(_pieces(content))
+
+
+def _pieces(content: Content) -> dict[str, tuple[float, float, float]]:
+    """Return begin, end and seconds of the processor of each part, and of the stages of mutation below it."""
+    found: dict[str, tuple[float, float, float]] = {}
+    for part in content["timeline"]:
+        begin, name = part["begin"], part["name"]
+        found[name.replace("_", " ")] = begin, part["end"], part["cpu_seconds"]
+        for stage in content["parts"][name].get("stages", ()):
+            found[f"  {stage['name']}"] = (
+                begin + stage["begin"],
+                begin + stage["end"],
+                stage["cpu_seconds"],
+            )
+    return found
 
 
 def _coverage_shares(parts: Mapping[str, Content]) -> dict[str, float]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from triaxis.coverage.stages import STAGES, Judgement, judge, read_figures, share
 from triaxis.golden.native import cxx
+from triaxis.sim.evidence import Span
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Provenance
 from triaxis.verif.signoff.gate import SOURCES
@@ -29,13 +30,14 @@ Value = float | int | None
 
 @dataclass(frozen=True)
 class Signoff:
-    """Evidence of every part, by name, and what was signed off."""
+    """Evidence of every part, by name, what was signed off, and what the parts took."""
 
     parts: Mapping[str, Part]
     provenance: Provenance
     seed: int
     pairs: int
     seconds: float
+    timeline: tuple[Span, ...]
 
     @cached_property
     def figures(self) -> dict[str, Value]:
@@ -81,6 +83,7 @@ class Signoff:
             "figures": self.figures,
             "seed": self.seed,
             "seconds": round(self.seconds, 1),
+            "timeline": [asdict(span) for span in self.timeline],
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
             "command": f"triaxis signoff --seed {self.seed} --pairs {self.pairs}",
             "tools": tool_versions(),

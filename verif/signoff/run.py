@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 
 from triaxis.coverage.report import ModelReport
+from triaxis.sim.evidence import Timeline
 from triaxis.sim.validity import provenance
 from triaxis.verif.code_coverage.run import STEPS as CODE_COVERAGE_STEPS
 from triaxis.verif.faults.catching import signed_off_names
@@ -39,7 +40,7 @@ def step_count(seed: int, volume: int) -> int:
 
 def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> Signoff:
     """Run everything; ``progress`` is told of each step done."""
-    start = time.monotonic()
+    start, timeline = time.monotonic(), Timeline()
     # An old result must not outlive a run that ends early.
     RESULT.unlink(missing_ok=True)
     PAGE.unlink(missing_ok=True)
@@ -52,12 +53,18 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
         coverage.extend(found.coverage)
         return simulation.as_evidence(found, seed, volume)
 
-    parts["simulation"] = attempt(simulated)
-    parts["exhaustive"] = attempt(lambda: exhaustive_part(seed))
-    parts["faults"] = attempt(lambda: faults_part(seed, progress))
-    parts["code_coverage"] = attempt(lambda: code_coverage_part(seed, progress))
-    parts["proofs"] = attempt(lambda: proofs_part(progress))
-    parts["mutation"] = attempt(lambda: mutation_part(seed, progress))
-    parts["testplan"] = attempt(lambda: testplan_part(parts, coverage or None))
+    makers: dict[str, Callable[[], Evidence | None]] = {
+        "simulation": simulated,
+        "exhaustive": lambda: exhaustive_part(seed),
+        "faults": lambda: faults_part(seed, progress),
+        "code_coverage": lambda: code_coverage_part(seed, progress),
+        "proofs": lambda: proofs_part(progress),
+        "mutation": lambda: mutation_part(seed, progress),
+        "testplan": lambda: testplan_part(parts, coverage or None),
+    }
+    for name, make in makers.items():
+        with timeline.span(name):
+            parts[name] = attempt(make)
     ordered = {name: parts[name] for name in PARTS}
-    return Signoff(ordered, before, seed, volume, time.monotonic() - start)
+    seconds = time.monotonic() - start
+    return Signoff(ordered, before, seed, volume, seconds, tuple(timeline.spans))

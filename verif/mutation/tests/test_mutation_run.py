@@ -13,6 +13,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
+from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.verif.mutation import builds, killers, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
@@ -27,10 +28,11 @@ from triaxis.verif.mutation.equivalence import (
     prove,
     read_equivalents,
 )
+from triaxis.verif.mutation.killing import Hunt, judge
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
-from triaxis.verif.mutation.targets import MAIN
+from triaxis.verif.mutation.targets import ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
@@ -220,6 +222,21 @@ def test_a_change_during_the_run_is_a_problem(tmp_path, seed, monkeypatch):
     found = run(tmp_path, few(first()), seed)
     assert found.killers_hash == "before"
     assert any("changed during the run" in problem for problem in found.problems)
+    assert [stage.name for stage in found.stages] == ["evidence of equivalence"]
+    assert found.stages[0].begin <= found.stages[0].end <= round(found.seconds, 1)
+
+
+def test_what_is_shown_equivalent_is_tried_once_in_each_configuration(seed, monkeypatch):
+    stages: list[str] = []
+    monkeypatch.setattr(Hunt, "_build", lambda _, stage, alive: stages.append(stage.name))
+    folded = of("triaxis_mesh", "parameter", "")
+    chosen = few(folded)
+    for excused, without in ((frozenset({folded.id}), True), (frozenset[str](), False)):
+        judge(chosen, seed, 1, Timeline(), excused, fresh=True, with_volume=False)
+        names = [engine.name for engine in (ENGINE, ENGINE_SINGLE, ENGINE_WORD)]
+        assert stages[:3] == [f"{name}, exact core" for name in names]
+        assert stages[3:] == ([] if without else [*names, *(f"{name}, assertions" for name in names)])
+        stages.clear()
 
 
 def test_the_killers_are_all_of_them_and_nothing_else():

@@ -1,10 +1,12 @@
 """Evidence of a sign-off in which all is well, for tests that break it."""
 
+from dataclasses import asdict
 from functools import cache
 
 from triaxis.coverage.stages import STAGES
 from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import read_waivers
+from triaxis.sim.evidence import Span
 from triaxis.sim.validity import provenance
 from triaxis.verif.signoff.gate import SOURCES
 from triaxis.verif.signoff.parts import Part
@@ -57,7 +59,7 @@ def _mutation():
     entry = {"id": "triaxis_sum/x/1", "place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
     return evidence(
         files={"a.sv": counts}, operators={"add": counts}, killed=["triaxis_sum/x/2"], survivors=[],
-        equivalents=[entry], seconds=None,
+        equivalents=[entry], seconds=None, stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
     )  # fmt: skip
 
 
@@ -90,7 +92,8 @@ def good_parts():
 
 
 def signed(parts=None):
-    return Signoff(parts or good_parts(), HERE, 1, 100_000_000, 1.0)
+    spans = Span("simulation", 0.0, 600.0, 1111.0), Span("mutation", 600.0, 3600.0, 5555.0)
+    return Signoff(parts or good_parts(), HERE, 1, 100_000_000, 1.0, spans)
 
 
 @cache

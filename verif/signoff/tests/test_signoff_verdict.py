@@ -133,6 +133,9 @@ def test_page_stands_alone_and_tells_the_trend_every_problem_and_every_absent_pa
     page = page_of(signed(), [night, {**night, "coverage_percent": 100.0}])
     assert not re.findall(r"""(?:src|href)=["']?(?:https?:)?//""", page)
     assert "PASSED" in page and "2026-01-02 03:04" in page
+    # What took the time: a part, and a stage of one, with the seconds of the processor.
+    for piece in ("simulation", "1111 s", "w8_m8: 24 built", "1234 s"):
+        assert f"{piece}</text>" in page
     broken = good_parts()
     for part, change, _ in BREAKS:
         change(broken[part].evidence)
