@@ -144,7 +144,9 @@ class _Reader:
                 case "GENBLOCK":
                     if not node.get("implied"):
                         found.blocks.add(node["name"].partition("[")[0])
-                    self._collect(node["itemsp"], f"{prefix}{node['name']}.", found, cells)
+                    # The block around an `else if` has no name, and no place in a path.
+                    inner = f"{prefix}{node['name']}." if node["name"] else prefix
+                    self._collect(node["itemsp"], inner, found, cells)
                 case "CELL":
                     cells.append((prefix + node["name"], node["modp"]))
                 case "VAR" if node["varType"] in _SIGNAL_KINDS:

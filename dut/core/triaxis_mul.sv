@@ -81,8 +81,8 @@ module triaxis_mul
             .Comb(Comb)
         ) u_mul (
             .clk_i,
-            .wide_i(YBits'(y_piece[j])),
-            .narrow_i(XBits'(x_piece[i])),
+            .wide_i(y_piece[j][YBits-1:0]),
+            .narrow_i(x_piece[i][XBits-1:0]),
             .product_o(piece)
         );
       end else if (YBits <= NarrowBits) begin : g_narrow_y
@@ -92,8 +92,8 @@ module triaxis_mul
             .Comb(Comb)
         ) u_mul (
             .clk_i,
-            .wide_i(XBits'(x_piece[i])),
-            .narrow_i(YBits'(y_piece[j])),
+            .wide_i(x_piece[i][XBits-1:0]),
+            .narrow_i(y_piece[j][YBits-1:0]),
             .product_o(piece)
         );
       end else begin : g_wide

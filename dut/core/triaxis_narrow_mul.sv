@@ -22,7 +22,8 @@ module triaxis_narrow_mul #(
   typedef logic signed [WideWidth+NarrowWidth-1:0] product_t;
 
   product_t row[NarrowWidth];
-  product_t pair_d[(NarrowWidth+1)/2], pair_q[(NarrowWidth+1)/2], product_d;
+  product_t pair_d[(NarrowWidth+1)/2], pair_q[(NarrowWidth+1)/2];
+  product_t total[(NarrowWidth+1)/2], product_d;  // pairs 0 to n, and all
 
   for (genvar b = 0; b < NarrowWidth; b++) begin : g_row
     assign row[b] = narrow_i[b] ? product_t'(wide_i) <<< b : '0;
@@ -39,10 +40,14 @@ module triaxis_narrow_mul #(
   end
   `TRIAXIS_STAGE(pair_q, pair_d)
 
-  always_comb begin
-    product_d = '0;
-    for (int n = 0; n < (int'(NarrowWidth) + 1) / 2; n++) product_d += pair_q[n];
+  for (genvar n = 0; n < (NarrowWidth + 1) / 2; n++) begin : g_total
+    if (n == 0) begin : g_first
+      assign total[n] = pair_q[n];
+    end else begin : g_next
+      assign total[n] = total[n-1] + pair_q[n];
+    end
   end
+  assign product_d = total[(NarrowWidth+1)/2-1];
   `TRIAXIS_STAGE(product_o, product_d)
 
 endmodule

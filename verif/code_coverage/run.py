@@ -51,7 +51,8 @@ CORES = (
     # Padding above the coordinates, one tag bit, multipliers with their operands swapped.
     Configuration(18, 18, tag_bits=1),
     Configuration(16, 16),
-    Configuration(16, 0),
+    # Multipliers whose x, not y, has a narrow top piece.
+    Configuration(14, 0),
 )
 DETECTOR_WIDTH = 16
 _ENGINE_MODULES = frozenset(source.stem for source in mesh_sources())

@@ -150,6 +150,9 @@ MAIN = Target(parse_configuration("w8_m8"))
 PLAIN = Target(parse_configuration("w18_m0_t1"))
 # Both operands of multipliers split; no edge x box axes, no gating.
 WIDE = Target(parse_configuration("w32_m0_no_edge_box_ungated"))
+# Narrow pieces of either operand, one beside a whole lower piece of the other; both operands split, with
+# margins.
+NARROW = Target(parse_configuration("w26_m3_t1"))
 WRAPPER = Target(Configuration(8, 0), combinational=True)
 
 # The smallest: what a mutant that needs a build of its own is built as first.
@@ -166,7 +169,7 @@ ENGINE_SINGLE = EngineTarget(MeshConfiguration(8, 0, depth=16, group=1, lanes=1,
 # One word of lanes in a group, one of groups in a mesh; margins narrower than coordinates, no operand gating.
 ENGINE_WORD = EngineTarget(MeshConfiguration(8, 3, depth=16, group=4, lanes=4, cycle_bits=8, gating=False))
 
-TARGETS: tuple[AnyTarget, ...] = (MAIN, PLAIN, WIDE, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD)
+TARGETS: tuple[AnyTarget, ...] = (MAIN, PLAIN, WIDE, NARROW, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD)
 
 
 @dataclass(frozen=True)

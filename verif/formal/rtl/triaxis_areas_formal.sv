@@ -28,8 +28,8 @@ module triaxis_areas_formal
     assign plane_a[v][1] = vertex_i[v][1];
     assign plane_b[v][0] = vertex_i[3+v][0];
     assign plane_b[v][1] = vertex_i[3+v][1];
-    assign heights_a[v] = vertex_i[v][2];
-    assign heights_b[v] = vertex_i[3+v][2];
+    assign heights_a[v]  = vertex_i[v][2];
+    assign heights_b[v]  = vertex_i[3+v][2];
   end
 
   triaxis_areas #(
