@@ -13,7 +13,7 @@ from triaxis.verif.commands import fpga
 MEMORIES = {f"{TOP}.u_mesh.u_store_a.u_{name}.memory_q": "block" for name in ("triangles", "boxes")}
 
 
-@pytest.mark.parametrize(("dsps", "status"), [(84, 0), (241, 1)])
+@pytest.mark.parametrize(("dsps", "status"), [(67, 0), (241, 1)])
 def test_command(tmp_path, monkeypatch, capsys, dsps, status):
     made = []
 
