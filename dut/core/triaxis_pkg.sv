@@ -6,7 +6,7 @@
 //
 // Widths. L = 2^W - 1 is the largest difference of two coordinates. Every quantity below is
 // multi-affine in the vertex coordinates, so its extremes lie at corners of the coordinate box;
-// verif/formal/tests/test_widths.py enumerates those corners.
+// verif/formal/widths.py enumerates those corners.
 //
 //   difference of two vertices            |.| <= L      W+1  bits signed
 //   sum of two coordinates                |.| <= 2^W    W+1  bits signed
@@ -57,10 +57,6 @@ package triaxis_pkg;
 
   function automatic int unsigned axis_width(int unsigned w);
     return 2 * w + 2;
-  endfunction
-
-  function automatic int unsigned det_width(int unsigned w);
-    return 3 * w + 2;
   endfunction
 
   function automatic int unsigned span_width(int unsigned w);

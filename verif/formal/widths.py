@@ -100,7 +100,7 @@ def bounds() -> list[Bound]:
         ("difference of two vertices", _differences(), 1, "diff_width"),
         ("cross product from a common vertex", _common_vertex_products(), 2, "cross_width"),
         ("edge x edge, one component", [c for v in edge_edge for c in v], 2, "axis_width"),
-        ("orientation of four vertices", list(orientations().values()), 3, "det_width"),
+        ("orientation of four vertices", list(orientations().values()), 3, "span_width"),
         ("difference of projections on an axis", _projection_differences(), 3, "span_width"),
     )
     return [
@@ -145,7 +145,7 @@ def widths() -> Proof:
 
 
 # Widths of the operands of multipliers: a bit more may cost another DSP block.
-_TIGHT = ("diff_width", "cross_width", "det_width")
+_TIGHT = ("diff_width", "cross_width")
 
 
 def _problems(package: Package, found: list[Bound], norm: int, edge_norm: int, width: int) -> list[str]:
@@ -156,6 +156,12 @@ def _problems(package: Package, found: list[Bound], norm: int, edge_norm: int, w
             problems.append(f"widths: {bound.quantity}: {bits} bits are too few at W = {width}")
         elif bound.width in _TIGHT and bound.largest(width) < 1 << (bits - 2):
             problems.append(f"widths: {bound.quantity}: {bits} bits are more than needed at W = {width}")
+    # The sum of three coordinates does not stay the same where all vertices move: by its range.
+    lowest, bits = 3 << (width - 1), package.call("height_width", width)
+    if not 1 << (bits - 2) < lowest <= 1 << (bits - 1):
+        problems.append(
+            f"widths: sum of three coordinates: {bits} bits are too few, or too many, at W = {width}"
+        )
     side = (1 << width) - 1
     for what, largest, name in (
         ("sum of absolutes of an axis", norm * side**2, "axis_width"),
