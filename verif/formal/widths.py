@@ -137,7 +137,8 @@ def widths() -> Proof:
     return WidthsProof(
         "widths",
         "The package's widths hold every difference, cross product, axis component, orientation, projection "
-        "and sum of absolutes, at every W; and no bit is wasted on an operand of a multiplier.",
+        "and sum of absolutes, at every W; no bit is wasted on an operand of a multiplier; thresholds are in "
+        "time, at every W and M.",
         "enumeration of all corners of the coordinates",
         {"W": f"{MIN_WIDTH}..{MAX_WIDTH}"},
         (),
@@ -148,8 +149,21 @@ def widths() -> Proof:
 _TIGHT = ("diff_width", "cross_width")
 
 
+def _late(package: Package, width: int) -> list[str]:
+    """Return the margins at which a threshold would come after the points that it is for."""
+    axis, difference = package.call("axis_width", width), package.call("diff_width", width)
+    areas = package.call("area_latency", width)
+    space = package.call("prism_latency", width) + package.call("ProjectionLatency")
+    return [
+        f"widths: thresholds come late at W = {width}, M = {bits}"
+        for bits in range(1, width + 1)
+        if package.call("threshold_latency", 3, axis, bits) > space
+        or 1 + package.call("threshold_latency", 2, difference, bits) > areas
+    ]
+
+
 def _problems(package: Package, found: list[Bound], norm: int, edge_norm: int, width: int) -> list[str]:
-    problems = []
+    problems = _late(package, width)
     for bound in found:
         bits = package.call(bound.width, width)
         if bound.largest(width) >= 1 << (bits - 1):

@@ -75,6 +75,8 @@ BROKEN = (
      "across_a_1[i][(j+1)%3] - across_a_1[i][j]", "across_a_1[i][(j+1)%3]", "EdgeEdge"),
     ("projections one bit too narrow", "widths", "core/triaxis_pkg.sv",
      "return 3 * w + 3;", "return 3 * w + 2;", "too few at W = 8"),
+    ("thresholds take two clocks more", "widths", "core/triaxis_pkg.sv",
+     "return 1 + sum_latency(components) + mul", "return 3 + sum_latency(components) + mul", "come late"),
     ("sums of three one bit too narrow", "widths", "core/triaxis_pkg.sv",
      "return w + 2;", "return w + 1;", "sum of three"),
     ("operands one bit wider than needed", "widths", "core/triaxis_pkg.sv",
