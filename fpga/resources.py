@@ -102,7 +102,7 @@ BUILDS = (
         {"W": 16, "M": 0, "EdgeBox": 0},
         Limits(dsps=67),
     ),
-    Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, Limits(dsps=140)),
+    Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, Limits(dsps=125)),
     Build(
         "board",
         "board, W = 16, M = 16, 4,096 triangles, 8 lanes",
