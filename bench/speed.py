@@ -16,13 +16,18 @@ import numpy.typing as npt
 
 from triaxis.bench import harness
 from triaxis.bench.harness import Findings, Progress, report
+from triaxis.coverage.core_coverage import CoreCoverage
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import LockstepEngine, RtlEngine
+from triaxis.verif.core.checking import Checker
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.items import PairBatch, ResultBatch
 from triaxis.verif.core.stimulus.families import mixture
 from triaxis.verif.core.stimulus.stimulus import Pairs32
+from triaxis.verif.testbench.golden_sample import Share
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
 
@@ -47,6 +52,7 @@ RATIOS = {
     ("burst_soak", "bare"): 0.75,
     ("burst_checked", "pin"): 100.0,
     ("bulk_checker", "bare"): 1.0,
+    ("checks", "bare"): 1.0,
 }
 
 Work = Callable[[Pairs32, npt.NDArray[np.uint32]], object]
@@ -71,6 +77,22 @@ def _bare(configuration: Configuration, pairs: int, plain: bool = False) -> floa
     return _batches(pairs, lambda: RtlEngine(configuration, plain=plain).words, configuration)
 
 
+def _checks() -> Work:
+    """Return all that is done with answers but for the golden model: checks, claims, kinds, coverage."""
+    coverage = CoreCoverage(*CONFIGURATION.covered)
+    checker = Checker(CONFIGURATION, Share(_ONE_IN, 0), on_checked=coverage.sample)
+    made: list[tuple[PairBatch, ResultBatch]] = []
+
+    def work(pairs: Pairs32, margins: npt.NDArray[np.uint32]) -> None:
+        if not made:
+            words = expected_words(bulk_facts(pairs, margins), CONFIGURATION)
+            tags, waits = np.arange(len(pairs), dtype=np.uint32), np.zeros(len(pairs), np.uint16)
+            made.append((PairBatch(pairs, margins, tags, waits), ResultBatch(words, tags, waits)))
+        checker.check(*made[0])
+
+    return work
+
+
 def _simulated(test: str, pairs: int, agent: str, soak: bool = False, seconds: str = "seconds") -> float:
     settings = run_settings(
         test, CONFIGURATION, 1, pairs,
@@ -85,7 +107,8 @@ def _simulated(test: str, pairs: int, agent: str, soak: bool = False, seconds: s
 
 # The Verilated core behind a C++ loop, no checks, alone and many in lockstep; the burst environment with its
 # stimulus and monitors; with checks and functional coverage; with checks, and the restrictions of a soak; the
-# pin-level environment, checked, whose simulator is compiled quickly, as it is always used; the bulk checker.
+# pin-level environment, checked, whose simulator is compiled quickly, as it is always used; the bulk checker;
+# all that a pair goes through after it.
 MEASUREMENTS: dict[str, Callable[[], float]] = {
     "bare": partial(_bare, CONFIGURATION, _BARE),
     "bare_reference": partial(_bare, CONFIGURATION, _BARE, plain=True),
@@ -100,6 +123,7 @@ MEASUREMENTS: dict[str, Callable[[], float]] = {
     "burst_soak": partial(_simulated, "VolumeTest", _BURST, BURST, soak=True),
     "pin": partial(_simulated, "RandomTest", _PIN, PIN),
     "bulk_checker": partial(_batches, _BULK, lambda: bulk_facts),
+    "checks": partial(_batches, _BULK, _checks),
 }
 
 

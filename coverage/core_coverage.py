@@ -18,7 +18,8 @@ Item = CoverItem[CoreView]
 _HERE = Path(__file__).parent
 # Code that decides what a count means: counts of another version of it are refused.
 _SOURCES = tuple(
-    _HERE / name for name in ("core_coverage.py", "core_points.py", "core_sample.py", "cover_model.py")
+    _HERE / name
+    for name in ("bins.cpp", "core_coverage.py", "core_points.py", "core_sample.py", "cover_model.py")
 )
 # One hit of an axis as the claim may be luck: it is the answer that users rely on.
 _CLAIMS = 10

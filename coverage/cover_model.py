@@ -2,30 +2,33 @@
 
 A coverpoint maps a sample, arrays of N transactions, to one small unsigned code for each: the number of
 its bin. Existing Python coverage libraries sample one transaction at a time, tens of microseconds each;
-codes are arrays here, made once a sample and counted by NumPy; joint codes of crosses share their prefixes.
+codes are arrays here, made once a sample and counted in native code.
 """
 
+import ctypes
 import hashlib
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property, reduce
+from functools import cache, cached_property
 from itertools import product
 from math import prod
-from operator import mul
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.native import native_function
+
 Sample = TypeVar("Sample")
-Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
+Codes = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.uint32]
 
-# Bits of a mask point, at most.
+# Bits of a mask point, and codes of another, at most.
 MASK_BITS = 32
+_MOST_CODES = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +111,8 @@ class CoverItem(Generic[Sample]):
             raise ValueError(f"{self.name}: needs points, and a mask point only as the first")
         if any(isinstance(p, MaskPoint) and len(p.bins) > MASK_BITS for p in self.points):
             raise ValueError(f"{self.name}: a mask has {MASK_BITS} bits")
+        if any(isinstance(p, Coverpoint) and p.radix > _MOST_CODES for p in self.points):
+            raise ValueError(f"{self.name}: a point has at most {_MOST_CODES} codes")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -187,8 +192,10 @@ def _definition(item: CoverItem[Any]) -> list[Any]:
 
 Hits = npt.NDArray[np.int64]
 
-# Bit k of byte b: (256, 8).
-_BITS = np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little").astype(np.int64)
+
+@cache
+def _native(function: str, arguments: str) -> Callable[..., None]:
+    return native_function("bins", function, arguments, Path(__file__).parent)
 
 
 class Sampler(Generic[Sample]):
@@ -197,7 +204,7 @@ class Sampler(Generic[Sample]):
     def __init__(self, sample: Sample) -> None:
         """Start with no codes computed."""
         self._sample = sample
-        self._joint: dict[tuple[Coverpoint[Sample], ...], Codes] = {}
+        self._known: dict[Coverpoint[Sample], Codes] = {}
 
     def hits(self, item: CoverItem[Sample]) -> Hits:
         """Return how often each bin of the item is hit: (item.size,)."""
@@ -205,55 +212,55 @@ class Sampler(Generic[Sample]):
         classes = tuple(point for point in others if isinstance(point, Coverpoint))
         if isinstance(first, MaskPoint):
             return self._mask_hits(first, classes)
-        return self._point_hits((first, *classes))
-
-    def _point_hits(self, points: tuple[Coverpoint[Sample], ...]) -> Hits:
-        radices = [point.radix for point in points]
-        table = np.bincount(self._codes(points), minlength=prod(radices)).reshape(radices)
-        # The last code of a partial point stands for none of its bins.
-        return table[tuple(slice(len(point.bins)) for point in points)].reshape(-1)
+        classes = (first, *classes)
+        radices, codes = _radices(classes), self._codes(classes)
+        table = np.zeros(radices, np.int64)
+        _native("triaxis_count", "ppiiip")(
+            _addresses(codes), radices.ctypes.data, len(codes), len(codes[0]), table.size, table.ctypes.data
+        )
+        return table[_bins(classes)].reshape(-1)
 
     def _mask_hits(self, point: MaskPoint[Sample], classes: tuple[Coverpoint[Sample], ...]) -> Hits:
-        masks = point.masks(self._sample)
-        radices = [other.radix for other in classes]
-        codes = self._codes(classes) if classes else np.zeros(len(masks), np.uint8)
-        table = _mask_table(masks, codes, prod(radices)).reshape(*radices, MASK_BITS)
-        if table[..., len(point.bins) :].any():
+        masks = np.ascontiguousarray(point.masks(self._sample), np.uint32)
+        if len(masks) and int(np.bitwise_or.reduce(masks)) >> len(point.bins):
             raise ValueError(f"{point.name}: a mask has bits beyond its {len(point.bins)} bins")
-        kept = (*(slice(len(other.bins)) for other in classes), slice(len(point.bins)))
-        return np.moveaxis(table[kept], -1, 0).reshape(-1)
+        radices, codes = _radices(classes), self._codes(classes)
+        if codes and len(codes[0]) != len(masks):
+            raise ValueError(f"{point.name}: masks and codes of different samples")
+        table = np.zeros((*radices, MASK_BITS), np.int64)
+        _native("triaxis_count_masks", "pppiip")(
+            masks.ctypes.data,
+            _addresses(codes),
+            radices.ctypes.data,
+            len(codes),
+            len(masks),
+            table.ctypes.data,
+        )
+        return np.moveaxis(table[(*_bins(classes), slice(len(point.bins)))], -1, 0).reshape(-1)
 
-    def _codes(self, points: tuple[Coverpoint[Sample], ...]) -> Codes:
-        """Return the joint codes of points: the last point's varying fastest."""
-        codes = self._joint.get(points)
-        if codes is None:
-            codes = self._checked(points[0]) if len(points) == 1 else self._join(points)
-            self._joint[points] = codes
-        return codes
-
-    def _checked(self, point: Coverpoint[Sample]) -> Codes:
-        """Return the codes of a point: one too large would count for another bin of a cross."""
-        codes = point.codes(self._sample)
-        if len(codes) and codes.max() >= point.radix:
-            raise ValueError(f"{point.name}: code {codes.max()} where there are {point.radix}")
-        return codes
-
-    def _join(self, points: tuple[Coverpoint[Sample], ...]) -> Codes:
-        radix = points[-1].radix
-        size = reduce(mul, (point.radix for point in points))
-        dtype = np.min_scalar_type(size - 1)
-        joint = np.multiply(self._codes(points[:-1]), dtype.type(radix), dtype=dtype)
-        joint += self._codes(points[-1:])
-        return joint
+    def _codes(self, points: tuple[Coverpoint[Sample], ...]) -> list[Codes]:
+        """Return the codes of points: one too large would count for another bin of a cross."""
+        for point in points:
+            if point in self._known:
+                continue
+            codes = point.codes(self._sample)
+            if len(codes) and codes.max() >= point.radix:
+                raise ValueError(f"{point.name}: code {codes.max()} where there are {point.radix}")
+            self._known[point] = np.ascontiguousarray(codes, np.uint8)
+        found = [self._known[point] for point in points]
+        if len({len(codes) for codes in found}) > 1:
+            raise ValueError(f"{', '.join(point.name for point in points)}: codes of different samples")
+        return found
 
 
-def _mask_table(masks: Mask, codes: Codes, size: int) -> Hits:
-    """Return how often each bit is set together with each code: (size, 32).
+def _radices(points: tuple[Coverpoint[Any], ...]) -> npt.NDArray[np.int64]:
+    return np.array([point.radix for point in points], np.int64)
 
-    Bytes are counted, 256 counters for each code, and bits added up from those counters.
-    """
-    rows = np.flatnonzero(masks != 0)
-    octets = masks[rows].astype("<u4", copy=False).view(np.uint8).reshape(-1, 4)
-    offsets = codes[rows].astype(np.intp) << 8
-    tables = [np.bincount(offsets + octets[:, k], minlength=size << 8) for k in range(4)]
-    return np.concatenate([table.reshape(size, 256) @ _BITS for table in tables], 1)
+
+def _addresses(arrays: list[Codes]) -> ctypes.Array[ctypes.c_void_p]:
+    return (ctypes.c_void_p * max(len(arrays), 1))(*(array.ctypes.data for array in arrays))
+
+
+def _bins(points: tuple[Coverpoint[Any], ...]) -> tuple[slice, ...]:
+    """Return what of a table is bins: the last code of a partial point stands for none of them."""
+    return tuple(slice(len(point.bins)) for point in points)

@@ -17,7 +17,8 @@ Item = CoverItem[MeshView]
 
 _HERE = Path(__file__).parent
 _SOURCES = tuple(
-    _HERE / name for name in ("mesh_coverage.py", "mesh_points.py", "mesh_sample.py", "cover_model.py")
+    _HERE / name
+    for name in ("bins.cpp", "mesh_coverage.py", "mesh_points.py", "mesh_sample.py", "cover_model.py")
 )
 
 _FIRST, _BAD = 0, 3

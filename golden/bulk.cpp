@@ -20,12 +20,11 @@ struct FactArrays {
   uint8_t *support_a, *support_b, *rank_a, *rank_b, *order_a, *order_b;
   uint8_t *coplanar, *a_in_b, *b_in_a;
   int32_t *low, *high;
-  uint32_t *extent;
+  uint32_t *extent, *kind;
 };
 
 namespace {
 
-constexpr int kCoordinates = 18;
 constexpr int64_t kNormals = 0b11 << 3;
 constexpr int64_t kNormalA = 1 << 3;
 constexpr int64_t kNormalB = 1 << 4;
@@ -42,15 +41,8 @@ struct Input {
 
 Input Load(const int32_t* pairs, const uint32_t* margins, const int64_t* index) {
   Input input;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int32_t* pair = pairs + kCoordinates * index[lane];
-    for (int i = 0; i < 9; ++i) {
-      input.a[i / 3][i % 3][lane] = pair[i];
-      input.b[i / 3][i % 3][lane] = pair[9 + i];
-    }
-    input.margin[lane] = margins[index[lane]];
-    input.index[lane] = index[lane];
-  }
+  std::copy(index, index + kLanes, input.index);
+  LoadPairs(pairs, margins, input.index, input.a, input.b, input.margin);
   for (int k = 0; k < 3; ++k) {
     const auto& a = input.a;
     const auto& b = input.b;
@@ -115,6 +107,21 @@ Masks Coplanar(const AxisFacts& found) {
   return (found.flat != 0) | ((found.not_zero & (kNormals | kEdgeCrossEdge)) == 0);
 }
 
+// The number that facts.py puts together.
+uint32_t Kind(const AxisFacts& found, int lane, int64_t rank_a, int64_t rank_b) {
+  const auto one_of = [lane](const Masks& mask) { return static_cast<uint32_t>(mask[lane]); };
+  const uint32_t separating = one_of(found.above) | one_of(found.below);
+  uint32_t kind = separating ? __builtin_ctz(separating) + 1 : 0;
+  kind = kind << 2 | static_cast<uint32_t>(rank_a);
+  kind = kind << 2 | static_cast<uint32_t>(rank_b);
+  kind = kind << 1 | (one_of(found.level) != 0);
+  kind = kind << 1 | ((one_of(found.clear_step) & separating) != 0);
+  kind = kind << 1 | (one_of(found.near_step) != 0);
+  kind = kind << 1 | (one_of(found.flat) != 0);
+  kind = kind << 2 | __builtin_popcount(one_of(found.support_a));
+  return kind << 2 | __builtin_popcount(one_of(found.support_b));
+}
+
 void Store(const Input& input, const AxisFacts& found, const FactArrays& out) {
   const Masks rank_a = Rank(input.a, (found.not_zero & kNormalA) != 0);
   const Masks rank_b = Rank(input.b, (found.not_zero & kNormalB) != 0);
@@ -142,6 +149,7 @@ void Store(const Input& input, const AxisFacts& found, const FactArrays& out) {
     out.low[i] = input.low[lane];
     out.high[i] = input.high[lane];
     out.extent[i] = input.extent[lane];
+    out.kind[i] = Kind(found, lane, rank_a[lane], rank_b[lane]);
   }
 }
 

@@ -16,13 +16,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts
-from triaxis.golden.native import native_library
-from triaxis.golden.pairs import MAX_WIDTH, VERDICT, Verdicts, check_pairs
+from triaxis.golden.native import native_function
+from triaxis.golden.pairs import VERDICT, Verdicts, native_margins, native_pairs
 
 _FOLDER = Path(__file__).parent
-_LARGEST_MARGIN = (1 << MAX_WIDTH) - 1
 
 # Pairs between two calls of ``progress``.
 _CHUNK = 1 << 16
@@ -35,7 +33,7 @@ _TYPES = {
     **dict.fromkeys(("support_a", "support_b", "rank_a", "rank_b", "order_a", "order_b"), np.uint8),
     **dict.fromkeys(("coplanar", "a_in_b", "b_in_a"), np.uint8),
     **dict.fromkeys(("low", "high"), np.int32),
-    "extent": np.uint32,
+    **dict.fromkeys(("extent", "kind"), np.uint32),
 }
 
 # From the addresses of pairs and margins, their number, and the address of what is to be filled.
@@ -44,11 +42,7 @@ _Native = Callable[[int | None, int | None, int, Any], None]
 
 def load_native(library: str, function: str, folder: Path = _FOLDER) -> _Native:
     """Return a native function, compiled where needed, from the sources in a folder."""
-    sources, headers = [folder / f"{library}.cpp"], sorted(folder.glob("bulk_*.h"))
-    found = getattr(native_library(library, sources, headers), function)
-    found.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p]
-    found.restype = None
-    return found
+    return native_function(library, function, "ppip", folder, sorted(folder.glob("bulk_*.h")))
 
 
 @cache
@@ -61,38 +55,15 @@ def _claims() -> _Native:
     return load_native("bulk_claims", "triaxis_claims")
 
 
-def _as_coordinates(pairs: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
-    """Return the pairs as the native code wants them, not copied where they are that already."""
-    if pairs.dtype != np.int32 or pairs.ndim != 4 or pairs.shape[1:] != (2, 3, 3):
-        pairs = check_pairs(pairs, MAX_WIDTH)
-    return np.ascontiguousarray(pairs, np.int32)
-
-
-def _as_margins(margins: npt.NDArray[Any] | int, count: int) -> npt.NDArray[np.uint32]:
-    """Return the margins as the native code wants them, not copied where they are that already."""
-    array = np.asarray(margins)
-    if array.dtype.kind not in "iu" or array.shape not in ((), (count,)):
-        raise InputError(
-            f"margins: {array.dtype} of shape {array.shape}: must be integers of shape ({count},), one "
-            "for each pair, or a single one"
-        )
-    if array.dtype != np.uint32:
-        wrong = (array < 0) | (array > _LARGEST_MARGIN)
-        if wrong.any():
-            index = int(np.argmax(wrong))
-            raise InputError(f"margins: number {index}: {array.flat[index]}: must be 0..{_LARGEST_MARGIN}")
-    return np.ascontiguousarray(np.broadcast_to(array, count), np.uint32)
-
-
 def bulk_facts(pairs: npt.NDArray[Any], margins: npt.NDArray[Any] | int) -> Facts:
     """Return the facts of pairs (N, 2, 3, 3) at margins (N,), or at the same one, in LSB.
 
     Exact for coordinates of 32 bits, signed, and margins of 32 bits, unsigned; other ones raise
     InputError. Contiguous int32 and uint32 arrays are used as they are, others are checked and copied.
     """
-    coordinates = _as_coordinates(pairs)
+    coordinates = native_pairs(pairs)
     count = len(coordinates)
-    limits = _as_margins(margins, count)
+    limits = native_margins(margins, count)
     arrays: dict[str, npt.NDArray[Any]] = {name: np.empty(count, kind) for name, kind in _TYPES.items()}
     addresses = (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays.values()))
     _facts()(coordinates.ctypes.data, limits.ctypes.data, count, addresses)
@@ -108,8 +79,8 @@ def bulk_verdicts(
 
     ``progress`` is told how many pairs were done.
     """
-    coordinates = _as_coordinates(pairs)
-    limits = _as_margins(margins, len(coordinates))
+    coordinates = native_pairs(pairs)
+    limits = native_margins(margins, len(coordinates))
     verdicts = np.zeros(len(coordinates), VERDICT)
     for start in range(0, len(coordinates), _CHUNK):
         chunk = slice(start, start + _CHUNK)
@@ -125,8 +96,8 @@ def bulk_claims(pairs: npt.NDArray[Any], margins: npt.NDArray[Any] | int) -> npt
     Pairs and margins, in LSB, as `bulk_facts` takes them; exact for all of those. The axis of a clear pair is
     its certificate, which `triaxis.golden.certificate` confirms.
     """
-    coordinates = _as_coordinates(pairs)
-    limits = _as_margins(margins, len(coordinates))
+    coordinates = native_pairs(pairs)
+    limits = native_margins(margins, len(coordinates))
     claims = np.empty(len(coordinates), np.int8)
     _claims()(coordinates.ctypes.data, limits.ctypes.data, len(coordinates), claims.ctypes.data)
     return claims

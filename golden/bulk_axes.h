@@ -43,8 +43,7 @@ struct BoxAxis {
   Reals Norm() const { return AllLanes(1); }
   Value Reach(typename Number::Factor margin) const { return Number::ToValue(margin); }
   Masks Divisible(Value excess, Masks asked) const {
-    const Component one[3] = {Number::ToComponent(Reals{}), Number::ToComponent(Reals{}),
-                              Number::ToComponent(AllLanes(1))};
+    const Component one[1] = {Number::ToComponent(AllLanes(1))};
     return Number::Divides(excess, one, asked);
   }
 };
@@ -69,8 +68,7 @@ struct EdgeAxis {
   Reals Norm() const { return Abs(c) + Abs(d); }
   Value Reach(typename Number::Factor margin) const { return Number::EdgeTimes(Norm(), margin); }
   Masks Divisible(Value excess, Masks asked) const {
-    const Component components[3] = {Number::ToComponent(Reals{}), Number::ToComponent(c),
-                                     Number::ToComponent(d)};
+    const Component components[2] = {Number::ToComponent(c), Number::ToComponent(d)};
     return Number::Divides(excess, components, asked);
   }
 };
@@ -103,7 +101,7 @@ inline Masks Attaining(const Value (&on)[3], Value extreme) {
 }
 
 template <class Number, class Axis>
-[[gnu::noinline]] void Examine(const Pair<Number>& pair, const Axis& axis, int number,
+[[gnu::always_inline]] inline void Examine(const Pair<Number>& pair, const Axis& axis, int number,
                                AxisFacts& facts) {
   using Value = typename Number::Value;
   const int64_t bit = int64_t{1} << number;
@@ -145,20 +143,16 @@ template <class Number, class Axis>
   // Rounding keeps the order of numbers, so this is the excess, rounded, and 0 only where the excess is.
   const Reals excess = Max(beyond_up, beyond_down);
   const Masks level = (excess == 0) & ~together;
-  if (Any(level)) {
-    facts.level |= level & bit;
-    // Not together, so only one of the two is level: their sum is less than 0, and reach is not.
-    const Masks upward = beyond_up == 0;
-    const Masks a = upward ? Attaining(on_a, high_a) : Attaining(on_a, low_a);
-    const Masks b = upward ? Attaining(on_b, low_b) : Attaining(on_b, high_b);
-    facts.support_a &= a | ~level;
-    facts.support_b &= b | ~level;
-  }
+  facts.level |= level & bit;
+  // Not together, so only one of the two is level: their sum is less than 0, and reach is not.
+  const Masks upward = beyond_up == 0;
+  facts.support_a &= Attaining(on_a, Select(upward, high_a, low_a)) | ~level;
+  facts.support_b &= Attaining(on_b, Select(upward, low_b, high_b)) | ~level;
 
   // The excess is a multiple of g, so it is g or -g exactly where it divides all components; then it is at
-  // most the norm, also when both are rounded. Few are.
+  // most the norm, also when both are rounded.
   const Masks small = (Abs(excess) <= axis.Norm()) & (excess != 0) & ~together;
-  if (Any(small)) {
+  if (Number::kDividesFast || Any(small)) {
     const Masks step = axis.Divisible(Max(up, down) - reach, small) & bit;
     facts.clear_step |= step & (excess > 0);
     facts.near_step |= step & (excess < 0);

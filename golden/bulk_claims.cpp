@@ -27,7 +27,6 @@
 namespace triaxis::bulk {
 namespace {
 
-constexpr int kCoordinates = 18;
 // The largest extents at which nothing is rounded on an axis that is a cross product of two edges, on its
 // components alone, and on one of an edge and a coordinate.
 constexpr double kExact = 0x1p16, kExactComponents = 0x1p26, kExactEdge = 0x1p24;
@@ -49,25 +48,7 @@ struct Block {
   Reals margin;
 
   void Load(const int32_t* pairs, const uint32_t* margins) {
-#if defined(__AVX512F__)
-    const __m512i places = _mm512_loadu_si512(index);
-    const __m512i starts = _mm512_mullox_epi64(places, _mm512_set1_epi64(sizeof *pairs * kCoordinates));
-    for (int i = 0; i < kCoordinates; ++i) {
-      const __m256i column = _mm512_i64gather_epi32(starts, pairs + i, 1);
-      (i < 9 ? a : b)[i % 9 / 3][i % 3] = (Reals)_mm512_cvtepi32_pd(column);
-    }
-    margin = (Reals)_mm512_cvtepu32_pd(_mm512_i64gather_epi32(places, margins, sizeof *margins));
-#else
-    int32_t columns[kCoordinates][kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int32_t* pair = pairs + kCoordinates * index[lane];
-      for (int i = 0; i < kCoordinates; ++i) columns[i][lane] = pair[i];
-      margin[lane] = margins[index[lane]];
-    }
-    for (int i = 0; i < kCoordinates; ++i) {
-      for (int lane = 0; lane < kLanes; ++lane) (i < 9 ? a : b)[i % 9 / 3][i % 3][lane] = columns[i][lane];
-    }
-#endif
+    LoadPairs(pairs, margins, index, a, b, margin);
   }
 };
 

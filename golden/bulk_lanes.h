@@ -26,11 +26,36 @@ inline constexpr int kLanes = 2;
 typedef double Reals __attribute__((vector_size(8 * kLanes)));
 typedef int64_t Masks __attribute__((vector_size(8 * kLanes)));
 
+// Numbers of a pair.
+inline constexpr int kCoordinates = 18;
+
+// Loads the pairs and margins of these numbers, one a lane.
+inline void LoadPairs(const int32_t* pairs, const uint32_t* margins, const int64_t (&index)[kLanes],
+                      Reals (&a)[3][3], Reals (&b)[3][3], Reals& margin) {
+#if defined(__AVX512F__)
+  const __m512i places = _mm512_loadu_si512(index);
+  const __m512i starts = _mm512_mullox_epi64(places, _mm512_set1_epi64(sizeof *pairs * kCoordinates));
+  for (int i = 0; i < kCoordinates; ++i) {
+    const __m256i column = _mm512_i64gather_epi32(starts, pairs + i, 1);
+    (i < 9 ? a : b)[i % 9 / 3][i % 3] = (Reals)_mm512_cvtepi32_pd(column);
+  }
+  margin = (Reals)_mm512_cvtepu32_pd(_mm512_i64gather_epi32(places, margins, sizeof *margins));
+#else
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int32_t* pair = pairs + kCoordinates * index[lane];
+    for (int i = 0; i < kCoordinates; ++i) (i < 9 ? a : b)[i % 9 / 3][i % 3][lane] = pair[i];
+    margin[lane] = margins[index[lane]];
+  }
+#endif
+}
+
 inline Reals AllLanes(double value) { return value - Reals{}; }
 
 inline Reals Min(Reals x, Reals y) { return x < y ? x : y; }
 
 inline Reals Max(Reals x, Reals y) { return x > y ? x : y; }
+
+inline Reals Select(Masks mask, Reals x, Reals y) { return mask ? x : y; }
 
 inline Reals Abs(Reals x) {
   return (Reals)((Masks)x & INT64_MAX);

@@ -45,8 +45,11 @@ struct Narrow {
 
   static Value EdgeTimes(Reals norm, Factor margin) { return norm * margin; }
 
-  // Which of the lanes asked for have an excess, not 0, that divides the three components.
-  static Masks Divides(Value excess, const Component (&c)[3], Masks asked) {
+  // Which of the lanes asked for have an excess, not 0, that divides these components; and whether that is
+  // quicker than to look whether a lane asks.
+  static constexpr bool kDividesFast = true;
+  template <int kCount>
+  static Masks Divides(Value excess, const Component (&c)[kCount], Masks asked) {
     const Reals reciprocal = 1.0 / excess;
     for (const Component& component : c) {
       // Where it divides, the quotient, at most 2^33, is an integer and its error below 1/2, so that

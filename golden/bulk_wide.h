@@ -139,8 +139,11 @@ struct Wide {
     return Carry<48>(norm * margin.high, norm * margin.low);
   }
 
-  // Which of the lanes asked for have an excess, not 0, that divides the three components.
-  static Masks Divides(Value excess, const Component (&c)[3], Masks asked) {
+  // Which of the lanes asked for have an excess, not 0, that divides these components; and whether that is
+  // quicker than to look whether a lane asks.
+  static constexpr bool kDividesFast = false;
+  template <int kCount>
+  static Masks Divides(Value excess, const Component (&c)[kCount], Masks asked) {
     for (int lane = 0; lane < kLanes; ++lane) {
       if (!asked[lane]) continue;
       const __int128 divisor = Lane(excess, lane);

@@ -7,14 +7,19 @@ every point of B. Claimed axes are proven on arrays too, whatever the right answ
 with the bulk checker, so a "clear" that both it and the core got wrong is disproved here.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.axes import NUM_AXES, separates
+from triaxis.golden.axes import NUM_AXES
+from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Scalar, Triangle, Vector, dot
+from triaxis.golden.native import native_function
+from triaxis.golden.pairs import NO_AXIS, native_margins, native_pairs
 
 
 def witness_proves_near(
@@ -39,6 +44,11 @@ def axis_proves_clear(a: Triangle, b: Triangle, margin: Scalar, axis: Sequence[S
     return gap > margin * sum(abs(component) for component in axis)
 
 
+@cache
+def _proven() -> Callable[..., None]:
+    return native_function("certificate", "triaxis_proven", "pppip", Path(__file__).parent)
+
+
 def claims_prove_clear(
     pairs: npt.NDArray[np.integer[Any]],
     margins: npt.NDArray[np.integer[Any]],
@@ -46,10 +56,13 @@ def claims_prove_clear(
 ) -> npt.NDArray[np.bool_]:
     """Return whether the claimed axis (N,) of each pair (N, 2, 3, 3) separates it by more than its margin.
 
-    Does on arrays what `axis_proves_clear` does, exactly for any coordinates.
+    Does in native code what `axis_proves_clear` and `triaxis.golden.axes.separates` do, exactly, for
+    coordinates and margins of 32 bits; raises InputError for others. NO_AXIS proves nothing.
     """
-    proven = np.zeros(len(pairs), np.bool_)
-    for number in np.flatnonzero(np.bincount(axes, minlength=NUM_AXES)).tolist():
-        chosen = np.flatnonzero(axes == number)
-        proven[chosen] = separates(number, pairs[chosen], margins[chosen])
+    coordinates, limits = native_pairs(pairs), native_margins(margins, len(pairs))
+    if axes.shape != limits.shape or not ((axes >= NO_AXIS) & (axes < NUM_AXES)).all():
+        raise InputError(f"claims: must be axes, {NO_AXIS}..{NUM_AXES - 1}, of shape {limits.shape}")
+    claims, proven = np.ascontiguousarray(axes, np.int8), np.empty(len(limits), np.bool_)
+    addresses = (array.ctypes.data for array in (coordinates, limits, claims))
+    _proven()(*addresses, len(limits), proven.ctypes.data)
     return proven

@@ -20,6 +20,8 @@ from triaxis.golden.pairs import NO_AXIS, VERDICT, Verdicts
 Mask = npt.NDArray[np.uint32]
 Small = npt.NDArray[np.uint8]
 
+KIND_BITS = 18
+
 
 @dataclass(frozen=True)
 class Facts:
@@ -43,6 +45,9 @@ class Facts:
     a_in_b, b_in_a: A is a part of B (as closed sets), B of A.
     low, high: the smallest and the largest of the 18 coordinates.
     extent: the largest difference of two vertices in x, in y or in z: what translations leave alone.
+    kind: a number for the kind of situation, below 2^KIND_BITS: from the lowest bits on, how many vertices
+    are in support_b (2 bits) and in support_a (2); whether flat, near_step, clear_step on an axis that
+    separates, level are not 0; rank_b (2), rank_a (2), and the claim + 1.
     """
 
     above: Mask
@@ -65,6 +70,7 @@ class Facts:
     low: npt.NDArray[np.int32]
     high: npt.NDArray[np.int32]
     extent: npt.NDArray[np.uint32]
+    kind: npt.NDArray[np.uint32]
 
     def __len__(self) -> int:
         """Return the number of pairs."""
@@ -104,6 +110,6 @@ class Facts:
 def lowest_axis(mask: Mask) -> npt.NDArray[np.int16]:
     """Return the number of the lowest bit of each mask (N,), NO_AXIS where it is 0."""
     lowest = mask & (~mask + np.uint32(1))
-    # The base-2 logarithm of a power of two below 2^32 is exact: frexp reads the exponent.
-    number = np.frexp(lowest.astype(np.float64))[1] - 1
-    return np.where(mask == 0, NO_AXIS, number).astype(np.int16)
+    # A float32 holds powers of two exactly, and 0; its exponent is the logarithm plus 127.
+    exponent = (lowest.astype(np.float32).view(np.uint32) >> np.uint32(23)).astype(np.int16)
+    return np.where(mask == 0, np.int16(NO_AXIS), exponent - np.int16(127))

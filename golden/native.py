@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -90,3 +90,16 @@ def native_library(name: str, sources: Sequence[Path], headers: Sequence[Path] =
     if not output.is_file():
         _compile(name, sources, output)
     return ctypes.CDLL(str(output))
+
+
+def native_function(
+    library: str, function: str, arguments: str, folder: Path, headers: Sequence[Path] = ()
+) -> Callable[..., None]:
+    """Return a function without a result of the library of one source, ``library``.cpp in a folder.
+
+    ``arguments``: the type of each, "p" an address, "i" an integer of 64 bits.
+    """
+    found = getattr(native_library(library, [folder / f"{library}.cpp"], headers), function)
+    found.argtypes = [ctypes.c_void_p if kind == "p" else ctypes.c_int64 for kind in arguments]
+    found.restype = None
+    return found

@@ -30,6 +30,8 @@ VERDICT = np.dtype(
     ]
 )
 
+_LARGEST_NATIVE_MARGIN = (1 << MAX_WIDTH) - 1
+
 Pairs = npt.NDArray[np.int64]
 Verdicts = npt.NDArray[np.void]
 
@@ -72,6 +74,31 @@ def check_pairs(array: npt.NDArray[Any], width: int, name: str = "pairs") -> Pai
             f"{'xyz'[index[3]]}: {array[index]} is outside {low}..{high} (width {width})"
         )
     return array.astype(np.int64)
+
+
+def native_pairs(pairs: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
+    """Return the pairs as the native code wants them, not copied where they are that already."""
+    if pairs.dtype != np.int32 or pairs.ndim != 4 or pairs.shape[1:] != (2, 3, 3):
+        pairs = check_pairs(pairs, MAX_WIDTH)
+    return np.ascontiguousarray(pairs, np.int32)
+
+
+def native_margins(margins: npt.NDArray[Any] | int, count: int) -> npt.NDArray[np.uint32]:
+    """Return the margins as the native code wants them, not copied where they are that already."""
+    array = np.asarray(margins)
+    if array.dtype.kind not in "iu" or array.shape not in ((), (count,)):
+        raise InputError(
+            f"margins: {array.dtype} of shape {array.shape}: must be integers of shape ({count},), one "
+            "for each pair, or a single one"
+        )
+    if array.dtype != np.uint32:
+        wrong = (array < 0) | (array > _LARGEST_NATIVE_MARGIN)
+        if wrong.any():
+            index = int(np.argmax(wrong))
+            raise InputError(
+                f"margins: number {index}: {array.flat[index]}: must be 0..{_LARGEST_NATIVE_MARGIN}"
+            )
+    return np.ascontiguousarray(np.broadcast_to(array, count), np.uint32)
 
 
 def read_pairs(path: Path, width: int) -> Pairs:

@@ -120,6 +120,7 @@ void Unpack(const uint32_t* words, int32_t* coordinates) {
   uint64_t window = 0;
   int filled = 0;
   int next = 0;
+#pragma GCC unroll 18
   for (int i = 0; i < kCoordinates; ++i) {
     if (filled < WIDTH) {
       window |= static_cast<uint64_t>(words[next++]) << filled;

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.pairs import NO_AXIS, VERDICT, Verdicts
+from triaxis.golden.pairs import VERDICT, Verdicts
 
 NEAR = 1 << 0
 COPLANAR = 1 << 1
@@ -13,12 +13,18 @@ AXIS_SHIFT = 8
 AXIS_MASK = 0x1F
 
 
+def claims(words: npt.NDArray[np.uint16]) -> npt.NDArray[np.int8]:
+    """Return the axis that each result word (N,) claims, NO_AXIS where it says near."""
+    axes = (words >> AXIS_SHIFT & AXIS_MASK).astype(np.int8)
+    # All bits set is -1.
+    return axes | -(words & NEAR).astype(np.int8)
+
+
 def decode(words: npt.NDArray[np.uint16]) -> Verdicts:
     """Return the verdicts in result words of shape (N,)."""
     verdicts = np.zeros(len(words), VERDICT)
     verdicts["near"] = words & NEAR != 0
-    axis = (words >> AXIS_SHIFT) & AXIS_MASK
-    verdicts["axis"] = np.where(verdicts["near"], NO_AXIS, axis)
+    verdicts["axis"] = claims(words)
     verdicts["coplanar"] = words & COPLANAR != 0
     verdicts["degenerate_a"] = words & DEGENERATE_A != 0
     verdicts["degenerate_b"] = words & DEGENERATE_B != 0

@@ -272,6 +272,27 @@ def _headers(build: Build, speed: str) -> Path:
     return built(BUILD / "runtime" / key[:12], make) / "model.h"
 
 
+def _player(build: Build, model: Path) -> Path:
+    """Return the player of a quick build, compiled once for all models that look the same to it.
+
+    Of a model it sees the top's header, or all of them where its sources name one of the others.
+    """
+    named = any(f"{PREFIX}_" in file.read_text(encoding="utf-8") for file in build.cpp)
+    seen = sorted(model.glob(f"{PREFIX}*.h" if named else f"{PREFIX}.h"))
+    key = content_hash(
+        [*seen, model / _DEFINES, *build.cpp, *build.headers, *_PLAYERS], "player", str(verilator()),
+        target(cxx()), *_without_folders(compiler(build, QUICK)),
+    )  # fmt: skip
+
+    def make(partial: Path) -> None:
+        whole = partial / "player.cc"
+        whole.write_text("".join(f'#include "{unit}"\n' for unit in build.cpp))
+        command = unit_command(build, model, QUICK)
+        run_tool([*command, "-c", str(whole), "-o", str(partial / "player.o")], partial, build.kind)
+
+    return built(BUILD / "runtime" / key[:12], make) / "player.o"
+
+
 def unit_command(build: Build, model: Path, speed: str) -> list[str]:
     """Return the compiler with all flags for a unit of a model.
 
@@ -297,7 +318,11 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     defines = {**build.defines, **({"SELECTABLE": 1} if build.selectable else {})}
     (model / _DEFINES).write_text("".join(f"#define {name} {value}\n" for name, value in defines.items()))
     units = sorted(model.glob(f"{PREFIX}*.cpp"), key=lambda unit: (-unit.stat().st_size, unit))
-    units += build.cpp
+    compiled_before = list(build.objects)
+    if build.speed == QUICK and not build.selectable:
+        compiled_before.append(_player(build, model))
+    else:
+        units += build.cpp
     # What runs once, at the start, is half of the code; beside lanes, all that is Verilator's.
     quick = [
         unit for unit in units
@@ -319,7 +344,7 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     with ThreadPoolExecutor(jobs) as pool:
         objects = list(pool.map(compiled, *zip(*pieces, strict=True)))
     made = folder / product(build)
-    command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, build.objects), str(verilated)]
+    command = [cxx(), "-pthread", "-o", str(made), *objects, *map(str, compiled_before), str(verilated)]
     run_tool([*command, *_linked(build)], folder, build.kind)
     for file in objects:
         Path(file).unlink()

@@ -51,6 +51,26 @@ def _examine(facts: dict[str, int], number: int, a: Triangle, b: Triangle, margi
         facts["support_b"] &= _bits(on_b, min(on_b) if up > down else max(on_b))
 
 
+def _kind(facts: dict[str, int]) -> int:
+    """Return the digits of the kind put together, each with how many bits it has."""
+    separating = facts["above"] | facts["below"]
+    # The lowest bit's number, and 1; 0 where there is none.
+    claim = (separating & -separating).bit_length()
+    digits = (
+        (facts["rank_a"], 2),
+        (facts["rank_b"], 2),
+        (facts["level"] != 0, 1),
+        (facts["clear_step"] & separating != 0, 1),
+        (facts["near_step"] != 0, 1),
+        (facts["flat"] != 0, 1),
+        (facts["support_a"].bit_count(), 2),
+        (facts["support_b"].bit_count(), 2),
+    )
+    for digit, bits in digits:
+        claim = claim << bits | digit
+    return claim
+
+
 def slow_facts(a: Triangle, b: Triangle, margin: int) -> dict[str, int]:
     """Return the fields of Facts of one pair."""
     sides = ("above", "below", "upper", "lower")
@@ -59,7 +79,7 @@ def slow_facts(a: Triangle, b: Triangle, margin: int) -> dict[str, int]:
     for number in range(NUM_AXES):
         _examine(facts, number, a, b, margin)
     coordinates = np.array([a, b])
-    return facts | {
+    facts |= {
         "rank_a": triangle_rank(a),
         "rank_b": triangle_rank(b),
         "order_a": _order(a),
@@ -71,3 +91,4 @@ def slow_facts(a: Triangle, b: Triangle, margin: int) -> dict[str, int]:
         "high": int(coordinates.max()),
         "extent": int(np.ptp(coordinates, (0, 1)).max()),
     }
+    return facts | {"kind": _kind(facts)}

@@ -2,14 +2,18 @@
 
 from fractions import Fraction
 from itertools import permutations
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from triaxis.golden import axes
+from triaxis.golden import axes, certificate
 from triaxis.golden.axes import NUM_AXES, axis_name, axis_vector, separating
 from triaxis.golden.certificate import axis_proves_clear, claims_prove_clear, witness_proves_near
+from triaxis.golden.errors import InputError
 from triaxis.golden.exact import coplanar, rank, triangle_rank
+from triaxis.golden.native import native_function
+from triaxis.golden.pairs import NO_AXIS, coordinate_range
 from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -104,3 +108,42 @@ def test_a_claim_is_proven_exactly_where_its_axis_separates(rng, width):
         proven = claims_prove_clear(pairs, margins, np.full(len(pairs), axis))
         assert (proven == separates[:, axis]).all()
     assert 0 < separates.sum() < separates.size
+
+
+@pytest.mark.parametrize("width", [8, 20, 21, 32])
+def test_claims_at_the_ends_of_the_range(rng, width):
+    low, high = coordinate_range(width)
+    pairs = rng.choice(np.array([low, high]), (2000, 2, 3, 3))
+    margins = rng.choice(np.array([0, high - low - 1, high - low, 2 * high + 1]), len(pairs))
+    claims = rng.integers(NO_AXIS, NUM_AXES, len(pairs))
+    due = separating(pairs, margins)[np.arange(len(pairs)), claims] & (claims != NO_AXIS)
+    assert (claims_prove_clear(pairs, margins, claims) == due).all()
+    assert due.any()
+    for wrong in (claims + NUM_AXES, claims[1:], np.full(len(pairs), NO_AXIS - 1)):
+        with pytest.raises(InputError, match=r"claims: must be axes, -1\.\.31, of shape \(2000,\)"):
+            claims_prove_clear(pairs, margins, wrong)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize(
+    "fault",
+    [
+        ("int64_t{1} << 19", "int64_t{1} << 31"),
+        ("std::max(low_b - high_a, low_a - high_b)", "(low_b - high_a)"),
+        ("> margin * norm", ">= margin * norm"),
+        ("from(t, 1), from(t, 2)}", "from(t, 2), from(t, 2)}"),
+        ("i < std::min(start + kBlock, n)", "i < std::min(start + kBlock, n) - 1"),
+    ],
+    ids=lambda fault: fault[0],
+)
+def test_a_broken_check_of_claims_is_noticed(rng, tmp_path, monkeypatch, fault):
+    source = (Path(certificate.__file__).parent / "certificate.cpp").read_text()
+    assert fault[0] in source
+    (tmp_path / "certificate.cpp").write_text(source.replace(*fault))
+    broken = native_function("certificate", "triaxis_proven", "pppip", tmp_path)
+    monkeypatch.setattr(certificate, "_proven", lambda: broken)
+    pairs = np.concatenate([awkward_pairs(rng, 3000, width) for width in (8, 20, 32)])
+    margins = awkward_margins(rng, pairs, 32)
+    due = separating(pairs.astype(np.int64), margins.astype(np.int64))
+    found = [claims_prove_clear(pairs, margins, np.full(len(pairs), axis)) for axis in range(NUM_AXES)]
+    assert (np.stack(found, 1) != due).any()

@@ -16,8 +16,9 @@ from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
+from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.result import AXIS_MASK, AXIS_SHIFT, NEAR, decode
+from triaxis.sim.result import claims, decode
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
 from triaxis.verif.testbench.failures import Blame, found
@@ -100,11 +101,12 @@ class Checker:
 
     def _recheck_claims(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Prove every "clear" from the claimed axis, whatever the right answer is."""
-        clear = np.flatnonzero(results.words & NEAR == 0)
-        axis = results.words[clear] >> AXIS_SHIFT & AXIS_MASK
-        self.clear_claims += len(clear)
-        proven = claims_prove_clear(pairs.pairs[clear], pairs.margins[clear], axis)
-        for i, number in zip(clear[~proven].tolist(), axis[~proven].tolist(), strict=True):
+        axes = claims(results.words)
+        clear = axes != NO_AXIS
+        self.clear_claims += int(clear.sum())
+        wrong = clear & ~claims_prove_clear(pairs.pairs, pairs.margins, axes)
+        for i in np.flatnonzero(wrong).tolist():
+            number = int(axes[i])
             self._fail(f"claimed axis {number} ({axis_name(number)}) does not separate", pairs, i)
 
     def _judge(self, pairs: PairBatch, facts: Facts) -> None:

@@ -42,7 +42,7 @@ from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
 # Mutants with a library of their own that are tried at a time: that many libraries are on the disk.
-_AT_A_TIME = 24
+_AT_A_TIME = 72
 # Fewer run-time mutants are built one by one: quicker than a build that can hold all.
 _FEW = 12
 # Times the pairs of a short test, where those close to a decision are wanted.

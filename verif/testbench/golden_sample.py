@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.facts import Facts
+from triaxis.golden.facts import KIND_BITS, Facts
 
-_KIND_BITS = 18
 # The smallest share: one in so many.
 MOST_SELDOM = 1 << 16
 
@@ -31,24 +30,6 @@ class Share:
 EVERYTHING = Share(1)
 
 
-def kinds(facts: Facts) -> npt.NDArray[np.uint32]:
-    """Return a number for the kind of situation of each pair: (N,), below 2^18."""
-    decided = facts.claim.astype(np.int64) + 1
-    code = decided.astype(np.uint32)
-    for part, bits in (
-        (facts.rank_a, 2),
-        (facts.rank_b, 2),
-        (facts.level != 0, 1),
-        (facts.clear_step & facts.separating != 0, 1),
-        (facts.near_step != 0, 1),
-        (facts.flat != 0, 1),
-        (np.bitwise_count(facts.support_a), 2),
-        (np.bitwise_count(facts.support_b), 2),
-    ):
-        code = code << np.uint32(bits) | part.astype(np.uint32)
-    return code
-
-
 class GoldenSample:
     """Chooses pairs, batch by batch; remembers which kinds it has seen."""
 
@@ -56,8 +37,9 @@ class GoldenSample:
         """Start with no kind seen."""
         self._share = share
         self._rng = np.random.default_rng([seed, *b"golden"])
-        self._met = np.zeros(1 << _KIND_BITS, np.bool_)
-        self._chosen = np.zeros(1 << _KIND_BITS, np.bool_)
+        self._met = np.zeros(1 << KIND_BITS, np.bool_)
+        self._chosen = np.zeros(1 << KIND_BITS, np.bool_)
+        self._first = np.full(1 << KIND_BITS, -1, np.int32)
 
     @property
     def kinds_met(self) -> int:
@@ -73,11 +55,13 @@ class GoldenSample:
         """Return the indices of the pairs to judge, ascending."""
         if self._share.one_in == 1:
             return np.arange(len(facts))
-        code = kinds(facts)
+        code = facts.kind
         self._met[code] = True
         wanted = np.flatnonzero(~self._chosen[code])
-        # The first of each kind in this batch.
-        new = wanted[np.unique(code[wanted], return_index=True)[1]]
+        # The first of each kind in this batch: of assignments to one place the last holds.
+        self._first[code[wanted[::-1]]] = wanted[::-1]
+        new = self._first[np.flatnonzero(self._first >= 0)]
+        self._first[code[new]] = -1
         # At random, so that none waits for ever behind others.
         new = self._rng.permutation(new)[: self._share.at_a_time]
         self._chosen[code[new]] = True

@@ -13,6 +13,7 @@ its arithmetic. Margins go with their pairs, and no verdict changes.
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.golden.pairs import Pairs
 from triaxis.verif.core.stimulus.contact import (
@@ -51,17 +52,15 @@ from triaxis.verif.core.stimulus.near_miss import (
 from triaxis.verif.core.stimulus.stimulus import (
     Family,
     PairFamily,
-    Pairs32,
     Rng,
     Stimulus,
-    bounds,
     divided,
     joined,
 )
 from triaxis.verif.core.stimulus.symmetry import (
-    random_cube_symmetries,
-    random_orders,
+    centred,
     random_translations,
+    random_variants,
 )
 
 # How often a base pair is used, on average.
@@ -71,22 +70,15 @@ TIMES = 16
 _BLOCK = 4096
 
 
-def centred(pairs: Pairs32) -> Pairs32:
-    """Return the pairs moved so that zero is in their middle: small pairs get small numbers."""
-    vertices = pairs.reshape(-1, 6, 3)
-    low, high = bounds(vertices)
-    # (low + high + 1) / 2 without overflow. Rounded up, what spans all of the range stays in it.
-    middle = (low >> 1) + (high >> 1) + ((low | high) & 1)
-    return (vertices - middle[:, None]).reshape(-1, 2, 3, 3)
-
-
-def varied(rng: Rng, stimulus: Stimulus, width: int) -> Stimulus:
-    """Return each pair under a random symmetry; a quarter of the array is also moved, and one centred."""
-    pairs = random_cube_symmetries(rng, random_orders(rng, stimulus.pairs))
+def varied(rng: Rng, base: Stimulus, rows: npt.NDArray[np.integer], width: int) -> Stimulus:
+    """Return the pairs in these rows, each under a random symmetry; of the array a quarter is also moved, and
+    one centred.
+    """
+    pairs = random_variants(rng, base.pairs, rows)
     half, rest = len(pairs) // 2, len(pairs) * 3 // 4
     pairs[half:rest] = random_translations(rng, pairs[half:rest], width)
     pairs[rest:] = centred(pairs[rest:])
-    return Stimulus(pairs, stimulus.margins)
+    return Stimulus(pairs, base.margins.take(rows))
 
 
 def mixed_once(rng: Rng, families: Sequence[Family], count: int, width: int, largest_margin: int) -> Stimulus:
@@ -95,7 +87,7 @@ def mixed_once(rng: Rng, families: Sequence[Family], count: int, width: int, lar
     counts = divided(base_count, [1] * len(families))
     base = joined([f(rng, n, width, largest_margin) for f, n in zip(families, counts, strict=True)])
     chosen = rng.permutation(TIMES * base_count)[:count] % base_count
-    return varied(rng, base[chosen], width)
+    return varied(rng, base, chosen, width)
 
 
 class Mixture:
@@ -116,7 +108,7 @@ class Mixture:
     def burst(self, count: int) -> Stimulus:
         """Return the next pairs with their margins."""
         chosen = self._rng.integers(0, len(self._pool), count, np.uint32)
-        stimulus = varied(self._rng, self._pool[chosen], self._width)
+        stimulus = varied(self._rng, self._pool, chosen, self._width)
         self._drawn += count
         while self._drawn >= TIMES * _BLOCK:
             self._drawn -= TIMES * _BLOCK

@@ -14,21 +14,23 @@ A reflection takes x to -1 - x: it is about the middle of the range [-2^(W-1), 2
 leaves it, for any W. In two's complement this is the bitwise complement.
 """
 
+from collections.abc import Callable
+from functools import cache
 from itertools import permutations, product
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.native import native_function
 from triaxis.golden.pairs import coordinate_range
 
 Integer = TypeVar("Integer", np.int32, np.int64)
 
 _PERMUTATIONS = tuple(permutations(range(3)))
-_VERTICES = 6
-_NUMBERS = 18
 
-# Pairs at a time: what is worked on stays in the cache.
+# Pairs that are moved with one drawing of random numbers.
 _BLOCK = 2048
 
 # The vertex, 0..5 for A1 .. B3, at each place of the variant: (72, 6).
@@ -37,45 +39,68 @@ VERTICES = np.array(
         [3 * swap + v for v in p] + [3 * (1 - swap) + v for v in q]
         for swap, p, q in product((0, 1), _PERMUTATIONS, _PERMUTATIONS)
     ],
-    np.intp,
+    np.uint8,
 )
 SWAPPED = VERTICES[:, 0] >= 3
 NUM_ORDERS = len(VERTICES)
 
 # The coordinate at each place of the variant, and whether it is reflected: (48, 3) each.
-COORDINATES = np.repeat(np.array(_PERMUTATIONS, np.intp), 8, 0)
+COORDINATES = np.repeat(np.array(_PERMUTATIONS, np.uint8), 8, 0)
 REFLECTED = np.tile(np.array([[bool(r >> k & 1) for k in range(3)] for r in range(8)]), (6, 1))
 NUM_SYMMETRIES = len(COORDINATES)
 
-# Where each of the 18 numbers of a variant comes from, and what is xored onto it: (48, 18) each.
-_PLACES = (3 * np.arange(_VERTICES)[:, None] + COORDINATES[:, None, :]).reshape(NUM_SYMMETRIES, _NUMBERS)
-_COMPLEMENTS = np.tile(np.where(REFLECTED, -1, 0), (1, _VERTICES)).astype(np.int32)
+# What is xored onto each coordinate.
+_COMPLEMENTS = np.where(REFLECTED, -1, 0).astype(np.int8)
+
+
+@cache
+def _native(function: str, arguments: str) -> Callable[..., None]:
+    return native_function("symmetry", function, arguments, Path(__file__).parent)
+
+
+def _function(name: str, arguments: str, pairs: npt.NDArray[Integer]) -> Callable[..., None]:
+    """Return the native function for integers of that type."""
+    return _native(f"triaxis_{name}_{8 * pairs.dtype.itemsize}", arguments)
+
+
+def rearranged(
+    pairs: npt.NDArray[Integer],
+    rows: npt.NDArray[np.integer],
+    orders: npt.NDArray[np.integer],
+    symmetries: npt.NDArray[np.integer],
+) -> npt.NDArray[Integer]:
+    """Return the pairs in these rows (N,), each in the order and under the symmetry of these numbers (N,)."""
+    count = len(rows)
+    if not len(orders) == len(symmetries) == count:
+        raise ValueError(f"{count} rows, {len(orders)} orders, {len(symmetries)} symmetries")
+    for numbers, end in ((rows, len(pairs)), (orders, NUM_ORDERS), (symmetries, NUM_SYMMETRIES)):
+        if count and not 0 <= numbers.min() <= numbers.max() < end:
+            raise ValueError(f"numbers of rows, orders or symmetries: must be 0..{end - 1}")
+    pairs, result = np.ascontiguousarray(pairs), np.empty((count, 2, 3, 3), pairs.dtype)
+    given = (np.ascontiguousarray(rows, np.uint32), np.ascontiguousarray(orders, np.uint8))
+    given += (np.ascontiguousarray(symmetries, np.uint8),)
+    tables = (table.ctypes.data for table in (VERTICES, COORDINATES, _COMPLEMENTS))
+    addresses = (array.ctypes.data for array in (pairs, *given))
+    _function("rearranged", "ppppipppp", pairs)(*addresses, count, *tables, result.ctypes.data)
+    return result
 
 
 def in_order(pairs: npt.NDArray[Integer], numbers: npt.NDArray[np.integer]) -> npt.NDArray[Integer]:
     """Return each pair in the order of that number, 0..71: (N, 2, 3, 3)."""
-    result = np.empty((len(pairs) * _VERTICES, 3), pairs.dtype)
-    vertices = np.ascontiguousarray(pairs).reshape(-1, 3)
-    for start in range(0, len(pairs), _BLOCK):
-        places = VERTICES.take(numbers[start : start + _BLOCK], 0)
-        places += _VERTICES * np.arange(start, start + len(places))[:, None]
-        rows = slice(_VERTICES * start, _VERTICES * start + places.size)
-        # Clipping never happens: it spares numpy the buffer that mode "raise" fills first.
-        vertices.take(places.reshape(-1), 0, result[rows], "clip")
-    return result.reshape(-1, 2, 3, 3)
+    return rearranged(pairs, np.arange(len(pairs)), numbers, np.zeros(len(pairs), np.uint8))
 
 
 def under_symmetry(pairs: npt.NDArray[Integer], numbers: npt.NDArray[np.integer]) -> npt.NDArray[Integer]:
     """Return each pair under the symmetry of the cube of that number, 0..47: (N, 2, 3, 3)."""
-    result = np.empty((len(pairs), _NUMBERS), pairs.dtype)
-    flat = np.ascontiguousarray(pairs).reshape(-1)
-    for start in range(0, len(pairs), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        places = _PLACES.take(numbers[block], 0)
-        places += _NUMBERS * np.arange(start, start + len(places))[:, None]
-        flat.take(places, None, result[block], "clip")
-        result[block] ^= _COMPLEMENTS.take(numbers[block], 0)
-    return result.reshape(-1, 2, 3, 3)
+    return rearranged(pairs, np.arange(len(pairs)), np.zeros(len(pairs), np.uint8), numbers)
+
+
+def random_variants(
+    rng: np.random.Generator, pairs: npt.NDArray[Integer], rows: npt.NDArray[np.integer]
+) -> npt.NDArray[Integer]:
+    """Return the pairs in these rows (N,), each in a random order and under a random symmetry."""
+    orders = rng.integers(0, NUM_ORDERS, len(rows), np.uint8)
+    return rearranged(pairs, rows, orders, rng.integers(0, NUM_SYMMETRIES, len(rows), np.uint8))
 
 
 def random_orders(rng: np.random.Generator, pairs: npt.NDArray[Integer]) -> npt.NDArray[Integer]:
@@ -92,28 +117,21 @@ def random_translations(
     rng: np.random.Generator, pairs: npt.NDArray[Integer], width: int
 ) -> npt.NDArray[Integer]:
     """Return each pair moved to a place where it is in range of ``width`` bits, any with about equal odds."""
-    result = np.empty((len(pairs), _NUMBERS), pairs.dtype)
-    flat = pairs.reshape(-1, _NUMBERS)
+    pairs, result = np.ascontiguousarray(pairs), np.empty(pairs.shape, pairs.dtype)
+    place = _function("placed", "ppiiip", pairs)
     for start in range(0, len(pairs), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        # Vertex, coordinate, pair: along the pairs everything is contiguous.
-        vertices = np.ascontiguousarray(flat[block].T).reshape(_VERTICES, 3, -1)
-        result[block] = (vertices + _random_shifts(rng, vertices, width)).reshape(_NUMBERS, -1).T
-    return result.reshape(-1, 2, 3, 3)
+        block = pairs[start : start + _BLOCK]
+        draws = rng.integers(0, 1 << 32, (3, len(block)), np.uint32)
+        moved = result[start : start + _BLOCK]
+        place(block.ctypes.data, draws.ctypes.data, len(block), *coordinate_range(width), moved.ctypes.data)
+    return result
 
 
-def _random_shifts(
-    rng: np.random.Generator, vertices: npt.NDArray[Integer], width: int
-) -> npt.NDArray[Integer]:
-    """Return shifts (3, N) that keep vertices (6, 3, N) in range."""
-    low, high = coordinate_range(width)
-    lowest, highest = vertices.min(0).astype(np.int64), vertices.max(0).astype(np.int64)
-    # places <= 2^32 and draw < 2^32: the product fits 64 bits, and the quotient is below places.
-    places = (high - low + 1 - (highest - lowest)).astype(np.uint64)
-    draw = rng.integers(0, 1 << 32, places.shape, np.uint32).astype(np.uint64)
-    shifts = low - lowest + ((draw * places) >> np.uint64(32)).astype(np.int64)
-    # At 32 bits a shift may wrap: the sum is in range, so it comes out right all the same.
-    return shifts.astype(vertices.dtype)
+def centred(pairs: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """Return the pairs moved so that zero is in their middle: small pairs get small numbers."""
+    pairs, result = np.ascontiguousarray(pairs), np.empty(pairs.shape, np.int32)
+    _function("centred", "pip", pairs)(pairs.ctypes.data, len(pairs), result.ctypes.data)
+    return result
 
 
 def all_orders(pairs: npt.NDArray[Integer]) -> npt.NDArray[Integer]:

@@ -5,6 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.result import COPLANAR, DEGENERATE_A, DEGENERATE_B, NEAR
@@ -129,3 +130,44 @@ def test_random_variants_are_variants_and_all_come_up(rng, random, every):
     first, second = (random(np.random.default_rng(5), pairs) for _ in range(2))
     assert (first == second).all()
     assert (pairs[0] == pair[0]).all()
+
+
+@pytest.mark.parametrize("kind", [np.int32, np.int64])
+@pytest.mark.parametrize("width", [8, 32])
+def test_variants_are_those_that_numpy_makes(rng, width, kind):
+    low, high = coordinate_range(width)
+    pairs = rng.integers(low, high + 1, (500, 2, 3, 3)).astype(kind)
+    pairs[::5] = rng.choice(np.array([low, high], kind), (100, 2, 3, 3))
+    pairs[::2] >>= 3
+    rows = rng.integers(0, len(pairs), 3000)
+    orders, symmetries = rng.integers(0, 72, len(rows)), rng.integers(0, 48, len(rows))
+    vertices = pairs[rows].reshape(-1, 6, 3)[np.arange(len(rows))[:, None], symmetry.VERTICES[orders]]
+    turned = np.take_along_axis(vertices, symmetry.COORDINATES[symmetries][:, None].astype(np.intp), 2)
+    turned ^= np.where(symmetry.REFLECTED[symmetries], -1, 0)[:, None].astype(kind)
+    found = symmetry.rearranged(pairs, rows, orders, symmetries)
+    assert found.dtype == kind and (found.reshape(-1, 6, 3) == turned).all()
+    # Moved: by the draws of the same generator, block by block.
+    moved = symmetry.random_translations(np.random.default_rng(4), found, width)
+    draws = np.random.default_rng(4)
+    for block, there in ((found[:2048], moved[:2048]), (found[2048:], moved[2048:])):
+        points = block.reshape(-1, 6, 3).astype(np.int64)
+        places = (high - low + 1 - np.ptp(points, 1)).astype(np.uint64)
+        drawn = draws.integers(0, 1 << 32, (3, len(block)), np.uint32).T.astype(np.uint64)
+        shift = low - points.min(1) + (drawn * places >> np.uint64(32)).astype(np.int64)
+        assert (there.reshape(-1, 6, 3) == points + shift[:, None]).all()
+    if kind is np.int32:
+        points = found.reshape(-1, 6, 3).astype(np.int64)
+        middle = -((points.min(1) + points.max(1)) // -2)
+        assert (symmetry.centred(found).reshape(-1, 6, 3) == points - middle[:, None]).all()
+
+
+def test_what_is_no_variant_is_refused(rng):
+    pairs, zeros = np.zeros((3, 2, 3, 3), np.int32), np.zeros(3, np.uint8)
+    for rows, orders, symmetries in (
+        (zeros + 3, zeros, zeros),
+        (zeros, zeros + 72, zeros),
+        (zeros, zeros, zeros + 48),
+        (zeros, zeros[1:], zeros),
+    ):
+        with pytest.raises(ValueError, match="rows"):
+            symmetry.rearranged(pairs, rows, orders, symmetries)
