@@ -25,7 +25,7 @@ _REQUIRED = ("passed", "problems", "summary", "command", "seconds", "rtl_hash")
 class Span:
     """A piece of a run: its begin and its end in seconds since the run began, and the processor's seconds.
 
-    Those of processes that ended meanwhile are among them.
+    Those of processes that ended meanwhile are among them, of other pieces too where several go on at a time.
     """
 
     name: str

@@ -1,13 +1,20 @@
 """What all tests of the core share: its environment, and the end of the test."""
 
 import cocotb
+import numpy as np
 from pyuvm import uvm_sequence
 
+from triaxis.coverage.core_coverage import CoreCoverage
+from triaxis.golden.bulk import bulk_facts
 from triaxis.verif.core.burst_agents import BurstBfm, use_bursts
+from triaxis.verif.core.checking import Checker
 from triaxis.verif.core.env import CoreEnv
-from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
+from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResultBatch
+from triaxis.verif.core.stimulus.families import FAMILIES, mixed
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create
 from triaxis.verif.testbench.failures import HungError
+from triaxis.verif.testbench.trials import planned
 
 # Clocks without a beat on either stream after which the core is taken to hang: no pace pauses so long.
 _PATIENCE_CYCLES = 5000
@@ -24,6 +31,19 @@ class CoreTest(EnvironmentTest):
         """Make the environment."""
         super().build_phase()
         self.env = create(CoreEnv, "env", self)
+        if planned():
+            self._warm_up()
+
+    def _warm_up(self) -> None:
+        """Load, compile and compute what is made once in a process: each trial is a process of its own."""
+        configuration = self.settings.configuration
+        made = mixed(np.random.default_rng(1), len(FAMILIES), configuration.width, configuration.max_margin)
+        words = expected_words(bulk_facts(made.pairs, made.margins), configuration)
+        numbers, waits = np.arange(len(made)), np.zeros(len(made), np.uint16)
+        coverage = CoreCoverage(*configuration.covered)
+        Checker(configuration, on_checked=coverage.sample).check(
+            PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits)
+        )
 
     def fast_model(self) -> BurstBfm:
         """Return the burst model."""

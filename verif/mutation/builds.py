@@ -20,6 +20,7 @@ from triaxis.sim.verilate import (
     FAST,
     MANY,
     PREFIX,
+    QUICK,
     Build,
     compile_model,
     compiler,
@@ -118,15 +119,16 @@ def elaboration_hash(target_: AnyTarget, dut: Path, assertions: bool) -> str:
 
 
 def mutant_library(
-    target_: AnyTarget, dut: Path, folder: Path, assertions: bool = False, unless: str = ""
-) -> Path | None:
+    target_: AnyTarget, dut: Path, folder: Path, assertions: bool = False, unless: str = "",
+    speed: str = QUICK,
+) -> Path | None:  # fmt: skip
     """Build one mutated copy of dut/ in a folder; None where its model's `elaboration_hash` is ``unless``.
 
-    ``assertions``: with those of the environment. Raises ElaborationError where Verilator refuses the RTL,
-    InputError where it fails otherwise.
+    ``assertions``: with those of the environment; ``speed``: of the code. Raises ElaborationError where
+    Verilator refuses the RTL, InputError where it fails otherwise.
     """
     folder.mkdir()
-    build = replace(_build(target_, dut, assertions), split=0)
+    build = replace(_build(target_, dut, assertions), split=0, speed=speed)
     if _elaborate(build, folder) == unless:
         return None
     made = compile_model(build, folder, folder, 1)

@@ -1,20 +1,22 @@
 """Mutants under the environment's own tests: which test notices which mutant, after how many pairs.
 
 All run-time mutants of a target are in one library; what is fixed at elaboration needs a library for each.
-Either is tried by `run_trials`, test by test, until a test fails. Short tests first, on each target in turn;
-volume after, for those that survive.
+Either is tried by `run_trials`, test by test, until a test fails. Short tests first, on each target in turn,
+mutants of the core beside those of the mesh engine; longer tests and volume after, for those that survive.
 """
 
 import multiprocessing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
+from triaxis.sim.verilate import MANY, QUICK
 from triaxis.verif.core.detector_check import first_wrong
 from triaxis.verif.mutation.builds import (
     ElaborationError,
@@ -60,13 +62,14 @@ Progress = Callable[[int], None]
 class Stage:
     """One way in which mutants that are left are tried: a target, with assertions or not, and tests.
 
-    ``remark``: what is special about the tests, for the timeline.
+    ``remark``: what is special about the tests, for the timeline. ``speed``: of libraries with one mutant.
     """
 
     target: AnyTarget
     tests: tuple[RunSettings, ...]
     assertions: bool = True
     remark: str = ""
+    speed: str = QUICK
 
     @property
     def name(self) -> str:
@@ -104,6 +107,8 @@ class Hunt:
         self._elaborated: dict[str, Elaborated] = {}
         self._libraries: dict[str, Path] = {}
         self._tried: set[tuple[str, str]] = set()
+        # Nothing more is begun: something went wrong, or the run was interrupted.
+        self._ended = False
 
     def holds(self, target: AnyTarget, mutant: Mutant) -> bool:
         """Return whether a target elaborates a mutant."""
@@ -116,6 +121,25 @@ class Hunt:
     def alive(self, target: AnyTarget, mutants: Iterable[Mutant]) -> list[Mutant]:
         """Return those that a target elaborates and that nothing has noticed."""
         return [one for one in mutants if one.id not in self.killed and self.holds(target, one)]
+
+    def beside(self, lanes: Iterable[Iterable[Callable[[], None]]], threads: int) -> None:
+        """Do what is in each lane in its order, so many lanes at a time; each keeps all processors busy only
+        while it has much to try.
+        """
+
+        def run(lane: Iterable[Callable[[], None]]) -> None:
+            for step in lane:
+                if self._ended:
+                    return
+                step()
+
+        with _threads(threads) as pool:
+            try:
+                for done in as_completed([pool.submit(run, lane) for lane in lanes]):
+                    done.result()
+            except BaseException:
+                self._ended = True
+                raise
 
     def selected(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
         """Try run-time mutants, all in one library."""
@@ -147,8 +171,10 @@ class Hunt:
     def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
         with temporary() as whole, _threads(self.jobs) as pool:
-            healthy = mutant_library(stage.target, self.dut, whole / "original", stage.assertions)
+            healthy = self._mutant_library(stage, self.dut, whole / "original")
             for start in range(0, len(alive), _AT_A_TIME):
+                if self._ended:
+                    return
                 with temporary() as folder:
                     jobs = [
                         pool.submit(self._own_library, stage, mutant, original, folder / str(number))
@@ -159,17 +185,22 @@ class Hunt:
                     self._try(stage, models, None if start else Model(_ORIGINAL, str(healthy)))
 
     def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
+        if self._ended:
+            return None
         with mutated(self.dut, mutant) as dut:
             if mutant.file == _PACKAGE and not right_latencies(dut):
                 self._notice(mutant.id, _LATENCIES)
                 return None
             try:
-                library = mutant_library(stage.target, dut, folder, stage.assertions, original)
+                library = self._mutant_library(stage, dut, folder, original)
             except ElaborationError as error:
                 said = _first_line(str(error))
                 self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0))
                 return None
         return Model(mutant.id, str(library)) if library else None
+
+    def _mutant_library(self, stage: Stage, dut: Path, folder: Path, unless: str = "") -> Path | None:
+        return mutant_library(stage.target, dut, folder, stage.assertions, unless, stage.speed)
 
     def _library(self, target: AnyTarget) -> Path:
         if target.name not in self._libraries:
@@ -237,31 +268,51 @@ def _first_line(message: str) -> str:
     return " ".join(words)[:160]
 
 
+Steps = list[Callable[[], None]]
+
+
 def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
-    """Try all mutants with the short tests."""
+    """Try all mutants with the short tests: those of the core beside those of the mesh engine."""
     runtime, others = _split(hunt)
-    for target in targets:
-        hunt.selected(Stage(target, target.tests(hunt.seed)), runtime)
-    # What takes least to build first; assertions, which take longer to build, last.
-    engines = [replace(target, exact_core=True) for target in targets if isinstance(target, EngineTarget)]
-    for target in (*((SMALLEST,) if of_core else ()), *engines, *targets):
-        hunt.built(Stage(target, target.tests(hunt.seed), False), others)
+    engines = [target for target in targets if isinstance(target, EngineTarget)]
+    cores = [target for target in targets if not isinstance(target, EngineTarget)]
+
+    def selected(target: AnyTarget) -> Callable[[], None]:
+        return partial(hunt.selected, Stage(target, target.tests(hunt.seed)), runtime)
+
+    def built(target: AnyTarget) -> Callable[[], None]:
+        return partial(hunt.built, Stage(target, target.tests(hunt.seed), False), others)
+
+    # What takes least to build first.
+    quick = [replace(target, exact_core=True) for target in engines]
+    lanes: list[Steps] = [
+        [*map(selected, cores), *map(built, (SMALLEST,) if of_core else ()), *map(built, cores)],
+        [*map(selected, engines), *map(built, quick), *map(built, engines)],
+    ]
+    hunt.beside(lanes, len(lanes))
+
+
+def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: bool) -> None:
+    """Try the few that are left, on models that take longer to build and with longer tests.
+
+    Most of them survive everything, so nothing is lost by not waiting for one stage with the next. With
+    volume those too, at random places, but for those that are shown to be equivalent.
+    """
+    _, others = _split(hunt)
+    steps: Steps = []
     for target in targets:
         if target.assertions:
-            hunt.built(Stage(target, target.tests(hunt.seed)), others)
+            steps.append(partial(hunt.built, Stage(target, target.tests(hunt.seed)), others))
     # Only pairs close to a decision on a long axis show a piece that is cut.
     for target in FULL_PIECES if of_core else ():
-        hunt.built(Stage(target, target.tests(hunt.seed, _LONGER), False, "longer"), others)
-
-
-def _volume(hunt: Hunt, targets: Sequence[AnyTarget], excused: frozenset[str]) -> None:
-    """Try those that survive with volume, but for those that are excused."""
-    runtime, others = _split(hunt, excused)
-    for target in targets:
-        stage = Stage(target, target.volume(hunt.seed), remark="volume")
+        stage = Stage(target, target.tests(hunt.seed, _LONGER), False, "longer")
+        steps.append(partial(hunt.built, stage, others))
+    runtime, others = _split(hunt, hunt.excused)
+    for target in targets if volume else ():
+        stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY)
         if stage.tests:
-            hunt.selected(stage, runtime)
-            hunt.built(stage, others)
+            steps += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]
+    hunt.beside([[step] for step in steps], hunt.jobs)
 
 
 def _split(hunt: Hunt, excused: frozenset[str] = frozenset()) -> tuple[list[Mutant], list[Mutant]]:
@@ -298,9 +349,10 @@ def judge(
     wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
     try:
-        _directed(hunt, wanted, any(one.file.startswith("core/") for one in todo))
+        of_core = any(one.file.startswith("core/") for one in todo)
+        _directed(hunt, wanted, of_core)
+        _remaining(hunt, wanted, of_core, with_volume)
         if with_volume:
-            _volume(hunt, wanted, excused)
             store.surviving |= {one.id for one in todo} - store.killed.keys()
     finally:
         store.save()

@@ -3,6 +3,7 @@
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from triaxis.golden.outputs import write_whole
@@ -40,6 +41,8 @@ class Store:
     def __init__(self, dut: Path, seed: int, fresh: bool) -> None:
         """Read what an earlier run with the same RTL, killers and seed left; nothing where ``fresh``."""
         self._dut = dut
+        # Several threads add to it.
+        self._lock = Lock()
         self._state = self._state_now()
         self._path = FOLDER / f"outcomes-{content_hash((), self._state, str(seed))[:12]}.json"
         known: dict[str, Any] = {}
@@ -55,7 +58,11 @@ class Store:
         """Write all to build/, unless what it depends on has changed since; remove files of long ago."""
         if self._state_now() != self._state:
             return
-        killed = {name: asdict(how) for name, how in self.killed.items()}
+        killed = {name: asdict(how) for name, how in dict(self.killed).items()}
+        with self._lock:
+            self._write(killed)
+
+    def _write(self, killed: dict[str, Any]) -> None:
         write_whole(self._path, json.dumps({"killed": killed, "surviving": sorted(self.surviving)}))
         others = {path: path.stat().st_mtime for path in FOLDER.glob("outcomes-*.json") if path != self._path}
         for path in sorted(others, key=lambda path: -others[path])[_EARLIER:]:

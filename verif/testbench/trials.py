@@ -115,6 +115,11 @@ def _planned() -> Trials | None:
     return Trials(tests, tuple(Model(**model) for model in plan["models"]), Path(path).parent)
 
 
+def planned() -> bool:
+    """Return whether this is a process of trials: what is made before the run phase then serves many."""
+    return _planned() is not None
+
+
 def next_test(settings: RunSettings) -> RunSettings:
     """Return the settings of the one test to run: those given, or where trials are planned each in turn.
 
