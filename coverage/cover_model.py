@@ -244,6 +244,9 @@ class Sampler(Generic[Sample]):
             if point in self._known:
                 continue
             codes = point.codes(self._sample)
+            # A code that is none would be counted outside of the table.
+            if codes.dtype.kind not in "ub":
+                raise ValueError(f"{point.name}: codes of type {codes.dtype}: must be unsigned")
             if len(codes) and codes.max() >= point.radix:
                 raise ValueError(f"{point.name}: code {codes.max()} where there are {point.radix}")
             self._known[point] = np.ascontiguousarray(codes, np.uint8)

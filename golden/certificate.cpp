@@ -1,11 +1,11 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whether a claimed axis separates a pair by more than its margin, by definition; see certificate.py. Shares
-// nothing with the bulk checker.
+// Whether a claimed axis separates a pair by more than its margin, by definition; see certificate.py. Nothing
+// of the bulk checker is used.
 //
-// Let L bound coordinates' differences and the margin, and 2 |x| <= L + 1 all coordinates x. A component of an
-// axis is at most 2 L^2, its 1-norm 6 L^2, a projection and its partial sums 3 L^2 (L + 1), a gap, which is a
+// Let L >= 1 bound coordinates' differences and the margin, and 2 |x| <= L + 1 all coordinates x. A component of
+// an axis is at most 2 L^2, its 1-norm 6 L^2, a projection and its partial sums 3 L^2 (L + 1), a gap, which is a
 // product with a difference of vertices, 6 L^3, and margin * norm too. For L < 2^20, which is 20 bits, all are
 // below 2^63; for L < 2^32 below 2^99.
 

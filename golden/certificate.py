@@ -3,8 +3,8 @@
 A witness proves "near": two points, one in each triangle, no further apart than the margin.
 An axis proves "clear": by Hoelder's inequality |c.(x - y)| <= |c|1 |x - y|inf, so if all of A lies
 beyond all of B by more than margin * |c|1, every point of A is further than the margin from
-every point of B. Claimed axes are proven on arrays too, whatever the right answer is: this shares nothing
-with the bulk checker, so a "clear" that both it and the core got wrong is disproved here.
+every point of B. Claimed axes are proven on arrays too, whatever the right answer is: this shares no
+arithmetic with the bulk checker, so a "clear" that both it and the core got wrong is disproved here.
 """
 
 from collections.abc import Callable, Sequence
@@ -62,7 +62,7 @@ def claims_prove_clear(
     coordinates, limits = native_pairs(pairs), native_margins(margins, len(pairs))
     if axes.shape != limits.shape or not ((axes >= NO_AXIS) & (axes < NUM_AXES)).all():
         raise InputError(f"claims: must be axes, {NO_AXIS}..{NUM_AXES - 1}, of shape {limits.shape}")
-    claims, proven = np.ascontiguousarray(axes, np.int8), np.empty(len(limits), np.bool_)
+    claims, proven = np.ascontiguousarray(axes, np.int8), np.zeros(len(limits), np.bool_)
     addresses = (array.ctypes.data for array in (coordinates, limits, claims))
     _proven()(*addresses, len(limits), proven.ctypes.data)
     return proven

@@ -277,10 +277,11 @@ def _player(build: Build, model: Path) -> Path:
 
     Of a model it sees the top's header, or all of them where its sources name one of the others.
     """
-    named = any(f"{PREFIX}_" in file.read_text(encoding="utf-8") for file in build.cpp)
+    sources = (*build.cpp, *build.headers)
+    named = any(f"{PREFIX}_" in file.read_text(encoding="utf-8") for file in sources)
     seen = sorted(model.glob(f"{PREFIX}*.h" if named else f"{PREFIX}.h"))
     key = content_hash(
-        [*seen, model / _DEFINES, *build.cpp, *build.headers, *_PLAYERS], "player", str(verilator()),
+        [*seen, model / _DEFINES, *sources, *_PLAYERS], "player", str(verilator()),
         target(cxx()), *_without_folders(compiler(build, QUICK)),
     )  # fmt: skip
 
@@ -319,7 +320,7 @@ def compile_model(build: Build, model: Path, folder: Path, jobs: int) -> Path:
     (model / _DEFINES).write_text("".join(f"#define {name} {value}\n" for name, value in defines.items()))
     units = sorted(model.glob(f"{PREFIX}*.cpp"), key=lambda unit: (-unit.stat().st_size, unit))
     compiled_before = list(build.objects)
-    if build.speed == QUICK and not build.selectable:
+    if build.speed == QUICK and not build.selectable and build.cpp:
         compiled_before.append(_player(build, model))
     else:
         units += build.cpp

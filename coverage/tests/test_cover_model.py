@@ -98,6 +98,14 @@ def test_a_code_without_a_bin_is_an_error_and_not_another_bin():
         Sampler(sample).hits(CoverItem("item", "", (POINTS[0], POINTS[1])))
     with pytest.raises(ValueError, match="beyond its 19 bins"):
         Sampler(sample).hits(CoverItem("item", "", (MASK,)))
+    for kind in (np.int8, np.int64, np.float64):
+        signed = replace(POINTS[0], codes=lambda s, kind=kind: np.array([0, -1], kind))
+        with pytest.raises(ValueError, match="must be unsigned"):
+            Sampler(sample).hits(CoverItem("item", "", (signed,)))
+    short = replace(POINTS[1], codes=lambda s: np.zeros(1, np.uint8))
+    for points in ((POINTS[3], short), (MASK, short)):
+        with pytest.raises(ValueError, match="different samples"):
+            Sampler({"d": sample["b"], "mask": np.zeros(2, np.uint32)}).hits(CoverItem("item", "", points))
 
 
 DIGIT = Coverpoint[Any]("digit", tuple("0123456789"), lambda s: (s % 10).astype(np.uint8))

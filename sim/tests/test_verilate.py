@@ -63,6 +63,22 @@ def test_a_list_that_names_what_is_not_hashed_is_refused(dut, entry):
         rtl_hash(dut)
 
 
+def test_a_player_is_shared_by_models_that_look_the_same_to_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(verilate, "built", lambda folder, make: folder)
+
+    def player(block, top, root):
+        model = tmp_path / f"{top}-{root}"
+        model.mkdir(exist_ok=True)
+        for name, text in (("Vtop.h", top), ("Vtop___024root.h", root), ("defines.h", "")):
+            (model / name).write_text(text)
+        return verilate._player(replace(block, speed=QUICK), model)
+
+    models = [("a", "b"), ("a", "c"), ("d", "b")]
+    # The engine's reads signals inside of the model.
+    assert len({player(core_build(CORE), *model) for model in models}) == 2
+    assert len({player(mesh_build(MESH), *model) for model in models}) == 3
+
+
 @pytest.mark.parametrize("build", BLOCKS, ids=lambda build: f"{build.kind}-{build.form.value}")
 def test_every_variant_is_a_build_of_its_own(build, tmp_path):
     variants = [

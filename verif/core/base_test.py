@@ -40,10 +40,9 @@ class CoreTest(EnvironmentTest):
         made = mixed(np.random.default_rng(1), len(FAMILIES), configuration.width, configuration.max_margin)
         words = expected_words(bulk_facts(made.pairs, made.margins), configuration)
         numbers, waits = np.arange(len(made)), np.zeros(len(made), np.uint16)
-        coverage = CoreCoverage(*configuration.covered)
-        Checker(configuration, on_checked=coverage.sample).check(
-            PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits)
-        )
+        checker = Checker(configuration, on_checked=CoreCoverage(*configuration.covered).sample)
+        checker.check(PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits))
+        assert not checker.failed, checker.failures[0].message
 
     def fast_model(self) -> BurstBfm:
         """Return the burst model."""

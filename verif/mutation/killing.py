@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from threading import BoundedSemaphore, Event, Lock
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import Timeline
@@ -43,7 +44,7 @@ from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
-# Mutants with a library of their own that are tried at a time: that many libraries are on the disk.
+# Mutants with a library of their own that a stage tries at a time: that many libraries are on the disk.
 _AT_A_TIME = 72
 # Fewer run-time mutants are built one by one: quicker than a build that can hold all.
 _FEW = 12
@@ -63,6 +64,7 @@ class Stage:
     """One way in which mutants that are left are tried: a target, with assertions or not, and tests.
 
     ``remark``: what is special about the tests, for the timeline. ``speed``: of libraries with one mutant.
+    ``number``: of stages that go on at a time and notice the same mutant the one with the lowest is named.
     """
 
     target: AnyTarget
@@ -70,6 +72,7 @@ class Stage:
     assertions: bool = True
     remark: str = ""
     speed: str = QUICK
+    number: int = 0
 
     @property
     def name(self) -> str:
@@ -107,8 +110,12 @@ class Hunt:
         self._elaborated: dict[str, Elaborated] = {}
         self._libraries: dict[str, Path] = {}
         self._tried: set[tuple[str, str]] = set()
-        # Nothing more is begun: something went wrong, or the run was interrupted.
-        self._ended = False
+        # Compilers and simulators at a time, of all stages that go on.
+        self._slots = BoundedSemaphore(jobs)
+        # Nothing more is tried: something went wrong, or the run was interrupted.
+        self._ended = Event()
+        self._noticed_by: dict[str, int] = {}
+        self._noticing = Lock()
 
     def holds(self, target: AnyTarget, mutant: Mutant) -> bool:
         """Return whether a target elaborates a mutant."""
@@ -123,13 +130,13 @@ class Hunt:
         return [one for one in mutants if one.id not in self.killed and self.holds(target, one)]
 
     def beside(self, lanes: Iterable[Iterable[Callable[[], None]]], threads: int) -> None:
-        """Do what is in each lane in its order, so many lanes at a time; each keeps all processors busy only
-        while it has much to try.
+        """Do what is in each lane in its order, so many lanes at a time: one alone keeps all processors busy
+        only while it has much to try.
         """
 
         def run(lane: Iterable[Callable[[], None]]) -> None:
             for step in lane:
-                if self._ended:
+                if self._ended.is_set():
                     return
                 step()
 
@@ -138,7 +145,7 @@ class Hunt:
                 for done in as_completed([pool.submit(run, lane) for lane in lanes]):
                     done.result()
             except BaseException:
-                self._ended = True
+                self._ended.set()
                 raise
 
     def selected(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
@@ -173,7 +180,7 @@ class Hunt:
         with temporary() as whole, _threads(self.jobs) as pool:
             healthy = self._mutant_library(stage, self.dut, whole / "original")
             for start in range(0, len(alive), _AT_A_TIME):
-                if self._ended:
+                if self._ended.is_set():
                     return
                 with temporary() as folder:
                     jobs = [
@@ -185,17 +192,17 @@ class Hunt:
                     self._try(stage, models, None if start else Model(_ORIGINAL, str(healthy)))
 
     def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
-        if self._ended:
+        if self._ended.is_set():
             return None
-        with mutated(self.dut, mutant) as dut:
+        with self._slots, mutated(self.dut, mutant) as dut:
             if mutant.file == _PACKAGE and not right_latencies(dut):
-                self._notice(mutant.id, _LATENCIES)
+                self._notice(mutant.id, _LATENCIES, stage.number)
                 return None
             try:
                 library = self._mutant_library(stage, dut, folder, original)
             except ElaborationError as error:
                 said = _first_line(str(error))
-                self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0))
+                self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0), stage.number)
                 return None
         return Model(mutant.id, str(library)) if library else None
 
@@ -209,21 +216,27 @@ class Hunt:
                 self._libraries[target.name] = schema_library(target, whole / "dut", extra, self.jobs)
         return self._libraries[target.name]
 
-    def _notice(self, name: str, killed: Killed) -> None:
+    def _notice(self, name: str, killed: Killed, stage: int) -> None:
         if name == _ORIGINAL:
             raise InputError(
                 f"{killed.target}, no mutant selected: {killed.symptom} in {killed.test}: the RTL is wrong, "
                 "or mutants change it unselected"
             )
-        self.killed[name] = killed
-        self._progress(1)
+        with self._noticing:
+            known = name in self.killed
+            if not known or stage < self._noticed_by.get(name, 0):
+                self.killed[name], self._noticed_by[name] = killed, stage
+            if not known:
+                self._progress(1)
 
     def _try(self, stage: Stage, models: Sequence[Model], original: Model | None) -> None:
         """Let the tests run on the models, in as many simulators as there are jobs, and on the original."""
+        if self._ended.is_set():
+            return
         name = stage.target.name
         healthy = [original] if original else []
         if stage.target.combinational:
-            self._ask_wrapper(stage.target, [*healthy, *models])
+            self._ask_wrapper(stage, [*healthy, *models])
             return
         # Those that are shown to be equivalent are tried all the same, but by one test.
         excused = [model for model in models if model.name in self.excused]
@@ -242,23 +255,28 @@ class Hunt:
                     trials.append(Trials(there, tuple(share), place))
             # Whatever ends a long run, what it found out is kept.
             try:
-                list(pool.map(run_trials, trials))
+                list(pool.map(self._run, trials))
             finally:
                 for verdict in (verdict for done in trials for verdict in done.verdicts() if verdict.symptom):
                     said = _first_line(verdict.symptom)
-                    self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs))
+                    self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs), stage.number)
         self.store.save()
 
-    def _ask_wrapper(self, target: AnyTarget, models: Sequence[Model]) -> None:
+    def _run(self, trials: Trials) -> None:
+        with self._slots:
+            run_trials(trials)
+
+    def _ask_wrapper(self, stage: Stage, models: Sequence[Model]) -> None:
         with ProcessPoolExecutor(self.jobs, multiprocessing.get_context("spawn")) as processes:
-            width = target.configuration.width
+            width = stage.target.configuration.width
             answers = [
                 processes.submit(first_wrong, self.seed, width, Path(model.library), model.selected)
                 for model in models
             ]
             for model, answer in zip(models, answers, strict=True):
                 if pairs := answer.result():
-                    self._notice(model.name, Killed("check_detector", target.name, "wrong answer", pairs))
+                    killed = Killed("check_detector", stage.target.name, "wrong answer", pairs)
+                    self._notice(model.name, killed, stage.number)
 
 
 def _first_line(message: str) -> str:
@@ -295,21 +313,22 @@ def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
 def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: bool) -> None:
     """Try the few that are left, on models that take longer to build and with longer tests.
 
-    Most of them survive everything, so nothing is lost by not waiting for one stage with the next. With
-    volume those too, at random places, but for those that are shown to be equivalent.
+    Most of them survive everything, so little is lost by not waiting for one stage with the next. With volume
+    those that are not shown to be equivalent.
     """
     _, others = _split(hunt)
     steps: Steps = []
     for target in targets:
         if target.assertions:
-            steps.append(partial(hunt.built, Stage(target, target.tests(hunt.seed)), others))
+            stage = Stage(target, target.tests(hunt.seed), number=len(steps))
+            steps.append(partial(hunt.built, stage, others))
     # Only pairs close to a decision on a long axis show a piece that is cut.
     for target in FULL_PIECES if of_core else ():
-        stage = Stage(target, target.tests(hunt.seed, _LONGER), False, "longer")
+        stage = Stage(target, target.tests(hunt.seed, _LONGER), False, "longer", number=len(steps))
         steps.append(partial(hunt.built, stage, others))
     runtime, others = _split(hunt, hunt.excused)
     for target in targets if volume else ():
-        stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY)
+        stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY, number=len(steps))
         if stage.tests:
             steps += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]
     hunt.beside([[step] for step in steps], hunt.jobs)

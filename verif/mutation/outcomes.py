@@ -58,9 +58,8 @@ class Store:
         """Write all to build/, unless what it depends on has changed since; remove files of long ago."""
         if self._state_now() != self._state:
             return
-        killed = {name: asdict(how) for name, how in dict(self.killed).items()}
         with self._lock:
-            self._write(killed)
+            self._write({name: asdict(how) for name, how in dict(self.killed).items()})
 
     def _write(self, killed: dict[str, Any]) -> None:
         write_whole(self._path, json.dumps({"killed": killed, "surviving": sorted(self.surviving)}))

@@ -59,7 +59,9 @@ def _native(function: str, arguments: str) -> Callable[..., None]:
 
 
 def _function(name: str, arguments: str, pairs: npt.NDArray[Integer]) -> Callable[..., None]:
-    """Return the native function for integers of that type."""
+    """Return the native function for pairs of that type; raise ValueError where they are none."""
+    if pairs.dtype not in (np.int32, np.int64) or pairs.ndim != 4 or pairs.shape[1:] != (2, 3, 3):
+        raise ValueError(f"pairs: {pairs.dtype} of shape {pairs.shape}: must be int32 or int64, (N, 2, 3, 3)")
     return _native(f"triaxis_{name}_{8 * pairs.dtype.itemsize}", arguments)
 
 
@@ -129,7 +131,7 @@ def random_translations(
 
 def centred(pairs: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
     """Return the pairs moved so that zero is in their middle: small pairs get small numbers."""
-    pairs, result = np.ascontiguousarray(pairs), np.empty(pairs.shape, np.int32)
+    pairs, result = np.ascontiguousarray(pairs), np.empty(pairs.shape, pairs.dtype)
     _function("centred", "pip", pairs)(pairs.ctypes.data, len(pairs), result.ctypes.data)
     return result
 

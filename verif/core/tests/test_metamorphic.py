@@ -171,3 +171,10 @@ def test_what_is_no_variant_is_refused(rng):
     ):
         with pytest.raises(ValueError, match="rows"):
             symmetry.rearranged(pairs, rows, orders, symmetries)
+    for wrong in (pairs[:, :1], pairs.astype(">i4"), pairs.astype(np.float32), pairs[0]):
+        with pytest.raises(ValueError, match="must be int32 or int64"):
+            symmetry.random_translations(rng, wrong, 8)
+        with pytest.raises(ValueError, match="must be int32 or int64"):
+            symmetry.random_orders(rng, wrong)
+    with pytest.raises(ValueError, match="must be int32 or int64"):
+        symmetry.centred(pairs[:, :1])

@@ -4,7 +4,8 @@ import json
 import os
 import subprocess
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from itertools import permutations
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -237,6 +238,36 @@ def test_what_is_shown_equivalent_is_tried_once_in_each_configuration(seed, monk
         assert stages[:3] == [f"{name}, exact core" for name in names]
         assert stages[3:] == ([] if without else [*names, *(f"{name}, assertions" for name in names)])
         stages.clear()
+
+
+def hunt(seed, progress=lambda _: None):
+    """Return a hunt that knows of no mutant."""
+    store = outcomes.Store(DUT, seed, True)
+    return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), progress, Timeline())
+
+
+def test_stages_side_by_side_credit_a_mutant_once_and_always_the_same_of_them(seed):
+    kills = [outcomes.Killed(f"Test{number}", "w8_m8", "wrong", 1) for number in range(3)]
+    for order in permutations(range(3)):
+        told: list[int] = []
+        hunting = hunt(seed, told.append)
+        for number in order:
+            hunting.beside([[partial(hunting._notice, "m", kills[number], number)]], 2)
+        assert (hunting.killed, sum(told)) == ({"m": kills[0]}, 1)
+
+
+def test_where_a_stage_fails_those_beside_it_begin_nothing_more(seed):
+    hunting, done = hunt(seed), []
+
+    def fail():
+        raise InputError("no space")
+
+    def wait():
+        assert hunting._ended.wait(60)
+
+    with pytest.raises(InputError, match="no space"):
+        hunting.beside([[fail], [wait, lambda: done.append("more")]], 2)
+    assert done == []
 
 
 def test_the_killers_are_all_of_them_and_nothing_else():
