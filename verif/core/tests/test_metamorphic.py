@@ -1,6 +1,7 @@
 """The variants of pairs are what they say, the core answers them alike, and an answer that is not is seen."""
 
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -171,7 +172,8 @@ def test_what_is_no_variant_is_refused(rng):
     ):
         with pytest.raises(ValueError, match="rows"):
             symmetry.rearranged(pairs, rows, orders, symmetries)
-    for wrong in (pairs[:, :1], pairs.astype(">i4"), pairs.astype(np.float32), pairs[0]):
+    of_no_use: list[Any] = [pairs[:, :1], pairs.astype(">i4"), pairs.astype(np.float32), pairs[0]]
+    for wrong in of_no_use:
         with pytest.raises(ValueError, match="must be int32 or int64"):
             symmetry.random_translations(rng, wrong, 8)
         with pytest.raises(ValueError, match="must be int32 or int64"):
