@@ -37,6 +37,7 @@ from triaxis.verif.mutation.targets import (
     AnyTarget,
     Elaborated,
     EngineTarget,
+    Target,
     elaborated,
     right_latencies,
 )
@@ -326,12 +327,17 @@ def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: 
     for target in FULL_PIECES if of_core else ():
         stage = Stage(target, target.tests(hunt.seed, _LONGER), False, "longer", number=len(steps))
         steps.append(partial(hunt.built, stage, others))
+    lanes: list[Steps] = [[step] for step in steps]
+    # What volume shows in the first configuration of a block, where it is quick, is not asked in the others.
     runtime, others = _split(hunt, hunt.excused)
-    for target in targets if volume else ():
-        stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY, number=len(steps))
-        if stage.tests:
-            steps += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]
-    hunt.beside([[step] for step in steps], hunt.jobs)
+    for kind in (Target, EngineTarget) if volume else ():
+        lane: Steps = []
+        for target in (target for target in targets if isinstance(target, kind)):
+            stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY, number=len(steps))
+            if stage.tests:
+                lane += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]
+        lanes.append(lane)
+    hunt.beside(lanes, hunt.jobs)
 
 
 def _split(hunt: Hunt, excused: frozenset[str] = frozenset()) -> tuple[list[Mutant], list[Mutant]]:
