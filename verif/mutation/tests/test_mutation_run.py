@@ -3,6 +3,8 @@
 import json
 import os
 import subprocess
+import threading
+import time
 from dataclasses import replace
 from functools import cache, partial
 from itertools import permutations
@@ -16,7 +18,7 @@ from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
-from triaxis.verif.mutation import builds, killers, outcomes, result, targets
+from triaxis.verif.mutation import builds, killers, killing, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
@@ -240,10 +242,55 @@ def test_what_is_shown_equivalent_is_tried_once_in_each_configuration(seed, monk
         stages.clear()
 
 
+def test_what_volume_notices_in_one_engine_is_not_asked_of_the_next(seed, monkeypatch):
+    folded, volumes = of("triaxis_mesh", "parameter", ""), []
+    alone = threading.Lock()
+
+    def build(hunting, stage, alive):
+        if not stage.name.endswith("volume"):
+            return
+        assert alone.acquire(blocking=False), "volume of two engines at a time"
+        # Time for the next to begin, were it not made to wait.
+        time.sleep(0.1)
+        volumes.append(stage.target)
+        if stage.target == ENGINE_SINGLE:
+            hunting._notice(folded.id, outcomes.Killed("MeshResetsTest", stage.target.name, "wrong", 1), 0)
+        alone.release()
+
+    monkeypatch.setattr(Hunt, "_build", build)
+    judge(few(folded), seed, 2, Timeline(), fresh=True)
+    assert volumes == [ENGINE, ENGINE_SINGLE]
+
+
+def test_volume_is_of_about_as_many_scenes_whatever_a_mesh_holds():
+    of_engine = {test.test: test.pairs for test in ENGINE.volume(1)}
+    assert of_engine["MeshResetsTest"] >= 2_000_000
+    for engine in (ENGINE_SINGLE, ENGINE_WORD):
+        full = (ENGINE.configuration.depth // engine.configuration.depth) ** 2
+        assert {test.test: test.pairs for test in engine.volume(1)} == {
+            test: pairs // full for test, pairs in of_engine.items()
+        }
+
+
 def hunt(seed, progress=lambda _: None):
     """Return a hunt that knows of no mutant."""
     store = outcomes.Store(DUT, seed, True)
     return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), progress, Timeline())
+
+
+def test_stages_side_by_side_simulate_no_more_at_a_time_than_there_are_jobs(seed, monkeypatch):
+    hunting, going, most = hunt(seed), [], []
+
+    def simulate(trials):
+        going.append(trials)
+        most.append(len(going))
+        time.sleep(0.02)
+        going.remove(trials)
+
+    monkeypatch.setattr(killing, "run_trials", simulate)
+    lanes = [[partial(hunting._run, Trials((), (), Path(str(number))))] * 2 for number in range(6)]
+    hunting.beside(lanes, len(lanes))
+    assert len(most) == 12 and max(most) == hunting.jobs
 
 
 def test_stages_side_by_side_credit_a_mutant_once_and_always_the_same_of_them(seed):
