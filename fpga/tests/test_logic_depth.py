@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from triaxis.fpga.logic_depth import LogicDepth, LogicPath, logic_depth
+from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest, logic_depth
 
 _OUTPUTS = {"O", "Q", "P", "CO", "PCOUT"}
 
@@ -40,6 +40,11 @@ class _Module:
         return logic_depth(path)
 
 
+def tightest(module: _Module, folder) -> Tightest:
+    """Return the tightest path at 200 MHz."""
+    return next(clock for clock in module.depth(folder).tightest if clock.mhz == 200)
+
+
 def test_the_longest_chain_and_its_registers_are_named(tmp_path):
     module = _Module()
     module.register("in", "a_q")
@@ -48,7 +53,34 @@ def test_the_longest_chain_and_its_registers_are_named(tmp_path):
     module.register("x2", "b_q")
     module.add("LUT1", I0="b_q", O="x3")
     module.register("x3", "c_q")
-    assert module.depth(tmp_path).most_levels == LogicPath("a_q", "b_q", ("LUT2", "MUXF7"), 2)
+    found = module.depth(tmp_path)
+    # From the register to the table runs a wire; the others do not leave the slice.
+    assert found.most_levels == LogicPath("a_q", "b_q", ("LUT2", "MUXF7"), 2, cells_ns=0.782, wires=1)
+    limits = [(clock.mhz, clock.wire_ns, clock.path) for clock in found.tightest]
+    assert limits == [(100, 9.218, found.most_levels), (200, 4.218, found.most_levels)]
+
+
+def test_a_net_that_several_take_is_a_wire(tmp_path):
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT1", I0="a_q", O="x1")
+    module.register("x1", "b_q")
+    module.register("x1", "c_q")
+    found = tightest(module, tmp_path)
+    assert (found.path.cells_ns, found.path.wires, found.wire_ns) == (0.486, 2, 2.257)
+
+
+def test_the_tightest_path_is_not_always_that_of_most_wires(tmp_path):
+    module = _Module()
+    module.register("in", "a_q")
+    module.add("LUT1", I0="a_q", O="x1")
+    module.register("x1", "b_q")
+    module.register("x1", "c_q")
+    module.add("DSP48E1", {"AREG": 1, "BREG": 1, "MREG": 0, "PREG": 0}, A="0", P="p", CLK="clk")
+    module.register("p", "d_q")
+    assert module.depth(tmp_path).most_levels.end == "b_q"
+    found = tightest(module, tmp_path)
+    assert (found.path.end, found.path.wires, found.wire_ns) == ("d_q", 1, 0.991)
 
 
 def test_a_carry_chain_is_one_level_as_many_cells_and_runs_upwards_only(tmp_path):
@@ -59,23 +91,25 @@ def test_a_carry_chain_is_one_level_as_many_cells_and_runs_upwards_only(tmp_path
         "CARRY4", CI="0", CYINIT="0", S="a_q a_q a_q late", DI="0 0 0 0", O="o0 o1 o2 o3", CO="u v w k"
     )
     module.register("o0", "b_q")
-    assert module.depth(tmp_path).most_cells.cells == ("CARRY4",)
+    assert tightest(module, tmp_path).path.cells == ("CARRY4",)
     module.add("CARRY4", CI="k", CYINIT="0", S="a_q a_q a_q a_q", DI="0 0 0 0", O="p0 p1 p2 p3")
     module.register("p3", "c_q")
-    found = module.depth(tmp_path)
-    assert found.most_cells == LogicPath("a_q", "c_q", ("LUT1", "CARRY4", "CARRY4"), 2)
+    levels = module.depth(tmp_path).most_levels
+    assert (levels.cells, levels.levels) == (("LUT1", "CARRY4", "CARRY4"), 2)
+    # A lower bit of the first takes longer to the chain's end than the last one with a table before it.
+    assert tightest(module, tmp_path).path == LogicPath("a_q", "c_q", ("CARRY4", "CARRY4"), 1, 1.203, 1)
 
 
 @pytest.mark.parametrize(
-    ("registers", "cells"),
+    ("registers", "cells", "cells_ns"),
     [
-        ({}, ("LUT1", "DSP48E1", "LUT1")),
-        ({"MREG": 1}, ("LUT1", "DSP48E1")),
-        ({"AREG": 1, "MREG": 1}, ("DSP48E1", "LUT1")),
-        ({"AREG": 1, "MREG": 1, "PREG": 1}, ("DSP48E1",)),
+        ({}, ("LUT1", "DSP48E1", "LUT1"), 4.619),
+        ({"MREG": 1}, ("LUT1", "DSP48E1"), 2.414),
+        ({"AREG": 1, "MREG": 1}, ("LUT1",), 0.848),
+        ({"AREG": 1, "MREG": 1, "PREG": 1}, ("LUT1",), 0.848),
     ],
 )
-def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells):
+def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells, cells_ns):
     none = dict.fromkeys(("AREG", "BREG", "CREG", "MREG", "PREG"), 0)
     module = _Module()
     module.register("in", "a_q")
@@ -83,4 +117,14 @@ def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells):
     module.add("DSP48E1", none | registers, A="x1", B="1", C="0", P="p", CLK="clk")
     module.add("LUT1", I0="p", O="x2")
     module.register("x2", "b_q")
-    assert module.depth(tmp_path).most_cells.cells == cells
+    found = tightest(module, tmp_path).path
+    assert (found.cells, found.cells_ns) == (cells, cells_ns)
+
+
+def test_what_a_dsp_block_gives_takes_longer_without_its_last_register(tmp_path):
+    for last, cells_ns in ((0, 2.305), (1, 0.434)):
+        module = _Module()
+        module.add("DSP48E1", {"AREG": 1, "BREG": 1, "MREG": 1, "PREG": last}, A="0", P="p", CLK="clk")
+        module.register("p", "b_q")
+        found = tightest(module, tmp_path).path
+        assert (found.end, found.cells_ns, found.wires) == ("b_q", cells_ns, 1)

@@ -119,7 +119,7 @@ COMMANDS = {
         ("within the limits", "beyond one"),
     ),
     "fpga timing": Command(
-        "route the core on an ECP5: frequency and critical path", "verif.commands.fpga",
+        "route the core on a Gowin part: frequency and critical path", "verif.commands.fpga",
         ("fast enough", "too slow"),
     ),
     "fpga activity": Command(

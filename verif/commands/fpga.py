@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.fpga import bitstream, ecp5_timing
+from triaxis.fpga import bitstream, gowin_timing
 from triaxis.fpga.bitstream import (
     ACTIVITY,
     SAIF,
@@ -25,17 +25,17 @@ from triaxis.fpga.bitstream import (
     write_bitstream,
 )
 from triaxis.fpga.board_build import SIGNED_OFF, XC7A100T, Inputs, bitstream_sources, generics
-from triaxis.fpga.ecp5_timing import (
+from triaxis.fpga.gowin_timing import (
     PART,
     TARGET_MHZ,
-    Absorbed,
+    UNTIMED,
     Timing,
     nextpnr_version,
     read_timing,
     route,
     write_timing,
 )
-from triaxis.fpga.logic_depth import logic_depth
+from triaxis.fpga.logic_depth import LogicDepth, logic_depth
 from triaxis.fpga.resources import BUILDS, CORE, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
@@ -103,11 +103,21 @@ def _print_used(rows: list[Row], tool: str) -> None:
     Console(width=120).print(used)
     for row in rows:
         if row.depth:
-            path = row.depth.most_levels
-            levels = f"{path.levels} levels of logic between registers, {path.summary()}"
-            print(f"{row.build.name}: {levels}: {path.start} to {path.end}")
+            _print_depth(row.build.name, row.depth)
         for problem in row.problems:
             print(f"{row.build.name}: EXCEEDED: {problem}")
+
+
+def _print_depth(build: str, depth: LogicDepth) -> None:
+    path = depth.most_levels
+    levels = f"{path.levels} levels of logic between registers, {path.summary()}"
+    print(f"{build}: {levels}: {path.start} to {path.end}")
+    for clock in depth.tightest:
+        path = clock.path
+        print(
+            f"{build}: {clock.mhz:g} MHz where each wire takes at most {clock.wire_ns:.2f} ns; tightest: "
+            f"{path.start} to {path.end}, {path.cells_ns:.2f} ns in cells, {path.wires} wires"
+        )
 
 
 def _cell(used: float, available: float, limit: float | None) -> str:
@@ -137,17 +147,17 @@ def _timing(options: argparse.Namespace) -> int:
     tool = f"{yosys_version().split('(')[0].strip()}, {nextpnr_version()}"
     parameters = {"W": _WIDTH, "M": 0}
     sources = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
-    with progress_bar("timing", len(ecp5_timing.STAGES)) as progress:
-        report, absorbed = route(sources, parameters, _TIMING, progress, seed=options.seed)
+    with progress_bar("timing", len(gowin_timing.STAGES)) as progress:
+        report = route(sources, parameters, _TIMING, progress, seed=options.seed)
     timing = read_timing(report)
     path = BUILD / "fpga" / "timing.json"
-    write_timing(path, timing, absorbed, parameters, rtl_hash(), tool)
-    _print_path(timing, absorbed)
+    write_timing(path, timing, parameters, rtl_hash(), tool)
+    _print_path(timing)
     print(f"written to {path}")
     return DONE if timing.reached else NO
 
 
-def _print_path(timing: Timing, absorbed: Absorbed) -> None:
+def _print_path(timing: Timing) -> None:
     console = Console(width=110)
     hops = Table(title=f"critical path, {PART}, routed")
     for heading in ("wire", "ns on it", "cells behind it", "ns in them", "ns so far"):
@@ -167,9 +177,7 @@ def _print_path(timing: Timing, absorbed: Absorbed) -> None:
     print(f"logic {timing.path.logic_ns:.2f} ns, routing {timing.path.routing_ns:.2f} ns")
     for kind, used in timing.used.items():
         print(f"{kind}: {used} of {timing.available[kind]}")
-    print(
-        f"blocks with registers before / behind: {absorbed.before} / {absorbed.behind} of {absorbed.blocks}"
-    )
+    print(f"not timed, for want of public data: {UNTIMED}")
     verdict = "reached" if timing.reached else "MISSED"
     print(f"{timing.mhz:.1f} MHz, at least {TARGET_MHZ:g}: {verdict}")
 
