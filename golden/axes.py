@@ -1,4 +1,4 @@
-"""The 32 axes by number, from their definition (docs/theory.md, section 2), and claims made with them.
+"""The 32 axes by number, from their definition (docs/theory.md, section 2), and which separate a pair.
 
 0..2 box x, y, z; 3 normal of A; 4 normal of B; 5+3i+j edge i of A x edge j of B; 14+3i+k edge i of
 A x coordinate k; 23+3j+k edge j of B x coordinate k. Edge i runs from vertex i to the next.
@@ -93,7 +93,7 @@ def separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.b
     return np.stack([separates(number, pairs, margins) for number in range(NUM_AXES)], 1)
 
 
-def claims(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.int16]:
+def first_separating(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.int16]:
     """Return the lowest-numbered separating axis of each pair, NO_AXIS where none separates."""
     found = separating(pairs, margins)
     return np.where(found.any(1), found.argmax(1), NO_AXIS).astype(np.int16)

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.golden.axes import claims
+from triaxis.golden.axes import first_separating
 from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
 from triaxis.golden.errors import ToldError
 from triaxis.golden.exact import Rational, Scalar, Triangle, coplanar, triangle_rank
@@ -86,7 +86,7 @@ def judge_pairs(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
     does, CertificateError is raised.
     """
     verdicts = np.zeros(len(pairs), VERDICT)
-    verdicts["axis"] = claims(pairs, margins)
+    verdicts["axis"] = first_separating(pairs, margins)
     for index, (pair, margin) in enumerate(zip(pairs.tolist(), margins.tolist(), strict=True)):
         a, b = pair
         near = judge(a, b, margin).near

@@ -13,7 +13,7 @@ AXIS_SHIFT = 8
 AXIS_MASK = 0x1F
 
 
-def claims(words: npt.NDArray[np.uint16]) -> npt.NDArray[np.int8]:
+def claimed_axes(words: npt.NDArray[np.uint16]) -> npt.NDArray[np.int8]:
     """Return the axis that each result word (N,) claims, NO_AXIS where it says near."""
     axes = (words >> AXIS_SHIFT & AXIS_MASK).astype(np.int8)
     # All bits set is -1.
@@ -24,7 +24,7 @@ def decode(words: npt.NDArray[np.uint16]) -> Verdicts:
     """Return the verdicts in result words of shape (N,)."""
     verdicts = np.zeros(len(words), VERDICT)
     verdicts["near"] = words & NEAR != 0
-    verdicts["axis"] = claims(words)
+    verdicts["axis"] = claimed_axes(words)
     verdicts["coplanar"] = words & COPLANAR != 0
     verdicts["degenerate_a"] = words & DEGENERATE_A != 0
     verdicts["degenerate_b"] = words & DEGENERATE_B != 0

@@ -19,7 +19,8 @@ module triaxis_delay #(
     assign q_o = d_i;
   end else begin : g_regs
     for (genvar i = 0; i < Cycles; i++) begin : g_stage
-      T stage_q;
+      // A shift register of look-up tables takes long to give its bit: the last stage is a flip-flop.
+      (* srl_style = "srl_reg" *) T stage_q;
       if (i == 0) begin : g_first
         always_ff @(posedge clk_i) stage_q <= d_i;
       end else begin : g_next

@@ -8,8 +8,8 @@
 //   a_o, b_o   A and B
 //   aab_o[i][j]  edge i of A with vertex j of B
 //   abb_o[i][j]  vertex i of A with edge j of B
-// Widths: areas 2W+1 bits; the sum of three coordinates lies in -3 2^(W-1) .. 3 2^(W-1) - 3: W+2
-// bits signed; so 3W+3 bits.
+// Widths: areas 2W+1 bits; the sum of two coordinates W+1 bits; that of three lies in -3 2^(W-1) ..
+// 3 2^(W-1) - 3: W+2 bits signed; so 3W+3 bits.
 // Latency: prism_latency(W) after the areas. Heights come with the operands, area_latency(W) before.
 
 `include "triaxis_stage.svh"
@@ -34,10 +34,14 @@ module triaxis_prisms
 );
 
   localparam int unsigned Wait = Comb ? 0 : area_latency(W) - 1;
+  localparam int unsigned PairWait = Comb ? 0 : Wait - 1;
   typedef logic signed [W-1:0] heights_t[3];
+  typedef logic signed [W:0] pairs_t[3];
   typedef logic signed [height_width(W)-1:0] height_t;
 
   heights_t a, b;
+  // The sums of two, along each edge, before the wait: three at a time would be the longest way of the core.
+  pairs_t a_pair_d, a_pair_q, a_pair, b_pair_d, b_pair_q, b_pair;
   height_t a_d, a_q, b_d, b_q, aab_d[3][3], aab_q[3][3], abb_d[3][3], abb_q[3][3];
 
   triaxis_delay #(
@@ -57,8 +61,32 @@ module triaxis_prisms
       .q_o(b)
   );
 
-  assign a_d = height_t'(a[0]) + height_t'(a[1]) + height_t'(a[2]);
-  assign b_d = height_t'(b[0]) + height_t'(b[1]) + height_t'(b[2]);
+  for (genvar i = 0; i < 3; i++) begin : g_pair
+    assign a_pair_d[i] = (W + 1)'(a_heights_i[i]) + (W + 1)'(a_heights_i[(i+1)%3]);
+    assign b_pair_d[i] = (W + 1)'(b_heights_i[i]) + (W + 1)'(b_heights_i[(i+1)%3]);
+  end
+  `TRIAXIS_STAGE(a_pair_q, a_pair_d)
+  `TRIAXIS_STAGE(b_pair_q, b_pair_d)
+
+  triaxis_delay #(
+      .T(pairs_t),
+      .Cycles(PairWait)
+  ) u_a_pairs (
+      .clk_i,
+      .d_i(a_pair_q),
+      .q_o(a_pair)
+  );
+  triaxis_delay #(
+      .T(pairs_t),
+      .Cycles(PairWait)
+  ) u_b_pairs (
+      .clk_i,
+      .d_i(b_pair_q),
+      .q_o(b_pair)
+  );
+
+  assign a_d = height_t'(a_pair[0]) + height_t'(a[2]);
+  assign b_d = height_t'(b_pair[0]) + height_t'(b[2]);
   `TRIAXIS_STAGE(a_q, a_d)
   `TRIAXIS_STAGE(b_q, b_d)
   `TRIAXIS_STAGE(aab_q, aab_d)
@@ -87,8 +115,8 @@ module triaxis_prisms
 
   for (genvar i = 0; i < 3; i++) begin : g_vertex_a
     for (genvar j = 0; j < 3; j++) begin : g_vertex_b
-      assign aab_d[i][j] = height_t'(a[i]) + height_t'(a[(i+1)%3]) + height_t'(b[j]);
-      assign abb_d[i][j] = height_t'(a[i]) + height_t'(b[j]) + height_t'(b[(j+1)%3]);
+      assign aab_d[i][j] = height_t'(a_pair[i]) + height_t'(b[j]);
+      assign abb_d[i][j] = height_t'(a[i]) + height_t'(b_pair[j]);
       triaxis_mul #(
           .AWidth(cross_width(W)),
           .BWidth(height_width(W)),

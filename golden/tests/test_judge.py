@@ -4,7 +4,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from triaxis.golden.axes import claims
+from triaxis.golden.axes import first_separating
 from triaxis.golden.judge import CertificateError, judge, judge_in_parallel, judge_pairs
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.golden.ppl_solver import PplSolver
@@ -44,7 +44,7 @@ def test_any_axis_and_program_agree(rng):
         margins = rng.integers(0, max(2, size // 2), 150)
         verdicts = judge_pairs(pairs, margins)
         assert ((verdicts["axis"] == NO_AXIS) == verdicts["near"]).all()
-        assert (verdicts["axis"] == claims(pairs, margins)).all()
+        assert (verdicts["axis"] == first_separating(pairs, margins)).all()
 
 
 def test_parallel_gives_the_same(rng, monkeypatch):

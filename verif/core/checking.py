@@ -18,7 +18,7 @@ from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.result import claims, decode
+from triaxis.sim.result import claimed_axes, decode
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
 from triaxis.verif.testbench.failures import Blame, found
@@ -101,7 +101,7 @@ class Checker:
 
     def _recheck_claims(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Prove every "clear" from the claimed axis, whatever the right answer is."""
-        axes = claims(results.words)
+        axes = claimed_axes(results.words)
         clear = axes != NO_AXIS
         self.clear_claims += int(clear.sum())
         wrong = clear & ~claims_prove_clear(pairs.pairs, pairs.margins, axes)

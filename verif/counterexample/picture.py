@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from triaxis.golden.axes import claims
+from triaxis.golden.axes import first_separating
 from triaxis.golden.judge import judge
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.host.figures import LARGE, NORMAL, write_figure
@@ -70,7 +70,7 @@ def _figure(counterexample: Counterexample) -> Figure:
 def _axes_to_show(counterexample: Counterexample) -> list[tuple[int, str]]:
     """Return the axes that were claimed, each with who claims it."""
     stream, said = counterexample.stream, counterexample.claim
-    exact = int(claims(stream.pairs[-1:], stream.margins[-1:])[0])
+    exact = int(first_separating(stream.pairs[-1:], stream.margins[-1:])[0])
     if said is not None and said == exact:
         return [(exact, "claimed, and right")]
     views = [] if said is None else [(said, "core claims")]

@@ -12,7 +12,7 @@ from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.facts import Facts
 from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.result import NEAR, claims, encode
+from triaxis.sim.result import NEAR, claimed_axes, encode
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.symmetry import random_orders
 from triaxis.verif.exhaustive.grid import Grid
@@ -156,7 +156,7 @@ class _ClassRun:
         expected = expected_words(self._oracle(pairs, margins), CONFIGURATION)
         near = words & NEAR != 0
         self._answers[runs] = 1 + near
-        proven = near | claims_prove_clear(pairs, margins, claims(words))
+        proven = near | claims_prove_clear(pairs, margins, claimed_axes(words))
         self._claims += int((proven & ~near).sum())
         for i in self._count((words != expected) | ~proven):
             lie = "" if proven[i] else "; the claimed axis does not separate"

@@ -1,8 +1,7 @@
 """Mutants under the environment's own tests: which test notices which mutant, after how many pairs.
 
 All run-time mutants of a target are in one library; what is fixed at elaboration needs a library for each.
-Either is tried by `run_trials`, test by test, until a test fails. Short tests first, on each target in turn,
-mutants of the core beside those of the mesh engine; longer tests and volume after, for those that survive.
+Either is tried by `run_trials`, test by test, until a test fails.
 """
 
 import multiprocessing
@@ -10,14 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from threading import BoundedSemaphore, Event, Lock
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.evidence import Timeline
-from triaxis.sim.paths import DUT
-from triaxis.sim.verilate import MANY, QUICK
+from triaxis.sim.verilate import QUICK
 from triaxis.verif.core.detector_check import first_wrong
 from triaxis.verif.mutation.builds import (
     ElaborationError,
@@ -26,18 +23,14 @@ from triaxis.verif.mutation.builds import (
     schema_library,
     temporary,
 )
-from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
+from triaxis.verif.mutation.catalogue import Catalogue
 from triaxis.verif.mutation.mutant import Mutant
-from triaxis.verif.mutation.outcomes import Killed, Outcome, Store
+from triaxis.verif.mutation.outcomes import Killed, Store
 from triaxis.verif.mutation.schema import mutated, write_schema
 from triaxis.verif.mutation.targets import (
-    FULL_PIECES,
-    SMALLEST,
-    TARGETS,
     AnyTarget,
     Elaborated,
     EngineTarget,
-    Target,
     elaborated,
     right_latencies,
 )
@@ -47,10 +40,6 @@ from triaxis.verif.testbench.trials import Model, Trials
 
 # Mutants with a library of their own that a stage tries at a time: that many libraries are on the disk.
 _AT_A_TIME = 72
-# Fewer run-time mutants are built one by one: quicker than a build that can hold all.
-_FEW = 12
-# Times the pairs of a short test, where those close to a decision are wanted.
-_LONGER = 8
 _OF_ALL_KINDS = ("MixedTest", "MeshRandomTest")
 _PACKAGE = "core/triaxis_pkg.sv"
 _LATENCIES = Killed("LatencyTable", "triaxis_pkg", "wrong latency", 0)
@@ -85,6 +74,10 @@ class Stage:
             self.remark: self.remark,
         }
         return ", ".join([self.target.name, *(mark for mark, holds in marks.items() if holds)])
+
+    def library(self, dut: Path, folder: Path, unless: str = "") -> Path | None:
+        """Return a library of the RTL in a folder; None where it is elaborated to what ``unless`` names."""
+        return mutant_library(self.target, dut, folder, self.assertions, unless, self.speed)
 
 
 @contextmanager
@@ -179,7 +172,7 @@ class Hunt:
     def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
         with temporary() as whole, _threads(self.jobs) as pool:
-            healthy = self._mutant_library(stage, self.dut, whole / "original")
+            healthy = stage.library(self.dut, whole / "original")
             for start in range(0, len(alive), _AT_A_TIME):
                 if self._ended.is_set():
                     return
@@ -200,15 +193,12 @@ class Hunt:
                 self._notice(mutant.id, _LATENCIES, stage.number)
                 return None
             try:
-                library = self._mutant_library(stage, dut, folder, original)
+                library = stage.library(dut, folder, original)
             except ElaborationError as error:
                 said = _first_line(str(error))
                 self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0), stage.number)
                 return None
         return Model(mutant.id, str(library)) if library else None
-
-    def _mutant_library(self, stage: Stage, dut: Path, folder: Path, unless: str = "") -> Path | None:
-        return mutant_library(stage.target, dut, folder, stage.assertions, unless, stage.speed)
 
     def _library(self, target: AnyTarget) -> Path:
         if target.name not in self._libraries:
@@ -285,104 +275,3 @@ def _first_line(message: str) -> str:
     line = message.splitlines()[0] if message else "refused"
     words = [word if "/" not in word else word.rpartition("/")[2] for word in line.split()]
     return " ".join(words)[:160]
-
-
-Steps = list[Callable[[], None]]
-
-
-def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
-    """Try all mutants with the short tests: those of the core beside those of the mesh engine."""
-    runtime, others = _split(hunt)
-    engines = [target for target in targets if isinstance(target, EngineTarget)]
-    cores = [target for target in targets if not isinstance(target, EngineTarget)]
-
-    def selected(target: AnyTarget) -> Callable[[], None]:
-        return partial(hunt.selected, Stage(target, target.tests(hunt.seed)), runtime)
-
-    def built(target: AnyTarget) -> Callable[[], None]:
-        return partial(hunt.built, Stage(target, target.tests(hunt.seed), False), others)
-
-    # What takes least to build first.
-    quick = [replace(target, exact_core=True) for target in engines]
-    lanes: list[Steps] = [
-        [*map(selected, cores), *map(built, (SMALLEST,) if of_core else ()), *map(built, cores)],
-        [*map(selected, engines), *map(built, quick), *map(built, engines)],
-    ]
-    hunt.beside(lanes, len(lanes))
-
-
-def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: bool) -> None:
-    """Try the few that are left, on models that take longer to build and with longer tests.
-
-    Most of them survive everything, so little is lost by not waiting for one stage with the next. With volume
-    those that are not shown to be equivalent.
-    """
-    _, others = _split(hunt)
-    steps: Steps = []
-    for target in targets:
-        if target.assertions:
-            stage = Stage(target, target.tests(hunt.seed), number=len(steps))
-            steps.append(partial(hunt.built, stage, others))
-    # Only pairs close to a decision on a long axis show a piece that is cut.
-    for target in FULL_PIECES if of_core else ():
-        stage = Stage(target, target.tests(hunt.seed, _LONGER), False, "longer", number=len(steps))
-        steps.append(partial(hunt.built, stage, others))
-    lanes: list[Steps] = [[step] for step in steps]
-    # What volume shows in the first configuration of a block, where it is quick, is not asked in the others.
-    runtime, others = _split(hunt, hunt.excused)
-    for kind in (Target, EngineTarget) if volume else ():
-        lane: Steps = []
-        for target in (target for target in targets if isinstance(target, kind)):
-            stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY, number=len(steps))
-            if stage.tests:
-                lane += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]
-        lanes.append(lane)
-    hunt.beside(lanes, hunt.jobs)
-
-
-def _split(hunt: Hunt, excused: frozenset[str] = frozenset()) -> tuple[list[Mutant], list[Mutant]]:
-    """Return the mutants that one library holds, and the others."""
-    wanted = [one for one in hunt.catalogue.mutants if one.id not in excused]
-    return [m for m in wanted if m.id in hunt.numbers], [m for m in wanted if m.id not in hunt.numbers]
-
-
-def judge(
-    catalogue: Catalogue,
-    seed: int,
-    jobs: int,
-    timeline: Timeline,
-    excused: frozenset[str] = frozenset(),
-    dut: Path = DUT,
-    targets: tuple[AnyTarget, ...] = TARGETS,
-    fresh: bool = False,
-    with_volume: bool = True,
-    progress: Progress = lambda _: None,
-) -> list[Outcome]:
-    """Return what becomes of each mutant of a catalogue.
-
-    ``excused``: mutants recorded as equivalent, which get one test, and no volume. Raises InputError where
-    the RTL without a mutant does not pass, or does not build.
-    """
-    store = Store(dut, seed, fresh)
-    todo = [one for one in catalogue.mutants if one.id not in store.killed and one.id not in store.surviving]
-    progress(len(catalogue.mutants) - len(todo))
-    numbers = runtime_numbers(catalogue.mutants)
-    if len(numbers) <= _FEW:
-        numbers = {}
-    left = replace(catalogue, mutants=tuple(todo))
-    hunt = Hunt(left, numbers, dut, seed, jobs, store, excused, progress, timeline)
-    wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
-    # Whatever ends a long run, what it found out is kept.
-    try:
-        of_core = any(one.file.startswith("core/") for one in todo)
-        _directed(hunt, wanted, of_core)
-        _remaining(hunt, wanted, of_core, with_volume)
-        if with_volume:
-            store.surviving |= {one.id for one in todo} - store.killed.keys()
-    finally:
-        store.save()
-    progress(sum(one.id not in store.killed for one in todo))
-    return [
-        Outcome(one, store.killed.get(one.id), tuple(t.name for t in targets if hunt.holds(t, one)))
-        for one in catalogue.mutants
-    ]

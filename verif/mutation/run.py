@@ -16,8 +16,8 @@ from triaxis.verif.mutation.equivalence import (
     forget_proofs,
     read_equivalents,
 )
+from triaxis.verif.mutation.judging import judge
 from triaxis.verif.mutation.killers import killers_hash
-from triaxis.verif.mutation.killing import judge
 from triaxis.verif.mutation.outcomes import Outcome
 from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget

@@ -31,7 +31,8 @@ from triaxis.verif.mutation.equivalence import (
     prove,
     read_equivalents,
 )
-from triaxis.verif.mutation.killing import Hunt, judge
+from triaxis.verif.mutation.judging import judge
+from triaxis.verif.mutation.killing import Hunt
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
