@@ -123,7 +123,7 @@ AXES = (
     ("axis from the wrong vertex", "w16_m0", "core/triaxis_areas.sv",
      "        .to_i  (a_i[(i+1)%3]),", "        .to_i  (a_i[(i+2)%3]),", ""),
     ("heights of another triangle", "w16_m0", "core/triaxis_prisms.sv",
-     "height_t'(a[(i+1)%3]) + height_t'(b[j])", "height_t'(a[(i+2)%3]) + height_t'(b[j])", ""),
+     "height_t'(a_pair[i]) + height_t'(b[j])", "height_t'(a_pair[(i+1)%3]) + height_t'(b[j])", ""),
     ("the thresholds of two axes swapped", "w8_m8", "core/triaxis_thresholds.sv",
      "assign axes[AxisNormalA][k] = axis_comp_t'(normal_a_i[k]);",
      "assign axes[AxisNormalA][k] = axis_comp_t'(normal_b_i[k]);", "not the components of the axis"),
