@@ -131,7 +131,7 @@ bench-skipping: $(READY) ## measure what skipping saves, against the broad phase
 fpga-report: $(YOSYS) ## synthesise for the XC7A100T and compare with its budget
 	@$(BIN)/triaxis fpga report
 
-fpga-timing: $(ROUTE) ## route the core on a GW5AST as a proxy for its timing: an hour
+fpga-timing: $(ROUTE) ## route the core on a GW5AST as a proxy for its timing: half an hour
 	@$(BIN)/triaxis fpga timing
 
 activity: $(READY) ## count multiplier toggles with and without operand gating
