@@ -106,6 +106,7 @@ def logic_depth(netlist: Path) -> LogicDepth:
     except CycleError as error:
         point = error.args[1][0]
         raise InputError(f"{netlist}: logic in a circle at {graph.names.get(point, point)}") from error
+    # From a register right to the next: no cell between them makes a step.
     order += [point for point in graph.ends if point not in depends]
     tightest = tuple(_tightest(graph, order, mhz) for mhz in CLOCKS_MHZ)
     return LogicDepth(_longest(graph, order), tightest)

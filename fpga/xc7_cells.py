@@ -24,7 +24,6 @@ FLIP_FLOP = re.compile(r"FD[RSCP]E(_1)?")
 # Memories of LUTs: read without a clock, written with it.
 _LUT_MEMORY = re.compile(r"RAM\d+(X1[DS]|M)(_1)?")
 _READ_ADDRESS = re.compile(r"A\d*|DPRA\d*|ADDR[A-D]")
-_SHIFT_REGISTER = re.compile(r"SRL.*")
 _BLOCK_MEMORY = re.compile(r"RAMB(18|36)E1")
 
 _LUT_NS, _WIDE_NS = 0.124, 0.296

@@ -60,22 +60,23 @@ def test_the_longest_chain_and_its_registers_are_named(tmp_path):
     assert limits == [(100, 9.218, found.most_levels), (200, 4.218, found.most_levels)]
 
 
-def test_a_net_that_several_take_is_a_wire(tmp_path):
+def branching() -> _Module:
+    """Return a table between registers, of which two take what it gives."""
     module = _Module()
     module.register("in", "a_q")
     module.add("LUT1", I0="a_q", O="x1")
     module.register("x1", "b_q")
     module.register("x1", "c_q")
-    found = tightest(module, tmp_path)
+    return module
+
+
+def test_a_net_that_several_take_is_a_wire(tmp_path):
+    found = tightest(branching(), tmp_path)
     assert (found.path.cells_ns, found.path.wires, found.wire_ns) == (0.486, 2, 2.257)
 
 
 def test_the_tightest_path_is_not_always_that_of_most_wires(tmp_path):
-    module = _Module()
-    module.register("in", "a_q")
-    module.add("LUT1", I0="a_q", O="x1")
-    module.register("x1", "b_q")
-    module.register("x1", "c_q")
+    module = branching()
     module.add("DSP48E1", {"AREG": 1, "BREG": 1, "MREG": 0, "PREG": 0}, A="0", P="p", CLK="clk")
     module.register("p", "d_q")
     assert module.depth(tmp_path).most_levels.end == "b_q"
