@@ -20,7 +20,7 @@ SEED ?= 1
 LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly mutate faults formal gate test unit lint format sim exhaustive
+.PHONY: help setup signoff regress nightly mutate faults formal theorem gate test unit lint format sim exhaustive
 .PHONY: code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report fpga-timing activity
 .PHONY: bitstream cold lock clean
 
@@ -77,6 +77,9 @@ faults: $(READY) ## build every fault of the catalogue and see it caught
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs
 	@$(BIN)/triaxis prove formal
+
+theorem: $(READY) ## have Coq check why the 32 axes decide (Debian: apt-get install coq)
+	@$(BIN)/triaxis prove theorem
 
 gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 	@$(BIN)/triaxis fpga gate

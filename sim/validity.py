@@ -18,7 +18,7 @@ from triaxis.sim.toolchain import verilator
 
 _PACKAGE = "triaxis"
 # What is compiled, or read by what is: it belongs to the modules of its folder.
-_COMPILED = (".cpp", ".h", ".sv", ".vlt", ".csv")
+_COMPILED = (".cpp", ".h", ".sv", ".v", ".vlt", ".csv")
 
 
 @dataclass(frozen=True)

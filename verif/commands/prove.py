@@ -28,7 +28,7 @@ from triaxis.verif.exhaustive.state import load, other_states
 from triaxis.verif.faults.catching import catch_all
 from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
-from triaxis.verif.formal import proving as proving
+from triaxis.verif.formal import coq, proving
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
@@ -54,6 +54,7 @@ def _formal(options: argparse.Namespace) -> int:
     with progress_bar("proofs", len(proving.proof_names())) as progress:
         result = proving.prove_all(progress, only=options.proof, jobs=options.jobs)
     _print_proofs(result)
+    print_list("EXCEPTION:", result.exceptions)
     if result.complete:
         arguments = ["triaxis", "prove", "formal", "--jobs", str(options.jobs)]
         print(f"written to {proving.write_result(result, shlex.join(arguments))}")
@@ -76,6 +77,30 @@ def _print_proofs(result: proving.FormalResult) -> None:
     Console(width=120).print(proofs)
     print_list("FAILED:", result.problems)
     print(result.summary)
+
+
+def add_theorem(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``prove theorem``."""
+    parser.description = (
+        "Have Coq check the theory of docs/theory.md: that two triangles are near exactly where none of the "
+        "32 axes separates them, and what rounding costs. Prints each theorem, and what its proof assumes."
+    )
+    parser.set_defaults(run=_theorem)
+
+
+def _theorem(options: argparse.Namespace) -> int:
+    try:
+        theorems = coq.check(proving.FOLDER / "theorem")
+    except coq.ProofError as error:
+        print(f"FAILED: {error}", file=sys.stderr)
+        return NO
+    for one in theorems:
+        print(f"{one.name}:\n  {one.statement}\n  assumes: {', '.join(one.axioms) or 'nothing'}")
+    found = coq.problems(theorems)
+    print_list("FAILED:", found)
+    proved = len(theorems) - len(found)
+    print(f"{proved} of {len(theorems)} theorems are proved, by {coq.coq_version()}")
+    return NO if found else DONE
 
 
 def add_exhaustive(parser: argparse.ArgumentParser) -> None:

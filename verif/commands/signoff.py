@@ -66,6 +66,7 @@ def _print(result: Signoff) -> None:
     console.print(_parts_table(result))
     console.print(_figures_table(result))
     print_list("PROBLEM", result.problems, _SHOWN, "all on the page")
+    print_list("EXCEPTION", result.exceptions)
     if not result.provenance.git_clean:
         print("the checkout has uncommitted changes: no commit holds what was signed off")
     wanted = "" if result.judgement.passed else f", {STAGES[-1]} is wanted"

@@ -1,8 +1,9 @@
 """What the core is to compute, as polynomials: the 32 axes, and the vertices projected on them.
 
-Straight from the contract: no product or sum of the core is taken over. The polynomials have integer
-coefficients in the coordinates of a pair of triangles and its margin, and just what the algebra of the core
-needs: sums, products, and exact bounds over all coordinates of W bits.
+Straight from the contract, by the golden package's list of axes, which the theorem in theorem/ is about too:
+no product or sum of the core is taken over. The polynomials have integer coefficients in the coordinates of a
+pair of triangles and its margin, and just what the algebra of the core needs: sums, products, and exact
+bounds over all coordinates of W bits.
 """
 
 from collections import Counter
@@ -10,9 +11,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import chain, combinations
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
+
+from triaxis.golden.axes import NUM_AXES, axis_vector
+from triaxis.golden.exact import Triangle
 
 # Variables: 9 t + 3 v + k is coordinate k of vertex v of triangle t (0: A, 1: B).
 VARIABLES = 18
@@ -39,15 +44,17 @@ class Polynomial:
         """Return the difference."""
         return self + -other
 
-    def __mul__(self, other: "Polynomial") -> "Polynomial":
+    def __mul__(self, other: "Polynomial | int") -> "Polynomial":
         """Return the product."""
+        if isinstance(other, int):
+            return self.scaled(other)
         return _collect(
             (tuple(sorted(left + right)), a * b) for left, a in self.terms for right, b in other.terms
         )
 
     def scaled(self, factor: int) -> "Polynomial":
-        """Return the product with a number that is not 0."""
-        return Polynomial(frozenset((monomial, factor * own) for monomial, own in self.terms))
+        """Return the product with a number."""
+        return Polynomial(frozenset((monomial, factor * own) for monomial, own in self.terms if factor))
 
     @cached_property
     def variables(self) -> tuple[int, ...]:
@@ -173,23 +180,12 @@ def edge(triangle: int, number: int) -> Vector:
     return minus(vertex(triangle, (number + 1) % 3), vertex(triangle, number))
 
 
-def _unit(k: int) -> Vector:
-    x, y, z = (ONE if k == place else ZERO for place in range(3))
+def _axis_vector(number: int) -> Vector:
+    """Return an axis, as the golden package defines it for numbers: its rule holds for polynomials too."""
+    a, b = (cast(Triangle, [vertex(triangle, place) for place in range(3)]) for triangle in (0, 1))
+    found = cast(list[Polynomial | int], axis_vector(number, a, b))
+    x, y, z = (ONE.scaled(part) if isinstance(part, int) else part for part in found)
     return x, y, z
-
-
-def _normal(triangle: int) -> Vector:
-    first, second, third = (vertex(triangle, number) for number in range(3))
-    return outer(minus(second, first), minus(third, first))
-
-
-def _vectors() -> list[Vector]:
-    """Return the 32 axes by number."""
-    box = [_unit(k) for k in range(3)]
-    edges = [[edge(triangle, i) for i in range(3)] for triangle in (0, 1)]
-    edge_edge = [outer(e, f) for e in edges[0] for f in edges[1]]
-    edge_box = [outer(e, _unit(k)) for triangle in (0, 1) for e in edges[triangle] for k in range(3)]
-    return [*box, _normal(0), _normal(1), *edge_edge, *edge_box]
 
 
 @cache
@@ -199,13 +195,14 @@ def axes() -> tuple[Axis, ...]:
     def on(vector: Vector, triangle: int) -> tuple[Polynomial, ...]:
         return tuple(inner(vector, vertex(triangle, v)) for v in range(3))
 
-    return tuple(Axis(vector, on(vector, 0), on(vector, 1)) for vector in _vectors())
+    vectors = [_axis_vector(number) for number in range(NUM_AXES)]
+    return tuple(Axis(vector, on(vector, 0), on(vector, 1)) for vector in vectors)
 
 
 @cache
 def normals() -> tuple[Vector, Vector]:
     """Return the normals of A and B: zero exactly where the triangle is degenerate."""
-    return _normal(0), _normal(1)
+    return axes()[3].vector, axes()[4].vector
 
 
 @cache

@@ -32,25 +32,30 @@ class Result(StrEnum):
     FAILED = "failed"
     # A tool did not come to its end: no word about the RTL.
     UNDECIDED = "not decided"
+    # What only some machines have is not installed: a sign-off names it as an exception.
+    ABSENT = "not measured"
 
 
 @dataclass(frozen=True)
 class Finding:
     """What speaks against a claim, and what no tool decided, a line each; where there is neither: proved.
 
-    ``facts``: how much was checked.
+    ``facts``: how much was checked. ``absent``: why nothing was tried.
     """
 
     problems: tuple[str, ...] = ()
     log: Path | None = None
     facts: Mapping[str, int] = field(default_factory=dict)
     undecided: tuple[str, ...] = ()
+    absent: str | None = None
 
     @property
     def result(self) -> Result:
         """Return what came of the proof."""
         if self.problems:
             return Result.FAILED
+        if self.absent is not None:
+            return Result.ABSENT
         return Result.UNDECIDED if self.undecided else Result.PROVED
 
 

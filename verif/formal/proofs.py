@@ -1,4 +1,4 @@
-"""All proofs, by name: of the core, and of the mesh engine, its queues, what it skips, how its runs end."""
+"""All proofs, by name: of the theory, the core, and the mesh engine with its queues, skips, ends of runs."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,6 +8,7 @@ from pathlib import Path
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.formal.axis_proofs import axes_proof
+from triaxis.verif.formal.coq import theorem
 from triaxis.verif.formal.pieces import multiply_wide
 from triaxis.verif.formal.proof import Method, Proof, SbyProof
 from triaxis.verif.formal.widths import widths
@@ -268,4 +269,5 @@ def proofs() -> tuple[Proof, ...]:
         ),
         multiply_wide(),
         widths(),
+        theorem(),
     )

@@ -42,16 +42,27 @@ class FormalResult:
         return [*found, "the RTL changed during the proofs"] if self.rtl_changed else found
 
     @property
+    def exceptions(self) -> list[str]:
+        """Return which proofs could not be tried here, a line each: no failure, and no proof."""
+        absent = ((outcome.proof.name, outcome.finding.absent) for outcome in self.outcomes)
+        return [f"{name}: {Result.ABSENT}: {reason}" for name, reason in absent if reason is not None]
+
+    @property
+    def proved(self) -> int:
+        """Return how many proofs hold."""
+        return sum(outcome.passed for outcome in self.outcomes)
+
+    @property
     def passed(self) -> bool:
-        """Return whether everything that was tried is proved, and something was."""
-        return bool(self.outcomes) and not self.problems
+        """Return whether everything that could be tried is proved, and something was."""
+        return self.proved > 0 and not self.problems
 
     @property
     def summary(self) -> str:
         """Return the result in a line."""
-        proved = sum(outcome.passed for outcome in self.outcomes)
         open_ = f", {self.undecided} not decided" if self.undecided else ""
-        return f"{proved} of {len(self.outcomes)} proofs hold{open_}, in {self.seconds:.0f} s"
+        open_ += f", {len(self.exceptions)} {Result.ABSENT}" if self.exceptions else ""
+        return f"{self.proved} of {len(self.outcomes)} proofs hold{open_}, in {self.seconds:.0f} s"
 
     @property
     def undecided(self) -> int:
@@ -112,8 +123,9 @@ def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Pat
         "seconds": round(result.seconds, 1),
         "proofs": [_entry(outcome) for outcome in result.outcomes],
         "total": len(result.outcomes),
-        "proved": sum(outcome.passed for outcome in result.outcomes),
+        "proved": result.proved,
         "undecided": result.undecided,
+        "exceptions": result.exceptions,
     }
     return write_evidence(path, content, SOURCES)
 

@@ -75,9 +75,10 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
 def remarks(result: Path) -> list[str]:
     """Return what to know of a sign-off that opens the gate, a line each."""
     content = json.loads(read_input(result))
-    if content.get("git_clean") is True:
-        return []
-    return ["signed off from a checkout with uncommitted changes, or outside git"]
+    found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
+    if content.get("git_clean") is not True:
+        found.append("signed off from a checkout with uncommitted changes, or outside git")
+    return found
 
 
 def _short(hash_: Any) -> str:

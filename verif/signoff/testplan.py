@@ -16,6 +16,7 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import ROOT
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.faults.catching import signed_off_names
+from triaxis.verif.formal.proof import Result
 from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.regress.coverage_models import model_of
@@ -107,7 +108,10 @@ def plan_results(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | No
     proofs, faults = found["proofs"], found["faults"]
     return PlanResults(
         tests=simulation and every_run_passed((run["test"], run["passed"]) for run in simulation["runs"]),
-        proofs=proofs and {proof["name"]: proof["passed"] for proof in proofs["proofs"]},
+        proofs=proofs
+        and {
+            proof["name"]: proof["passed"] or proof["result"] == Result.ABSENT for proof in proofs["proofs"]
+        },
         faults=faults and {fault["name"]: fault["caught"] for fault in faults["faults"]},
         checks=_checks(found),
         mutants=mutation

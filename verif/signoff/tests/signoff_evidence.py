@@ -68,7 +68,7 @@ def _proofs():
         "name": "order", "claim": "results come in order", "method": "k-induction", "parameters": {"W": 16},
         "assumptions": ["The driver holds its pair."], "passed": True, "result": "proved", "seconds": 1.0,
     }  # fmt: skip
-    return evidence(proofs=[proof], undecided=0)
+    return evidence(proofs=[proof], undecided=0, exceptions=[])
 
 
 def _testplan():

@@ -69,6 +69,22 @@ def test_what_is_absent_is_null_and_fails(tmp_path, name):
     assert refused(tmp_path, content)
 
 
+def test_an_exception_passes_and_is_named(tmp_path):
+    parts = good_parts()
+    evidence = parts["proofs"].evidence
+    assert evidence
+    evidence["proofs"].append({**evidence["proofs"][0], "passed": False, "result": "not measured"})
+    evidence["exceptions"].append("theorem: not measured: coqc is not installed")
+    result = signed(parts)
+    assert result.passed, result.problems
+    assert not refused(tmp_path, result.content())
+    assert "signed off without theorem: not measured: coqc is not installed" in remarks(
+        tmp_path / "signoff.json"
+    )
+    page = signoff_page(result.content(), read_figures(), [])
+    assert page.count("coqc is not installed") == 1
+
+
 def test_all_well_passes_and_a_change_of_the_checkout_fails(tmp_path):
     result = signed()
     assert result.problems == [] and result.passed

@@ -1,0 +1,63 @@
+"""The theorem holds for the golden package's axes alone, and nothing in it is taken on trust unseen."""
+
+import re
+import shutil
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
+from triaxis.verif.formal import coq
+from triaxis.verif.formal.proof import Outcome, Result
+from triaxis.verif.formal.proving import FormalResult
+
+needs_coq = pytest.mark.skipif(coq.coq_version() is None, reason="Coq is not installed: apt-get install coq")
+
+
+def swapped(source: str, first: int, second: int) -> str:
+    vectors = re.findall(r"Vector [^;\]]*[^;\] ]", source)
+    one, other = vectors[first], vectors[second]
+    return source.replace(one, "?").replace(other, one).replace("?", other)
+
+
+@needs_coq
+@pytest.mark.prover
+@pytest.mark.parametrize(
+    "axes",
+    [
+        # Edge x edge without its last term, and two axes each at the other's number.
+        coq.axes_source().replace("(1) * y (A First) * z (B First) + ", "", 1),
+        swapped(coq.axes_source(), 5, 6),
+    ],
+)
+def test_another_list_of_axes_is_refused(tmp_path, axes):
+    assert axes != coq.axes_source()
+    with pytest.raises(coq.ProofError, match=r"Exactness\.v"):
+        coq.check(tmp_path / "proof", axes_text=axes)
+
+
+@needs_coq
+@pytest.mark.prover
+def test_a_lemma_without_a_proof_is_an_assumption(tmp_path):
+    theory = shutil.copytree(coq.THEORY, tmp_path / "theory")
+    path = theory / "Rounding.v"
+    text = path.read_text()
+    start = text.index("Proof.", text.index("Lemma chebyshev_triangle"))
+    path.write_text(text[:start] + "Admitted.\n" + text[text.index("Qed.", start) + 4 :])
+    theorems = coq.check(tmp_path / "proof", theory)
+    assert [one.name for one in theorems] == list(coq.THEOREMS)
+    # What does not use it stands.
+    said = coq.problems(theorems)
+    assert "nothing_is_missed: rests on chebyshev_triangle" in said
+    assert not any("near_exactly" in line for line in said)
+
+
+def test_without_coq_it_is_an_exception_and_no_proof(tmp_path, monkeypatch):
+    monkeypatch.setattr(coq.shutil, "which", lambda _: None)
+    finding = coq.theorem().prove(DUT, tmp_path)
+    assert finding.result is Result.ABSENT
+    result = FormalResult((Outcome(coq.theorem(), finding, 0.0),), complete=True, seconds=0.0)
+    assert not result.passed and not result.problems
+    assert result.exceptions == [f"theorem: not measured: coqc is not installed: {coq._INSTALL}"]
+    with pytest.raises(InputError, match="install Coq"):
+        coq.check(tmp_path / "proof")
