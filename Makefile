@@ -20,9 +20,9 @@ SEED ?= 1
 LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly mutate faults formal theorem gate test unit lint format sim exhaustive
-.PHONY: code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report fpga-timing activity
-.PHONY: bitstream cold lock clean
+.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem gate test unit lint format
+.PHONY: sim exhaustive code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report
+.PHONY: fpga-timing activity bitstream cold lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -68,6 +68,9 @@ regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least onc
 
 nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds: most of an hour
 	@$(BIN)/triaxis regress run nightly --launcher $(LAUNCHER)
+
+four-state: $(READY) $(YOSYS) ## the tests on the pins with unknown values (Debian: apt-get install iverilog)
+	@$(BIN)/triaxis regress four-state --seed $(SEED)
 
 mutate: $(READY) $(YOSYS) ## change dut/ in 3,600 ways; see each noticed by a test, or shown to change nothing
 	@$(BIN)/triaxis prove mutate --seed $(SEED)

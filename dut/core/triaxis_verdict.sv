@@ -3,7 +3,8 @@
 //
 // Computes: the verdict from the 32 axis bits. Near where no axis separates; otherwise the claim is
 // the lowest-numbered separating axis. Flags count only where the multipliers saw the pair: gated_i
-// says that its boxes decided it and older operands stayed in place.
+// says that its boxes decided it and older operands stayed in place. What the other tests make of
+// those, after a reset of operands that never were, does not touch a claim of the boxes.
 // Widths: see verdict_t. Latency: VerdictLatency = 3: axis bits; the lowest of them alone; the claim, of
 // each bit of its number whether it is among the axes that have it.
 
@@ -38,7 +39,10 @@ module triaxis_verdict
   `TRIAXIS_STAGE(separated_q, separated_i)
   `TRIAXIS_STAGE(flags_1, flags_d)
 
-  assign lowest_d = separated_q & (~separated_q + axes_t'(1));
+  // The box axes, below AxisNormalA, by themselves.
+  assign lowest_d[AxisNormalA-1:0] = separated_q[AxisNormalA-1:0] & -separated_q[AxisNormalA-1:0];
+  assign lowest_d[NumAxes-1:AxisNormalA] = (separated_q[AxisNormalA-1:0] != '0) ? '0 :
+      separated_q[NumAxes-1:AxisNormalA] & -separated_q[NumAxes-1:AxisNormalA];
   `TRIAXIS_STAGE(lowest_q, lowest_d)
   `TRIAXIS_STAGE(flags_2, flags_1)
 

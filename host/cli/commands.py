@@ -60,6 +60,10 @@ COMMANDS = {
     ),
     "sim": Command("run one test on the simulated core or mesh engine", "verif.commands.sim"),
     "regress run": Command("run a regression on dvsim, or go on with it", "verif.commands.regress"),
+    "regress four-state": Command(
+        "run the tests on the pins with values that may be unknown, in Icarus Verilog",
+        "verif.commands.regress", ("nothing is unknown, and nothing wrong", "something is"),
+    ),
     "regress forget": Command("forget the seeds that failed before", "verif.commands.regress", ("done",)),
     "regress shrink": Command(
         "make failing pairs small, draw them, keep them as regression cases", "verif.commands.regress",
@@ -302,6 +306,7 @@ def runner(name: str, words: list[str]) -> Callable[[], int]:
     """Import a command and parse its arguments; return what runs it."""
     parser = _Parser(name, COMMANDS[name])
     module = import_module(f"triaxis.{COMMANDS[name].module}")
-    getattr(module, f"add_{name.partition(' ')[2] or 'arguments'}")(parser)
+    own = name.partition(" ")[2].replace("-", "_")
+    getattr(module, f"add_{own or 'arguments'}")(parser)
     options: Any = parser.parse_args(words)
     return lambda: options.run(options)

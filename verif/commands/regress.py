@@ -10,8 +10,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import natural, positive
-from triaxis.host.cli.terminal import print_list
+from triaxis.host.cli.arguments import add_seed, natural, positive
+from triaxis.host.cli.terminal import print_list, progress_bar
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.verif.core.failing_pairs import read_failing
@@ -21,6 +21,8 @@ from triaxis.verif.counterexample.finding import BareCore
 from triaxis.verif.regress.definition import DEFINITION, in_checkout
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeeds
+from triaxis.verif.regress.four_state import RESULT as FOUR_STATE
+from triaxis.verif.regress.four_state import plan, run_four_state, write_result
 from triaxis.verif.regress.launchers import LAUNCHERS, LOCAL
 from triaxis.verif.regress.outcome import Outcome
 from triaxis.verif.regress.reports import JUNIT, REPORT, RESULTS
@@ -30,6 +32,27 @@ _SHOWN = 20
 _SECONDS_BETWEEN_LINES = 60.0
 # Seeds multiplied by more than this are a mistake: a regression of months.
 _MOST_SEEDS_MULTIPLIED = 1000
+
+
+def add_four_state(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``regress four-state``."""
+    parser.description = (
+        "Run the tests on the pins in Icarus Verilog, which knows of unknown values: registers before a "
+        "reset, memories before they are written, inputs that offer nothing. No output that counts may be "
+        f"unknown, and every answer must be right. Some minutes. Writes {in_checkout(FOUR_STATE)}."
+    )
+    add_seed(parser)
+    parser.set_defaults(run=_four_state)
+
+
+def _four_state(options: argparse.Namespace) -> int:
+    with progress_bar("runs", len(plan(options.seed))) as progress:
+        result = run_four_state(options.seed, progress)
+    path = write_result(result, f"triaxis regress four-state --seed {options.seed}")
+    print_list("FAILED:", result.problems, _SHOWN, f"all in {path}")
+    print(f"{'FAILED' if result.problems else 'PASSED'}: {result.summary}, {result.seconds:.0f} s")
+    print(f"written to {path}")
+    return NO if result.problems else DONE
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:

@@ -1,6 +1,7 @@
 """``triaxis sim``: one test by name and seed, on the simulated core or mesh engine."""
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -10,13 +11,14 @@ from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import parse_mesh_configuration
 from triaxis.sim.paths import DUT
+from triaxis.sim.simulators import ICARUS, UNTRIED
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
-from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.settings import BURST, PIN, VERILATOR
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 from triaxis.verif.testbench.table import (
     REPLAY,
@@ -26,6 +28,16 @@ from triaxis.verif.testbench.table import (
     mesh_tests,
     table,
 )
+
+_SIMULATORS = (VERILATOR, ICARUS, *UNTRIED)
+
+
+def _chosen_simulator() -> str:
+    """Return the simulator that the environment variable SIMULATOR names; raise InputError for no such."""
+    name = os.environ.get("SIMULATOR", "") or VERILATOR
+    if name not in _SIMULATORS:
+        raise InputError(f"SIMULATOR={name}: unknown; one of: {', '.join(_SIMULATORS)}")
+    return name
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +65,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="who drives the streams: pin by pin, or a bus-functional model of the Verilated library (pin)",
     )  # fmt: skip
     parser.add_argument(
+        "--simulator", choices=_SIMULATORS, default=_chosen_simulator(),
+        help=f"who simulates the pins; also by the variable SIMULATOR; untried: {', '.join(UNTRIED)} "
+        f"({VERILATOR})",
+    )  # fmt: skip
+    parser.add_argument(
         "--judged", type=int, default=1, metavar="N",
         help="the golden model judges one pair in N, and a few of new kinds (1: all); the bulk checker "
         "checks every pair",
@@ -78,6 +95,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
     if options.soak and options.agent != BURST:
         raise InputError("--soak goes with --agent burst, and only with it")
+    if options.simulator != VERILATOR and options.agent != PIN:
+        raise InputError(f"--agent {options.agent} needs Verilator: {options.simulator} drives pins alone")
     check_test_fits(options.test, options.config)
     dut = DUT if options.fault is None else _broken(options.fault, options.test)
     if table()[options.test].of_mesh_engine:
@@ -100,6 +119,7 @@ def run(options: argparse.Namespace) -> int:
         agent=options.agent,
         judged_one_in=options.judged,
         soak=options.soak,
+        simulator=options.simulator,
     )
     result = run_and_explain(settings, dut)
     if result.passed and result.counts:
@@ -138,7 +158,13 @@ def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
         raise InputError("--replay and --soak go with tests of the core")
     name = f"mesh_{parse_mesh_configuration(options.config).name}"
     settings = run_settings(
-        options.test, name, options.seed, options.pairs, agent=options.agent, judged_one_in=options.judged
+        options.test,
+        name,
+        options.seed,
+        options.pairs,
+        agent=options.agent,
+        judged_one_in=options.judged,
+        simulator=options.simulator,
     )
     result = run_and_explain(settings, dut)
     if not result.passed or not result.counts:

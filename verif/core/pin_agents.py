@@ -21,6 +21,8 @@ from triaxis.golden.pairs import check_pairs
 from triaxis.sim.packing import pack_data, pack_user, unpack_data, unpack_user
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import StimulusAgent, StreamPins, create, dut_of, settings_of
+from triaxis.verif.testbench.four_state import withdraw
+from triaxis.verif.testbench.settings import RunSettings
 
 SOURCE_BUS, SINK_BUS = "s_axis", "m_axis"
 SOURCE_SIGNALS = {"tvalid": "tvalid_i", "tready": "tready_o", "tdata": "tdata_i", "tuser": "tuser_i"}
@@ -32,15 +34,18 @@ class SourceBus(ValidatedBusDriver):
 
     _signals = SOURCE_SIGNALS
 
-    def __init__(self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject) -> None:
+    def __init__(
+        self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, settings: RunSettings
+    ) -> None:
         """Start with nothing offered."""
         super().__init__(dut, SOURCE_BUS, clock)
         self._edge = RisingEdge(clock)
         self._reset_n = reset_n
+        self._dut, self._settings = dut, settings
         self.pins = cast(StreamPins, self.bus)
-        self.pins.tvalid.value = 0
         self.pins.tdata.value = 0
         self.pins.tuser.value = 0
+        self.idle()
 
     def set_pace(self, pace: Pace, random: Random) -> None:
         """Offer beats at this pace from now on."""
@@ -53,7 +58,7 @@ class SourceBus(ValidatedBusDriver):
 
     def idle(self) -> None:
         """Offer nothing until the next beat."""
-        self.pins.tvalid.value = 0
+        withdraw(self._dut, SOURCE_BUS, self._settings)
 
     async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
         edge, pins = self._edge, self.pins
@@ -111,7 +116,7 @@ class SourceDriver(uvm_driver):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
         dut = dut_of(self)
-        self.bus = SourceBus(dut, dut.clk_i, dut.rst_ni)
+        self.bus = SourceBus(dut, dut.clk_i, dut.rst_ni, self.settings)
 
     async def run_phase(self) -> None:
         """Drive items as they come."""

@@ -15,6 +15,7 @@ from triaxis.verif.core.sequences import ArraySequence
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors_as_written
 from triaxis.verif.core.uvm_tests import MixedTest, StallsTest
 from triaxis.verif.testbench.environment import dut_of
+from triaxis.verif.testbench.settings import RunSettings
 
 
 class WrappingVectorsTest(CoreTest):
@@ -29,11 +30,13 @@ class WrappingVectorsTest(CoreTest):
 class LateBus(SourceBus):
     """Offers each pair without its last vertex, which follows a clock later."""
 
-    def __init__(self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, width: int) -> None:
+    def __init__(
+        self, dut: HierarchyObject, clock: LogicObject, reset_n: LogicObject, settings: RunSettings
+    ) -> None:
         """Know where the last vertex lies."""
-        super().__init__(dut, clock, reset_n)
+        super().__init__(dut, clock, reset_n, settings)
         self._clock_edge = RisingEdge(clock)
-        self._early = (1 << (COORDINATES - 3) * width) - 1
+        self._early = (1 << (COORDINATES - 3) * settings.width) - 1
 
     async def _driver_send(self, transaction: tuple[int, int], sync: bool = True, **kwargs: Any) -> None:
         if sync:
@@ -53,7 +56,7 @@ class LateDriver(SourceDriver):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
         dut = dut_of(self)
-        self.bus = LateBus(dut, dut.clk_i, dut.rst_ni, self.settings.configuration.width)
+        self.bus = LateBus(dut, dut.clk_i, dut.rst_ni, self.settings)
 
 
 class LateOperandTest(StallsTest):

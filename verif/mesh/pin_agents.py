@@ -36,6 +36,7 @@ from triaxis.verif.mesh.items import (
 )
 from triaxis.verif.testbench.environment import StimulusAgent, create, dut_of, settings_of
 from triaxis.verif.testbench.failures import HungError, found
+from triaxis.verif.testbench.four_state import withdraw
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
 
@@ -52,7 +53,7 @@ class LoadDriver(uvm_driver):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
         self.dut = dut_of(self)
-        self.dut.s_axis_load_tvalid_i.value = 0
+        withdraw(self.dut, "s_axis_load", settings_of(self))
         self.edge = RisingEdge(self.dut.clk_i)
 
     async def run_phase(self) -> None:
@@ -80,11 +81,11 @@ class LoadDriver(uvm_driver):
                 on = self.random.randint(1, item.gaps.on)
                 await self._pause(item.gaps)
             await self._send(data, user)
-        self.dut.s_axis_load_tvalid_i.value = 0
+        withdraw(self.dut, "s_axis_load", settings_of(self))
         item.clocks = round((get_sim_time("ns") - start) / PERIOD_NS)
 
     async def _pause(self, gaps: Pace) -> None:
-        self.dut.s_axis_load_tvalid_i.value = 0
+        withdraw(self.dut, "s_axis_load", settings_of(self))
         for _ in range(self.random.randint(0, gaps.off)):
             await self.edge
 
@@ -161,7 +162,7 @@ class RunDriver(uvm_driver):
     def start_of_simulation_phase(self) -> None:
         """Take hold of the pins."""
         self.dut = dut_of(self)
-        self.dut.s_axis_run_tvalid_i.value = 0
+        withdraw(self.dut, "s_axis_run", settings_of(self))
         self.dut.abort_i.value = 0
         self.edge = RisingEdge(self.dut.clk_i)
 
@@ -209,7 +210,7 @@ class RunDriver(uvm_driver):
         await self.edge
         while not int(self.dut.s_axis_run_tready_o.value) or not int(self.dut.rst_ni.value):
             await self.edge
-        self.dut.s_axis_run_tvalid_i.value = 0
+        withdraw(self.dut, "s_axis_run", settings_of(self))
 
     async def ended(self, item: RunItem) -> int:
         """Wait for the summary, or for a reset; return the clocks since the run was accepted."""

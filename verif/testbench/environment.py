@@ -5,7 +5,7 @@ import json
 import resource
 import signal
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, cast
@@ -32,6 +32,7 @@ from pyuvm import (
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.testbench.fast_model import FastModel
+from triaxis.verif.testbench.four_state import UnknownMonitor
 from triaxis.verif.testbench.settings import (
     PIN,
     RunSettings,
@@ -147,7 +148,12 @@ class CountingScoreboard(uvm_scoreboard):
 
 
 class EnvironmentTest(uvm_test):
-    """What all tests share: settings, clock, reset. Tests override `stimulus`, environments the rest."""
+    """What all tests share: settings, clock, reset. Tests override `stimulus`, environments the rest.
+
+    ``outputs``: see `UnknownMonitor`.
+    """
+
+    outputs: Mapping[str, str | None]
 
     def build_phase(self) -> None:
         """Take the settings from the runner, and let every component find them."""
@@ -160,6 +166,9 @@ class EnvironmentTest(uvm_test):
         self.bfm = None if self.on_pins else self.fast_model()
         for key, value in ((_SETTINGS, self.settings), (_DUT, self.dut), (_BFM, self.bfm)):
             ConfigDB().set(None, "*", key, value)
+        if self.settings.four_state:
+            monitor = create(UnknownMonitor, "unknown", self)
+            monitor.dut, monitor.settings, monitor.outputs = self.dut, self.settings, self.outputs
 
     def fast_model(self) -> FastModel[Any]:
         """Return the bus-functional model that takes the place of the pins, and have its agents made."""
@@ -178,6 +187,8 @@ class EnvironmentTest(uvm_test):
         if self.bfm:
             self.bfm.open(Path(model.library), model.selected)
         else:
+            # Some simulators do not know the value of an input that nothing drives yet.
+            self.dut.rst_ni.value = 0
             Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
             await self.between_edges()
         await self.reset(_RESET_CYCLES)

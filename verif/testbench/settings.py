@@ -16,6 +16,7 @@ from triaxis.verif.testbench.golden_sample import Share
 _VARIABLE = "TRIAXIS_RUN"
 _LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
 PIN, BURST = "pin", "burst"
+VERILATOR = "verilator"
 # Where the tests stand; the simulator's process loads them by name, which no import shows.
 CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
 MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
@@ -37,7 +38,8 @@ class RunSettings:
 
     ``agent``: "pin" or "burst". ``judged_one_in``: the share of pairs that the golden model judges
     beside the bulk checker; 1: all. ``soak``: no assertions, coverage samples a part of
-    the batches, and the golden model takes new kinds of situations one a batch.
+    the batches, and the golden model takes new kinds of situations one a batch. ``simulator``: of the
+    pins, Verilator or one of sim/simulators.py; a library is always Verilator's.
     """
 
     test: str
@@ -49,6 +51,12 @@ class RunSettings:
     agent: str = PIN
     judged_one_in: int = 1
     soak: bool = False
+    simulator: str = VERILATOR
+
+    @property
+    def four_state(self) -> bool:
+        """Return whether the simulator knows of values that are unknown."""
+        return self.simulator != VERILATOR
 
     @property
     def time_limit(self) -> float:
@@ -57,7 +65,7 @@ class RunSettings:
         Pin by pin, and where the golden model judges all, a pair takes up to a millisecond.
         """
         slow = self.agent == PIN or self.judged_one_in == 1
-        return 300 + self.pairs * (1e-2 if slow else 2e-4)
+        return 300 + self.pairs * (1.0 if self.four_state else 1e-2 if slow else 2e-4)
 
     @property
     def share(self) -> Share:
@@ -92,6 +100,7 @@ class RunSettings:
         options = "" if self.agent == PIN else f" --agent {self.agent}"
         options += "" if self.judged_one_in == 1 else f" --judged {self.judged_one_in}"
         options += " --soak" if self.soak else ""
+        options += f" --simulator {self.simulator}" if self.four_state else ""
         return (
             f".venv/bin/triaxis sim {self.test} --seed {self.seed} --config {self.config} "
             f"--pairs {self.pairs}{options}"

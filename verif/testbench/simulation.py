@@ -18,8 +18,16 @@ from triaxis.golden.outputs import make_folder
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import asserted, bare_build, core_build, mesh_build, mesh_pin_build, pin_build
 from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.simulators import compiled_for
 from triaxis.sim.verilate import Build, library, verilate
-from triaxis.verif.testbench.settings import PIN, RunSettings, coverage_file, failure_file, result_file
+from triaxis.verif.testbench.settings import (
+    PIN,
+    VERILATOR,
+    RunSettings,
+    coverage_file,
+    failure_file,
+    result_file,
+)
 from triaxis.verif.testbench.trials import Trials
 
 # How often an error line of the log is repeated to the user.
@@ -71,14 +79,18 @@ def run_settings(
     agent: str = PIN,
     judged_one_in: int = 1,
     soak: bool = False,
+    simulator: str = VERILATOR,
 ) -> RunSettings:
     """Return the settings of a run, in its usual folder unless another is named.
 
     ``configuration``: also by its name, as those of the mesh engine are given.
     """
     config = configuration if isinstance(configuration, str) else configuration.name
-    usual = BUILD / "runs" / f"{test}-{config}-{agent}-{seed}"
-    return RunSettings(test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak)
+    on = agent if simulator == VERILATOR else simulator
+    usual = BUILD / "runs" / f"{test}-{config}-{on}-{seed}"
+    return RunSettings(
+        test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak, simulator
+    )
 
 
 def _errors(log: Path) -> tuple[str, ...]:
@@ -117,6 +129,8 @@ def program_of(settings: RunSettings, dut: Path = DUT) -> Build:
 def build_for(settings: RunSettings, dut: Path = DUT) -> tuple[Path, Path | None]:
     """Return the folder of the simulator that a run needs, and its library if any, built where needed."""
     model = model_of(settings, dut)
+    if settings.simulator != VERILATOR:
+        return compiled_for(settings.simulator, program_of(settings, dut)), None
     return verilate(program_of(settings, dut)), library(model) if model else None
 
 
@@ -169,7 +183,7 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
     """Run the simulator; return whether it ended well."""
     # The runner raises, or exits, where the simulator ends badly; the results file tells more of tests.
     with contextlib.suppress(SystemExit, RuntimeError):
-        get_runner("verilator").test(
+        get_runner(settings.simulator).test(
             hdl_toplevel=program_of(settings).top,
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testbench.entry",

@@ -48,7 +48,7 @@ BROKEN = (
     ("a middle point taken for the lowest", "box_m0", "core/triaxis_extent.sv",
      "low[0] = below_q[0] && !below_q[2];", "low[0] = below_q[0];", "Lowest"),
     ("claims the last axis", "verdict_m0", "core/triaxis_verdict.sv",
-     "lowest_d = separated_q & (~separated_q + axes_t'(1));", "lowest_d = separated_q;", "ClaimIsLowest"),
+     " & -separated_q[NumAxes-1:AxisNormalA]", "", "ClaimIsLowest"),
     ("flags of a masked pair", "verdict_m0", "core/triaxis_verdict.sv",
      "coplanar_i && !gated_i", "coplanar_i", "FlagCoplanar"),
     ("the most negative component overflows", "threshold_space", "core/triaxis_threshold.sv",

@@ -1,0 +1,73 @@
+"""Simulators other than Verilator, for runs on the pins: cocotb's runner knows how each is called.
+
+Icarus Verilog, which has four states, takes no SystemVerilog as the RTL is written in: yosys elaborates it
+first, registers and memories left as they are, and writes Verilog. Assertions are left out there.
+"""
+
+import shutil
+import sys
+from pathlib import Path
+
+from cocotb_tools.runner import get_runner
+
+from triaxis.golden.errors import InputError
+from triaxis.sim.build import built, content_hash
+from triaxis.sim.paths import BUILD
+from triaxis.sim.programs import read_slang, run_to_result, yosys, yosys_version
+from triaxis.sim.verilate import Build
+
+ICARUS = "icarus"
+# They read the RTL as it is, with its assertions. Nobody has tried them here.
+UNTRIED = ("questa", "riviera", "vcs", "xcelium")
+
+_TIMESCALE = ("1ns", "1ps")
+_EXECUTABLE = {ICARUS: "iverilog"}
+
+
+def icarus_installed() -> bool:
+    """Return whether Icarus Verilog is there."""
+    return shutil.which(_EXECUTABLE[ICARUS]) is not None
+
+
+def compiled_for(simulator: str, build: Build) -> Path:
+    """Return the folder of a design on its pins compiled for a simulator, compiled where needed.
+
+    Raises InputError where Icarus Verilog is not installed, or a tool does not take the design.
+    """
+    if simulator == ICARUS and not icarus_installed():
+        raise InputError("iverilog: not found: install Icarus Verilog (Debian: apt-get install iverilog)")
+    parts = [simulator, build.hashed, yosys_version() if simulator == ICARUS else str(build.dut)]
+    folder = BUILD / simulator / f"{build.name}-{content_hash([], *parts)[:12]}"
+
+    def make(partial: Path) -> None:
+        print(f"building {build.name} for {simulator} (once) ..", file=sys.stderr, flush=True)
+        design, parameters = [path for path in build.sources if path.suffix == ".sv"], dict(build.parameters)
+        if simulator == ICARUS:
+            design, parameters = [plain_verilog(build, partial)], {}
+        log = partial / "build.log"
+        try:
+            get_runner(simulator).build(
+                sources=design, hdl_toplevel=build.top, parameters=parameters, includes=[build.dut / "core"],
+                build_dir=partial, always=True, timescale=_TIMESCALE, log_file=log,
+            )  # fmt: skip
+        except (SystemExit, RuntimeError) as error:
+            raise InputError(
+                f"{build.name}: {simulator} does not compile it: {error} (log: {log})"
+            ) from error
+
+    return built(folder, make)
+
+
+def plain_verilog(build: Build, folder: Path) -> Path:
+    """Return the RTL of a build as Verilog in ``folder``, elaborated with its parameters."""
+    sources = [path for path in build.sources if path.suffix == ".sv" and path.is_relative_to(build.dut)]
+    for path in (*sources, build.dut / "core" / "triaxis_stage.svh"):
+        shutil.copy(path, folder)
+    result = folder / f"{build.top}.v"
+    # Nothing is optimised, and memories stay arrays: what is not reset or not written is unknown.
+    script = (
+        f"{read_slang([path.name for path in sources], build.top, build.parameters)}; "
+        f"hierarchy -check -top {build.top}; proc -noopt; memory_collect; write_verilog -noattr {result.name}"
+    )
+    run_to_result([str(yosys()), "-p", script], result, folder / "yosys.log", folder)
+    return result

@@ -1,0 +1,163 @@
+"""The pin tests in a simulator of four states: nothing unknown may reach an output that counts.
+
+Registers without a reset, memories that nothing wrote, and inputs that offer nothing are unknown there; in
+Verilator's two states they are numbers, and what reads them too early goes unseen.
+"""
+
+import json
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from triaxis.sim.evidence import write_evidence
+from triaxis.sim.paths import BUILD, DUT
+from triaxis.sim.simulators import ICARUS
+from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.verif.testbench.four_state import unknown_file
+from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, RunSettings
+from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
+from triaxis.verif.testbench.table import table
+
+FOLDER = BUILD / "four_state"
+RESULT = FOLDER / "four_state.json"
+SOURCES = Sources(("triaxis.verif.regress.four_state", *TEST_MODULES), TEST_DATA)
+
+# Beside the runs of the table: all kinds of pairs in some volume.
+_LONG, _LONG_CONFIG, _LONG_PAIRS = "MixedTest", "w16_m0", 10_000
+_JOBS = min(2, os.cpu_count() or 1)
+
+
+def plan(seed: int) -> list[RunSettings]:
+    """Return every run of the table that is on the pins, in each of its configurations, and a longer one."""
+    wanted = [(_LONG, _LONG_CONFIG, _LONG_PAIRS)] + [
+        (entry.name, config, runs.pairs)
+        for entry in table().values()
+        for runs in entry.runs
+        if runs.agent == PIN and runs.signoff
+        for config in runs.configs
+    ]
+    # The longest of a test and a configuration comes first, and is enough.
+    longest = {(test, config): pairs for test, config, pairs in sorted(wanted, key=lambda one: one[2])}
+    return [
+        run_settings(test, config, seed, pairs, folder=FOLDER / f"{test}-{config}", simulator=ICARUS)
+        for (test, config), pairs in sorted(longest.items(), key=lambda one: -one[1])
+    ]
+
+
+@dataclass(frozen=True)
+class FourStateResult:
+    """What came of the runs, and what of the RTL and the environment they are valid for."""
+
+    runs: tuple[RunResult, ...]
+    valid_for: Validity
+    seconds: float
+
+    @property
+    def looked(self) -> int:
+        """Return how many values of outputs were looked at."""
+        return sum(_unknown(run)["looked"] for run in self.runs)
+
+    @property
+    def unknown(self) -> int:
+        """Return how many of them were unknown."""
+        return sum(_unknown(run)["unknown"] for run in self.runs)
+
+    def pairs(self, of_mesh_engine: bool) -> int:
+        """Return how many pairs were checked, sent to the core or decided by the mesh engine."""
+        return sum(
+            run.counts["checked"]
+            for run in self.runs
+            if run.counts and run.settings.of_mesh_engine == of_mesh_engine
+        )
+
+    @property
+    def wrong(self) -> int:
+        """Return how many answers were wrong."""
+        return sum(run.counts["failed"] for run in self.runs if run.counts)
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what failed, a line each."""
+        found = [
+            f"{ran.settings.test} in {ran.settings.config} failed: {ran.errors[0]}: "
+            f"{ran.settings.replay_command}"
+            for ran in self.runs
+            if not ran.passed
+        ]
+        found += ["no output was looked at"] if not self.looked else []
+        return found + (["the RTL changed meanwhile"] if validity(SOURCES) != self.valid_for else [])
+
+    @property
+    def summary(self) -> str:
+        """Return the result in a line."""
+        return (
+            f"{self.pairs(of_mesh_engine=False):,} pairs of the core and "
+            f"{self.pairs(of_mesh_engine=True):,} of scenes, {self.wrong} wrong; "
+            f"{self.unknown} of {self.looked:,} values of outputs unknown"
+        )
+
+
+def _unknown(result: RunResult) -> dict[str, int]:
+    try:
+        return json.loads(unknown_file(Path(result.settings.folder)).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {"looked": 0, "unknown": 0}
+
+
+def run_four_state(
+    seed: int, progress: Callable[[int], None], runs: Sequence[RunSettings] | None = None, dut: Path = DUT
+) -> FourStateResult:
+    """Run the plan, or other runs, on Icarus Verilog; ``progress`` is told of each run done.
+
+    Raises InputError where that is not installed.
+    """
+    start, before = time.monotonic(), validity(SOURCES)
+    chosen = plan(seed) if runs is None else runs
+
+    def one(settings: RunSettings) -> RunResult:
+        result = run(settings, dut)
+        progress(1)
+        return result
+
+    # One of each first: what is not installed, or does not compile, is one error.
+    for settings in {settings.config: settings for settings in chosen}.values():
+        build_for(settings, dut)
+    with ThreadPoolExecutor(_JOBS) as pool:
+        results = tuple(pool.map(one, chosen))
+    return FourStateResult(results, before, time.monotonic() - start)
+
+
+def write_result(result: FourStateResult, command: str, path: Path = RESULT) -> Path:
+    """Write the result."""
+    content: dict[str, Any] = {
+        "passed": not result.problems,
+        "problems": result.problems,
+        "summary": result.summary,
+        "command": command,
+        "seconds": round(result.seconds, 1),
+        "rtl_hash": result.valid_for.rtl_hash,
+        "environment_hash": result.valid_for.environment_hash,
+        "simulator": ICARUS,
+        "pairs": result.pairs(of_mesh_engine=False),
+        "pairs_of_scenes": result.pairs(of_mesh_engine=True),
+        "wrong": result.wrong,
+        "looked": result.looked,
+        "unknown": result.unknown,
+        "runs": [
+            {
+                "test": run.settings.test,
+                "config": run.settings.config,
+                "seed": run.settings.seed,
+                "passed": run.passed,
+                "seconds": round(run.seconds, 1),
+                "replay": run.settings.replay_command,
+                **_unknown(run),
+            }
+            for run in result.runs
+        ],
+    }
+    return write_evidence(path, content, SOURCES)

@@ -1,0 +1,74 @@
+"""Unknown values are seen where they reach an output; what a two-state simulator takes for a number too."""
+
+import json
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.sim import simulators
+from triaxis.sim.simulators import ICARUS, compiled_for, icarus_installed
+from triaxis.verif.core.tests.broken_rtl import broken_rtl
+from triaxis.verif.regress.four_state import plan, run_four_state, write_result
+from triaxis.verif.testbench.simulation import program_of, run, run_settings
+
+needs_icarus = pytest.mark.skipif(not icarus_installed(), reason="Icarus is not installed: iverilog")
+
+
+def small_runs(folder, test="FarTest", pairs=60):
+    return [run_settings(test, "w16_m0", 1, pairs, folder=folder / "run", simulator=ICARUS)]
+
+
+@needs_icarus
+@pytest.mark.simulator
+@pytest.mark.prover
+def test_nothing_is_unknown_in_the_core(tmp_path):
+    result = run_four_state(1, lambda _: None, small_runs(tmp_path))
+    assert result.problems == []
+    assert (result.pairs(of_mesh_engine=False), result.wrong, result.unknown) == (60, 0, 0)
+    content = json.loads(write_result(result, "command", tmp_path / "four_state.json").read_text())
+    assert content["passed"] and content["looked"] > 200
+
+
+# Each right in two states, where what is not reset is 0 or any other number.
+UNKNOWN = {
+    "a counter that no reset reaches": (
+        ("core/triaxis_core.sv", "      in_flight_q <= '0;\n      awake_q", "      awake_q"),
+        "s_axis_tready_o is unknown",
+    ),
+    "claims of the boxes mixed with those of tests that never had operands": (
+        (
+            "core/triaxis_verdict.sv",
+            "(separated_q[AxisNormalA-1:0] != '0) ? '0 :\n      separated_q[NumAxes-1:AxisNormalA] & "
+            "-separated_q[NumAxes-1:AxisNormalA];",
+            "(NumAxes - AxisNormalA)'((separated_q & -separated_q) >> AxisNormalA);",
+        ),
+        "m_axis_tdata_o is unknown",
+    ),
+}
+
+
+@needs_icarus
+@pytest.mark.simulator
+@pytest.mark.prover
+@pytest.mark.parametrize(("change", "message"), UNKNOWN.values(), ids=UNKNOWN)
+def test_what_is_unknown_is_seen(tmp_path, change, message):
+    result = run_four_state(1, lambda _: None, small_runs(tmp_path), broken_rtl(tmp_path, change))
+    assert result.unknown > 0
+    assert any(message in problem for problem in result.problems), result.problems
+
+
+def test_the_plan_has_every_test_of_resets_and_ten_thousand_pairs():
+    runs = plan(1)
+    assert {run.test for run in runs} >= {"ResetsTest", "MeshResetsTest"}
+    assert max(run.pairs for run in runs if not run.of_mesh_engine) >= 10_000
+    assert len({run.folder for run in runs}) == len(runs)
+    assert "--simulator icarus" in runs[0].replay_command
+
+
+def test_a_simulator_is_refused_in_a_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(simulators.shutil, "which", lambda _: None)
+    build = program_of(small_runs(tmp_path)[0])
+    with pytest.raises(InputError, match="install Icarus"):
+        compiled_for(ICARUS, build)
+    with pytest.raises(InputError, match="install Icarus"):
+        run(small_runs(tmp_path)[0])
