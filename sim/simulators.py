@@ -5,6 +5,7 @@ first, registers and memories left as they are, and writes Verilog. Assertions a
 """
 
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -21,12 +22,17 @@ ICARUS = "icarus"
 UNTRIED = ("questa", "riviera", "vcs", "xcelium")
 
 _TIMESCALE = ("1ns", "1ps")
-_EXECUTABLE = {ICARUS: "iverilog"}
 
 
 def icarus_installed() -> bool:
     """Return whether Icarus Verilog is there."""
-    return shutil.which(_EXECUTABLE[ICARUS]) is not None
+    return all(shutil.which(name) is not None for name in ("iverilog", "vvp"))
+
+
+def icarus_version() -> str:
+    """Return what Icarus Verilog calls itself."""
+    said = subprocess.run(["iverilog", "-V"], capture_output=True, text=True, check=False).stdout
+    return said.splitlines()[0] if said else "unknown"
 
 
 def compiled_for(simulator: str, build: Build) -> Path:
@@ -36,8 +42,9 @@ def compiled_for(simulator: str, build: Build) -> Path:
     """
     if simulator == ICARUS and not icarus_installed():
         raise InputError("iverilog: not found: install Icarus Verilog (Debian: apt-get install iverilog)")
-    parts = [simulator, build.hashed, yosys_version() if simulator == ICARUS else str(build.dut)]
-    folder = BUILD / simulator / f"{build.name}-{content_hash([], *parts)[:12]}"
+    tools = (icarus_version(), yosys_version()) if simulator == ICARUS else (str(build.dut),)
+    key = content_hash([Path(__file__)], simulator, build.hashed, *tools)
+    folder = BUILD / simulator / f"{build.name}-{key[:12]}"
 
     def make(partial: Path) -> None:
         print(f"building {build.name} for {simulator} (once) ..", file=sys.stderr, flush=True)

@@ -15,7 +15,8 @@ from typing import Any
 
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BUILD, DUT
-from triaxis.sim.simulators import ICARUS
+from triaxis.sim.programs import yosys_version
+from triaxis.sim.simulators import ICARUS, icarus_version
 from triaxis.sim.validity import Sources, Validity, validity
 from triaxis.verif.testbench.four_state import unknown_file
 from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, RunSettings
@@ -59,12 +60,17 @@ class FourStateResult:
     @property
     def looked(self) -> int:
         """Return how many values of outputs were looked at."""
-        return sum(_unknown(run)["looked"] for run in self.runs)
+        return sum(_unknown(run)["looked"] or 0 for run in self.runs)
 
     @property
     def unknown(self) -> int:
         """Return how many of them were unknown."""
-        return sum(_unknown(run)["unknown"] for run in self.runs)
+        return sum(_unknown(run)["unknown"] or 0 for run in self.runs)
+
+    @property
+    def without_counts(self) -> int:
+        """Return how many runs ended before they counted anything."""
+        return sum(run.counts is None for run in self.runs)
 
     def pairs(self, of_mesh_engine: bool) -> int:
         """Return how many pairs were checked, sent to the core or decided by the mesh engine."""
@@ -98,14 +104,15 @@ class FourStateResult:
             f"{self.pairs(of_mesh_engine=False):,} pairs of the core and "
             f"{self.pairs(of_mesh_engine=True):,} of scenes, {self.wrong} wrong; "
             f"{self.unknown} of {self.looked:,} values of outputs unknown"
+            + (f"; {self.without_counts} of {len(self.runs)} runs ended early" if self.without_counts else "")
         )
 
 
-def _unknown(result: RunResult) -> dict[str, int]:
+def _unknown(result: RunResult) -> dict[str, int | None]:
     try:
         return json.loads(unknown_file(Path(result.settings.folder)).read_text(encoding="utf-8"))
     except FileNotFoundError:
-        return {"looked": 0, "unknown": 0}
+        return {"looked": None, "unknown": None}
 
 
 def run_four_state(
@@ -141,7 +148,9 @@ def write_result(result: FourStateResult, command: str, path: Path = RESULT) -> 
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.valid_for.rtl_hash,
         "environment_hash": result.valid_for.environment_hash,
-        "simulator": ICARUS,
+        "simulator": icarus_version(),
+        "elaborated_by": yosys_version(),
+        "runs_without_counts": result.without_counts,
         "pairs": result.pairs(of_mesh_engine=False),
         "pairs_of_scenes": result.pairs(of_mesh_engine=True),
         "wrong": result.wrong,

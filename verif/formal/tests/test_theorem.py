@@ -11,7 +11,7 @@ from triaxis.verif.formal import coq
 from triaxis.verif.formal.proof import Outcome, Result
 from triaxis.verif.formal.proving import FormalResult
 
-needs_coq = pytest.mark.skipif(coq.coq_version() is None, reason="Coq is not installed: apt-get install coq")
+needs_coq = pytest.mark.skipif(not coq.installed(), reason="Coq is not installed: apt-get install coq")
 
 
 def swapped(source: str, first: int, second: int) -> str:
@@ -46,10 +46,37 @@ def test_a_lemma_without_a_proof_is_an_assumption(tmp_path):
     path.write_text(text[:start] + "Admitted.\n" + text[text.index("Qed.", start) + 4 :])
     theorems = coq.check(tmp_path / "proof", theory)
     assert [one.name for one in theorems] == list(coq.THEOREMS)
+    assert theorems[0].statement == (
+        "forall (A B : triangle) (m : R), 0 <= m -> near A B m <-> ~ some_axis_separates A B m"
+    )
     # What does not use it stands.
     said = coq.problems(theorems)
     assert "nothing_is_missed: rests on chebyshev_triangle" in said
     assert not any("near_exactly" in line for line in said)
+
+
+@needs_coq
+@pytest.mark.prover
+def test_an_axiom_under_a_name_of_the_library_is_refused(tmp_path):
+    theory = shutil.copytree(coq.THEORY, tmp_path / "theory")
+    path = theory / "Rounding.v"
+    module = "Module ClassicalDedekindReals. Axiom sig_forall_dec : 1 = 0. End ClassicalDedekindReals.\n"
+    path.write_text(path.read_text() + module)
+    with pytest.raises(coq.ProofError, match=r"Rounding\.v: declares a module"):
+        coq.check(tmp_path / "proof", theory)
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"), [("exit 1", "does not start"), ("echo version 8.9.1", "too old")]
+)
+def test_a_coq_that_does_not_work_decides_nothing(tmp_path, monkeypatch, answer, message):
+    broken = tmp_path / "coqc"
+    broken.write_text(f"#!/bin/sh\n{answer}\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    finding = coq.theorem().prove(DUT, tmp_path / "proof")
+    assert finding.result is Result.UNDECIDED
+    assert message in finding.undecided[0]
 
 
 def test_without_coq_it_is_an_exception_and_no_proof(tmp_path, monkeypatch):
