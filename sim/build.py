@@ -86,10 +86,10 @@ def run_tool(command: Sequence[str], folder: Path, what: str) -> None:
             check=False,
         ).returncode
     if status:
-        raise _build_error(what, log)
+        raise build_error(what, log)
 
 
-def _build_error(what: str, log: Path) -> InputError:
+def build_error(what: str, log: Path) -> InputError:
     """Return an error with the first error line of a build's log."""
     lines = log.read_text(errors="replace").splitlines() if log.exists() else []
     wanted = (line for line in lines if "rror" in line or "not found" in line)

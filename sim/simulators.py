@@ -12,7 +12,7 @@ from pathlib import Path
 from cocotb_tools.runner import get_runner
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import built, content_hash
+from triaxis.sim.build import build_error, built, content_hash
 from triaxis.sim.paths import BUILD
 from triaxis.sim.programs import read_slang, run_to_result, yosys, yosys_version
 from triaxis.sim.verilate import Build
@@ -58,9 +58,9 @@ def compiled_for(simulator: str, build: Build) -> Path:
                 build_dir=partial, always=True, timescale=_TIMESCALE, log_file=log,
             )  # fmt: skip
         except (SystemExit, RuntimeError) as error:
-            raise InputError(
-                f"{build.name}: {simulator} does not compile it: {error} (log: {log})"
-            ) from error
+            # Without a log it was not even started.
+            problem = InputError(f"{simulator}: {error}: install it, or choose another simulator")
+            raise build_error(f"{build.name} for {simulator}", log) if log.exists() else problem from error
 
     return built(folder, make)
 

@@ -3,8 +3,8 @@
 //
 // Computes: the verdict from the 32 axis bits. Near where no axis separates; otherwise the claim is
 // the lowest-numbered separating axis. Flags count only where the multipliers saw the pair: gated_i
-// says that its boxes decided it and older operands stayed in place. What the other tests make of
-// those, after a reset of operands that never were, does not touch a claim of the boxes.
+// says that its boxes decided it and older operands stayed in place, unknown ones where no pair has
+// reached the multipliers since power-up. So claims of the boxes are made of their axes alone.
 // Widths: see verdict_t. Latency: VerdictLatency = 3: axis bits; the lowest of them alone; the claim, of
 // each bit of its number whether it is among the axes that have it.
 

@@ -12,6 +12,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
+from triaxis.sim.paths import BUILD
 from triaxis.verif.exhaustive.check import MARGINS
 from triaxis.verif.exhaustive.grid import LARGEST, SMALLEST, Grid, check_size
 from triaxis.verif.exhaustive.run import (
@@ -90,7 +91,7 @@ def add_theorem(parser: argparse.ArgumentParser) -> None:
 
 def _theorem(options: argparse.Namespace) -> int:
     try:
-        theorems = coq.check(proving.FOLDER / "theorem")
+        theorems = coq.check(BUILD / "theorem")
     except coq.ProofError as error:
         print(f"FAILED: {error}", file=sys.stderr)
         return NO

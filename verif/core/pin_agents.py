@@ -74,7 +74,11 @@ class SourceBus(ValidatedBusDriver):
         await edge
         while not (int(pins.tready.value) and int(self._reset_n.value)):
             # AXI4-Stream wants tvalid low in reset.
-            pins.tvalid.value = int(self._reset_n.value)
+            if not int(self._reset_n.value):
+                self.idle()
+            elif not int(pins.tvalid.value):
+                pins.tdata.value, pins.tuser.value = transaction
+                pins.tvalid.value = 1
             await edge
         # With no generator, `on` is True for good.
         if self.on and self.on is not True:
