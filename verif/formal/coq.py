@@ -8,7 +8,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -179,8 +179,8 @@ def problems(theorems: Sequence[Theorem]) -> list[str]:
     return [f"{one.name}: rests on {', '.join(one.assumed)}" for one in theorems if one.assumed]
 
 
-def _facts(theorems: Sequence[Theorem]) -> dict[str, int]:
-    return {"theorems": len(theorems), "axes": len(axes())}
+def _facts(theorems: Sequence[Theorem]) -> dict[str, object]:
+    return {"axes": len(axes()), "theorems": [asdict(theorem) for theorem in theorems]}
 
 
 def theorem() -> TheoremProof:

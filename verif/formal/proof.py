@@ -45,7 +45,7 @@ class Finding:
 
     problems: tuple[str, ...] = ()
     log: Path | None = None
-    facts: Mapping[str, int] = field(default_factory=dict)
+    facts: Mapping[str, object] = field(default_factory=dict)
     undecided: tuple[str, ...] = ()
     absent: str | None = None
 

@@ -8,6 +8,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.evidence import read_evidence
+from triaxis.sim.validity import validity
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, result_file, run_grid
@@ -26,10 +27,15 @@ from triaxis.verif.mutation.result import (
     write_result,
 )
 from triaxis.verif.mutation.run import mutate
+from triaxis.verif.regress import four_state
 from triaxis.verif.signoff.plan import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
 GRID = 3
+
+# Results of commands of their own, which a sign-off shows where they are of its RTL and environment: where
+# each is, what it comes from, which command makes it.
+_BESIDE = {"four_state": (four_state.RESULT, four_state.SOURCES, "make four-state")}
 
 Progress = Callable[[int], None]
 Evidence = dict[str, Any]
@@ -55,6 +61,23 @@ def attempt(make: Callable[[], Evidence | None]) -> Part:
     except (InputError, CoreError, CertificateError, OSError) as error:
         return Part(None, f"{type(error).__name__}: {error}" if isinstance(error, OSError) else str(error))
     return Part(evidence, None if evidence else "it left no result")
+
+
+def results_beside() -> dict[str, Part]:
+    """Return what other commands left in build/ for this RTL and this environment."""
+    found: dict[str, Part] = {}
+    for name, (path, sources, command) in _BESIDE.items():
+        part = attempt(lambda path=path: read_evidence(path))
+        here, evidence = validity(sources), part.evidence
+        if evidence is None:
+            part = Part(None, f"run `{command}`")
+        elif (evidence["rtl_hash"], evidence.get("environment_hash")) != (
+            here.rtl_hash,
+            here.environment_hash,
+        ):
+            part = Part(None, f"what is in build/ is of another RTL or environment: run `{command}`")
+        found[name] = part
+    return found
 
 
 def code_coverage_part(seed: int, progress: Progress) -> Evidence | None:

@@ -15,6 +15,8 @@ from triaxis.sim.evidence import Span
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Provenance
 from triaxis.verif.formal.proof import Result
+from triaxis.verif.signoff.chain import THEOREM, Link, chain, unmeasured
+from triaxis.verif.signoff.checklist import Answered, answered, open_items, read_checklist
 from triaxis.verif.signoff.gate import SOURCES
 from triaxis.verif.signoff.parts import Evidence, Part
 
@@ -31,9 +33,14 @@ Value = float | int | None
 
 @dataclass(frozen=True)
 class Signoff:
-    """Evidence of every part, by name, what was signed off, and what the parts took."""
+    """Evidence of every part, by name, what was signed off, and what the parts took.
+
+    ``beside``: results of commands of their own; one that failed fails the sign-off, one that is not there is
+    an exception.
+    """
 
     parts: Mapping[str, Part]
+    beside: Mapping[str, Part]
     provenance: Provenance
     seed: int
     pairs: int
@@ -64,15 +71,39 @@ class Signoff:
                 found.append(f"{title}: is of another RTL: {part.evidence['rtl_hash'][:12]}")
             elif not part.evidence["passed"] and not part.evidence["problems"]:
                 found.append(f"{title}: did not pass")
+        found += [
+            f"{name.replace('_', ' ')}: {problem}"
+            for name, part in self.beside.items()
+            if part.evidence and not part.evidence["passed"]
+            for problem in part.evidence["problems"] or ["did not pass"]
+        ]
+        found += [f"proofs: {name}: {Result.ABSENT}" for name in self._absent_proofs if name != THEOREM]
+        found += open_items(self.checklist)
         if not self.provenance.still_holds(SOURCES):
             found.append("the RTL or its environment changed during the run")
         return found + list(self.judgement.shortfalls)
 
     @property
     def exceptions(self) -> list[str]:
-        """Return what could not be measured on this machine and may be absent, one line each."""
+        """Return what was not measured and may be absent, one line each."""
         proofs = self.parts["proofs"].evidence
-        return list(proofs["exceptions"]) if proofs else []
+        return [*(proofs["exceptions"] if proofs else []), *unmeasured(self.beside)]
+
+    @property
+    def _absent_proofs(self) -> list[str]:
+        evidence = self.parts["proofs"].evidence
+        proofs = evidence["proofs"] if evidence else []
+        return [proof["name"] for proof in proofs if proof["result"] == Result.ABSENT]
+
+    @cached_property
+    def chain(self) -> list[Link]:
+        """Return the links from the definition to the gates."""
+        return chain(self.parts, self.beside)
+
+    @cached_property
+    def checklist(self) -> list[Answered]:
+        """Return the items of the stages' checklists with their answers."""
+        return answered(read_checklist(), self.figures, {**self.parts, **self.beside})
 
     @property
     def passed(self) -> bool:
@@ -89,6 +120,8 @@ class Signoff:
             "exceptions": self.exceptions,
             "summary": f"stage {self.judgement.stage or 'none'} reached",
             "figures": self.figures,
+            "chain": [link.content for link in self.chain],
+            "checklist": [item.content for item in self.checklist],
             "seed": self.seed,
             "seconds": round(self.seconds, 1),
             "timeline": [asdict(span) for span in self.timeline],

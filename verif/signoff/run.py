@@ -21,6 +21,7 @@ from triaxis.verif.signoff.parts import (
     faults_part,
     mutation_part,
     proofs_part,
+    results_beside,
 )
 from triaxis.verif.signoff.plan import PAGE, RESULT, VOLUME
 from triaxis.verif.signoff.result import Signoff
@@ -67,4 +68,4 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
             parts[name] = attempt(make)
     ordered = {name: parts[name] for name in PARTS}
     seconds = time.monotonic() - start
-    return Signoff(ordered, before, seed, volume, seconds, tuple(timeline.spans))
+    return Signoff(ordered, results_beside(), before, seed, volume, seconds, tuple(timeline.spans))

@@ -20,6 +20,7 @@ from triaxis.verif.formal.proof import Result
 from triaxis.verif.formal.proving import proof_names
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.signoff.chain import THEOREM
 from triaxis.verif.signoff.parts import Evidence, Part
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
@@ -110,7 +111,8 @@ def plan_results(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | No
         tests=simulation and every_run_passed((run["test"], run["passed"]) for run in simulation["runs"]),
         proofs=proofs
         and {
-            proof["name"]: proof["passed"] or proof["result"] == Result.ABSENT for proof in proofs["proofs"]
+            proof["name"]: proof["passed"] or (proof["name"] == THEOREM and proof["result"] == Result.ABSENT)
+            for proof in proofs["proofs"]
         },
         faults=faults and {fault["name"]: fault["caught"] for fault in faults["faults"]},
         checks=_checks(found),

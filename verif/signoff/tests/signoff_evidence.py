@@ -91,9 +91,13 @@ def good_parts():
     }
 
 
-def signed(parts=None):
+def good_beside():
+    return {"four_state": Part(evidence(summary="15,741 pairs, 0 unknown"))}
+
+
+def signed(parts=None, beside=None):
     spans = Span("simulation", 0.0, 600.0, 1111.0), Span("mutation", 600.0, 3600.0, 5555.0)
-    return Signoff(parts or good_parts(), HERE, 1, 100_000_000, 1.0, spans)
+    return Signoff(parts or good_parts(), beside or good_beside(), HERE, 1, 100_000_000, 1.0, spans)
 
 
 @cache

@@ -12,7 +12,14 @@ from triaxis.coverage.stages import read_figures
 from triaxis.verif.signoff.gate import refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
-from triaxis.verif.signoff.tests.signoff_evidence import HERE, WAIVERS, good_content, good_parts, signed
+from triaxis.verif.signoff.tests.signoff_evidence import (
+    HERE,
+    WAIVERS,
+    good_beside,
+    good_content,
+    good_parts,
+    signed,
+)
 
 
 def survivor(mutation):
@@ -73,7 +80,9 @@ def test_an_exception_passes_and_is_named(tmp_path):
     parts = good_parts()
     evidence = parts["proofs"].evidence
     assert evidence
-    evidence["proofs"].append({**evidence["proofs"][0], "passed": False, "result": "not measured"})
+    evidence["proofs"].append(
+        {**evidence["proofs"][0], "name": "theorem", "passed": False, "result": "not measured"}
+    )
     evidence["exceptions"].append("theorem: not measured: coqc is not installed")
     result = signed(parts)
     assert result.passed, result.problems
@@ -83,6 +92,49 @@ def test_an_exception_passes_and_is_named(tmp_path):
     )
     page = signoff_page(result.content(), read_figures(), [])
     assert page.count("coqc is not installed") == 1
+
+
+def test_no_other_proof_may_be_absent():
+    parts = good_parts()
+    evidence = parts["proofs"].evidence
+    assert evidence
+    evidence["proofs"].append({**evidence["proofs"][0], "name": "streams", "result": "not measured"})
+    assert "proofs: streams: not measured" in signed(parts).problems
+
+
+def test_what_stands_beside_may_be_absent_but_not_fail(tmp_path):
+    absent = signed(beside={"four_state": Part(None, "run `make four-state`")})
+    assert absent.passed, absent.problems
+    assert not refused(tmp_path, absent.content())
+    assert "signed off without four state: not measured: run `make four-state`" in remarks(
+        tmp_path / "signoff.json"
+    )
+    content = {**good_beside()["four_state"].as_json, "passed": False, "problems": ["2 values unknown"]}
+    failed = signed(beside={"four_state": Part(content)})
+    assert not failed.passed and "four state: 2 values unknown" in failed.problems
+
+
+def test_each_link_says_what_it_rests_on():
+    def states(result):
+        return [(link.step, link.state.value) for link in result.chain]
+
+    good = states(signed())
+    assert [state for _, state in good] == [
+        "not measured", "proved", "checked", "checked", "checked", "not covered",
+    ]  # fmt: skip
+    parts = good_parts()
+    assert parts["proofs"].evidence and parts["mutation"].evidence
+    proofs = parts["proofs"].evidence["proofs"]
+    proofs.append({**proofs[0], "name": "theorem"})
+    assert states(signed(parts))[0] == ("distance to 32 axes", "proved")
+    proofs[0].update(passed=False, result="failed")
+    parts["mutation"].evidence.update(passed=False)
+    broken = states(
+        signed({**parts, "simulation": Part(None, "no tool")}, {"four_state": Part(None, "none")})
+    )
+    assert [state for _, state in broken] == [
+        "proved", "failed", "not measured", "failed", "not measured", "not covered",
+    ]  # fmt: skip
 
 
 def test_all_well_passes_and_a_change_of_the_checkout_fails(tmp_path):

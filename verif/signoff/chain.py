@@ -1,0 +1,126 @@
+"""The chain from the definition of distance to the gates: what a sign-off proved, checked, or did not."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from triaxis.verif.formal.proof import Result
+from triaxis.verif.signoff.parts import Evidence, Part
+
+# The proof of the contract, and what the names of those about the board begin with.
+THEOREM, _BOARD = "theorem", "board_"
+
+
+class State(StrEnum):
+    """What a sign-off can say of a link."""
+
+    PROVED = "proved"
+    CHECKED = "checked"
+    FAILED = "failed"
+    ABSENT = "not measured"
+    # No tool of ours looks at it, whatever is installed.
+    OUTSIDE = "not covered"
+
+
+@dataclass(frozen=True)
+class Link:
+    """One step of the chain: from what to what, what holds, by which tool, how much of it."""
+
+    step: str
+    holds: str
+    tool: str
+    amount: str
+    state: State
+
+    @property
+    def content(self) -> dict[str, str]:
+        """Return the link as it stands in the file."""
+        return {**vars(self), "state": self.state.value}
+
+
+def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
+    """Return the links in order, from the evidence of a sign-off and of the results that stand beside it."""
+    return [
+        _proved(
+            "distance to 32 axes",
+            "two triangles are near at a margin exactly where none of the 32 axes separates them; rounding "
+            "misses nothing",
+            "Coq",
+            parts["proofs"],
+            lambda name: name == THEOREM,
+        ),
+        _proved(
+            "32 axes to RTL",
+            "core and mesh engine decide by these and no others, for all inputs; streams, skips, counts",
+            "algebra on the netlist of yosys; SymbiYosys with yices",
+            parts["proofs"],
+            lambda name: name != THEOREM and not name.startswith(_BOARD),
+        ),
+        _checked(
+            "32 axes to RTL",
+            "answers equal those of the golden model and the bulk checker",
+            "Verilator, pyuvm",
+            parts["simulation"],
+            lambda found: f"{found['pairs_checked']:,} pairs, {found['mismatches']:,} wrong",
+        ),
+        _checked(
+            "32 axes to RTL",
+            "what would be wrong is noticed",
+            "mutants of dut/, by the same tests",
+            parts["mutation"],
+            _mutants,
+        ),
+        _checked(
+            "two states to four",
+            "nothing unknown reaches an output that counts",
+            "Icarus Verilog, the same tests",
+            beside["four_state"],
+            lambda found: str(found["summary"]),
+        ),
+        Link(
+            "netlist to bitstream",
+            "Vivado's own synthesis, placement and routing, and the timing of the part",
+            "none here: Vivado's reports, in front of `make bitstream`",
+            "",
+            State.OUTSIDE,
+        ),
+    ]
+
+
+def _state(part: Part, good: State) -> State:
+    if part.evidence is None:
+        return State.ABSENT
+    return good if part.evidence["passed"] else State.FAILED
+
+
+def _checked(step: str, holds: str, tool: str, part: Part, amount: Callable[[Evidence], str]) -> Link:
+    counted = part.absent or "" if part.evidence is None else amount(part.evidence)
+    return Link(step, holds, tool, counted, _state(part, State.CHECKED))
+
+
+def _proved(step: str, holds: str, tool: str, part: Part, chosen: Callable[[str], bool]) -> Link:
+    if part.evidence is None:
+        return Link(step, holds, tool, part.absent or "", State.ABSENT)
+    proofs = [proof for proof in part.evidence["proofs"] if chosen(proof["name"])]
+    passed = sum(proof["passed"] is True for proof in proofs)
+    results = {proof["result"] for proof in proofs}
+    if not proofs or results == {Result.ABSENT}:
+        state = State.ABSENT
+    else:
+        state = State.PROVED if passed == len(proofs) else State.FAILED
+    return Link(step, holds, tool, f"{passed:,} of {len(proofs):,} proofs", state)
+
+
+def _mutants(found: Evidence) -> str:
+    files: Sequence[Mapping[str, Any]] = list(found["files"].values())
+    mutants, killed, equivalent = (
+        sum(file[key] for file in files) for key in ("mutants", "killed", "equivalent")
+    )
+    return f"{mutants:,} mutants: {killed:,} killed, {equivalent:,} shown equivalent"
+
+
+def unmeasured(beside: Mapping[str, Part]) -> list[str]:
+    """Return which results do not stand beside a sign-off, a line each."""
+    absent = {name.replace("_", " "): part.absent for name, part in beside.items() if part.evidence is None}
+    return [f"{name}: {State.ABSENT}: {reason}" for name, reason in absent.items()]
