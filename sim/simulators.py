@@ -4,6 +4,7 @@ Icarus Verilog, which has four states, takes no SystemVerilog as the RTL is writ
 first, registers and memories left as they are, and writes Verilog. Assertions are left out there.
 """
 
+import re
 import shutil
 import subprocess
 import sys
@@ -22,6 +23,8 @@ ICARUS = "icarus"
 UNTRIED = ("questa", "riviera", "vcs", "xcelium")
 
 _TIMESCALE = ("1ns", "1ps")
+# One bit of a memory written where it is enabled, as yosys says it.
+_MEMORY_WRITE = re.compile(r"^ {4}if \((?P<enable>.*)\)\n(?P<bit> {6}\S.*) <= (?P<data>.*);$", re.MULTILINE)
 
 
 def icarus_installed() -> bool:
@@ -77,4 +80,8 @@ def plain_verilog(build: Build, folder: Path) -> Path:
         f"hierarchy -check -top {build.top}; proc -noopt; memory_collect; write_verilog -noattr {result.name}"
     )
     run_to_result([str(yosys()), "-p", script], result, folder / "yosys.log", folder)
+    # In Verilog an unknown enable writes nothing, without a word: here it makes unknown what it might write.
+    text = result.read_text(encoding="utf-8")
+    poisoned = r"    if ((\g<enable>) !== 1'b0)\n\g<bit> <= (\g<enable>) === 1'b1 ? \g<data> : 1'bx;"
+    result.write_text(_MEMORY_WRITE.sub(poisoned, text), encoding="utf-8")
     return result

@@ -21,8 +21,8 @@ from triaxis.golden.pairs import check_pairs
 from triaxis.sim.packing import pack_data, pack_user, unpack_data, unpack_user
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import StimulusAgent, StreamPins, create, dut_of, settings_of
-from triaxis.verif.testbench.four_state import withdraw
 from triaxis.verif.testbench.settings import RunSettings
+from triaxis.verif.testbench.unknown_values import withdraw
 
 SOURCE_BUS, SINK_BUS = "s_axis", "m_axis"
 SOURCE_SIGNALS = {"tvalid": "tvalid_i", "tready": "tready_o", "tdata": "tdata_i", "tuser": "tuser_i"}

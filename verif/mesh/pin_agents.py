@@ -36,7 +36,7 @@ from triaxis.verif.mesh.items import (
 )
 from triaxis.verif.testbench.environment import StimulusAgent, create, dut_of, settings_of
 from triaxis.verif.testbench.failures import HungError, found
-from triaxis.verif.testbench.four_state import withdraw
+from triaxis.verif.testbench.unknown_values import withdraw
 
 _NO_TRIANGLES = np.empty((0, 3, 3), np.int64)
 

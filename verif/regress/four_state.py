@@ -18,10 +18,10 @@ from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.simulators import ICARUS, icarus_version
 from triaxis.sim.validity import Sources, Validity, validity
-from triaxis.verif.testbench.four_state import unknown_file
 from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
 from triaxis.verif.testbench.table import table
+from triaxis.verif.testbench.unknown_values import unknown_file
 
 FOLDER = BUILD / "four_state"
 RESULT = FOLDER / "four_state.json"

@@ -32,7 +32,6 @@ from pyuvm import (
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.testbench.fast_model import FastModel
-from triaxis.verif.testbench.four_state import UnknownMonitor
 from triaxis.verif.testbench.settings import (
     PIN,
     RunSettings,
@@ -42,6 +41,7 @@ from triaxis.verif.testbench.settings import (
     result_file,
 )
 from triaxis.verif.testbench.trials import Model, next_model
+from triaxis.verif.testbench.unknown_values import UnknownMonitor
 
 Component = TypeVar("Component", bound=uvm_component)
 
