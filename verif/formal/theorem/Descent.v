@@ -30,7 +30,7 @@ Proof.
   apply vector_equal; apply root; simpl; lra.
 Qed.
 
-Lemma zero_or_not v : v = zero \/ v <> zero.
+Lemma zero_or_not v : {v = zero} + {v <> zero}.
 Proof.
   destruct (Req_EM_T (x v) 0), (Req_EM_T (y v) 0), (Req_EM_T (z v) 0);
     [left; apply vector_equal; simpl; assumption | right; intros ->; simpl in *; lra ..].
@@ -136,27 +136,13 @@ Proof.
   intros Hit Stay.
   set (hits p := inner c (across p) * inner d (across p) < 0).
   set (time p := - inner c (across p) / inner d (across p)).
-  assert (earliest : forall l, (exists p, In p l /\ hits p) ->
-                     exists p, hits p /\ forall q, In q l -> hits q -> time p <= time q).
-  { induction l as [|q l IH]; intros (p & Hp & H); [destruct Hp|].
-    destruct (Rlt_dec (inner c (across q) * inner d (across q)) 0) as [Hq | Hq].
-    - assert (D : (exists p, In p l /\ hits p) \/ ~ (exists p, In p l /\ hits p)).
-      { clear. induction l as [|r l IH]; [right; intros (? & [] & _)|].
-        destruct (Rlt_dec (inner c (across r) * inner d (across r)) 0) as [Hr | Hr].
-        - left. exists r. split; [simpl; auto | exact Hr].
-        - destruct IH as [(s & Hs & Ss) | N]; [left; exists s; simpl; auto|].
-          right. intros (s & [<-|Hs] & Ss); [contradiction|]. apply N. exists s. auto. }
-      destruct D as [D | D].
-      + destruct (IH D) as (s & Hs & Ss).
-        destruct (Rle_dec (time q) (time s)) as [Le | Gt].
-        * exists q. split; [exact Hq|]. intros r [<-|Hr] Sr; [lra|]. specialize (Ss r Hr Sr). lra.
-        * exists s. split; [exact Hs|]. intros r [<-|Hr] Sr; [lra | auto].
-      + exists q. split; [exact Hq|]. intros r [<-|Hr] Sr; [lra|]. exfalso. apply D. exists r. auto.
-    - destruct IH as (s & Hs & Ss).
-      + destruct Hp as [<-|Hp]; [contradiction | exists p; auto].
-      + exists s. split; [exact Hs|]. intros r [<-|Hr] Sr; [contradiction | auto]. }
-  destruct (earliest planes) as (p & Hp & Sp).
-  { destruct Hit as [p H]. exists p. split; [apply in_planes | exact H]. }
+  set (hitting := filter (fun p => if Rlt_dec (inner c (across p) * inner d (across p)) 0 then true else false)).
+  assert (in_hitting : forall p, In p (hitting planes) <-> hits p).
+  { intro p. unfold hitting, hits. rewrite filter_In. pose proof (in_planes p).
+    destruct Rlt_dec; intuition congruence. }
+  destruct (extreme (fun p => - time p) (hitting planes)) as [none | (p & Hp & Sp)].
+  { exfalso. destruct Hit as [p H]. apply (in_nil (a := p)). rewrite <- none. apply in_hitting, H. }
+  apply in_hitting in Hp.
   assert (nonzero : inner d (across p) <> 0) by (intro Z; unfold hits in Hp; rewrite Z in Hp; lra).
   exists (time p).
   assert (positive : 0 < time p).
@@ -165,20 +151,20 @@ Proof.
     - replace (- inner c (across p) / inner d (across p) * (inner d (across p) * inner d (across p)))
         with (- (inner c (across p) * inner d (across p))) by (field; exact nonzero). lra. }
   split; [exact positive|]. split.
-  - intro q. rewrite inner_of_sum. specialize (Sp q (in_planes q)). unfold hits, time in Sp.
+  - intro q. rewrite inner_of_sum. pose proof (fun S => Sp q (proj2 (in_hitting q) S)) as Sq. unfold hits, time in Sq.
     destruct (Rtotal_order (inner c (across q)) 0) as [Lt | [Eq | Gt]].
     + split; [lra|]. intros _. destruct (Rle_dec (inner d (across q)) 0) as [Le | Pos]; [nra|].
-      assert (S : inner c (across q) * inner d (across q) < 0) by nra. specialize (Sp S).
-      apply (Rmult_le_compat_r (inner d (across q))) in Sp; [|lra].
+      assert (S : inner c (across q) * inner d (across q) < 0) by nra. specialize (Sq S). apply Ropp_le_cancel in Sq.
+      apply (Rmult_le_compat_r (inner d (across q))) in Sq; [|lra].
       replace (- inner c (across q) / inner d (across q) * inner d (across q)) with (- inner c (across q))
-        in Sp by (field; lra).
+        in Sq by (field; lra).
       unfold time. lra.
     + rewrite Eq, (Stay q Eq). lra.
     + split; [|lra]. intros _. destruct (Rle_dec 0 (inner d (across q))) as [Le | Neg]; [nra|].
-      assert (S : inner c (across q) * inner d (across q) < 0) by nra. specialize (Sp S).
-      apply (Rmult_le_compat_r (- inner d (across q))) in Sp; [|lra].
+      assert (S : inner c (across q) * inner d (across q) < 0) by nra. specialize (Sq S). apply Ropp_le_cancel in Sq.
+      apply (Rmult_le_compat_r (- inner d (across q))) in Sq; [|lra].
       replace (- inner c (across q) / inner d (across q) * - inner d (across q)) with (inner c (across q))
-        in Sp by (field; lra).
+        in Sq by (field; lra).
       unfold time. lra.
   - exists p. split; [|exact nonzero]. rewrite inner_of_sum. unfold time. field. exact nonzero.
 Qed.
@@ -239,16 +225,11 @@ Proof.
 Qed.
 
 Lemma some_plane (f : plane -> Prop) :
-  (forall p, f p \/ ~ f p) -> (exists p, f p) \/ (forall p, ~ f p).
+  (forall p, {f p} + {~ f p}) -> (exists p, f p) \/ (forall p, ~ f p).
 Proof.
-  intro dec.
-  assert (H : forall l, (exists p, In p l /\ f p) \/ (forall p, In p l -> ~ f p)).
-  { induction l as [|q l IH]; [right; intros ? []|].
-    destruct (dec q) as [Y | N]; [left; exists q; simpl; auto|].
-    destruct IH as [(p & Hp & Fp) | IH]; [left; exists p; simpl; auto|].
-    right. intros p [<-|Hp]; auto. }
-  destruct (H planes) as [(p & _ & Fp) | N]; [left; eauto|].
-  right. intro p. apply N, in_planes.
+  intro dec. destruct (Exists_dec f planes dec) as [E | N].
+  - left. apply Exists_exists in E. destruct E as (p & _ & F). eauto.
+  - right. intros p F. apply N, Exists_exists. eauto using in_planes.
 Qed.
 
 Lemma onto_one_plane c :

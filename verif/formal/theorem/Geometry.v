@@ -103,16 +103,22 @@ Proof.
   pose proof (part (x c) _ _ Hx); pose proof (part (y c) _ _ Hy); pose proof (part (z c) _ _ Hz). lra.
 Qed.
 
-Lemma largest (f : three -> R) : exists i, forall j, f j <= f i.
+(* The largest of a list, by the values of a function. *)
+Lemma extreme {T} (f : T -> R) l : l = [] \/ exists a, In a l /\ forall b, In b l -> f b <= f a.
 Proof.
-  destruct (Rle_dec (f First) (f Second)), (Rle_dec (f Second) (f Third)), (Rle_dec (f First) (f Third));
-    match goal with
-    | _ : f First <= f Second, _ : f Second <= f Third |- _ => exists Third
-    | _ : f First <= f Second |- _ => exists Second
-    | _ : f First <= f Third |- _ => exists Third
-    | _ => exists First
-    end; intros []; lra.
+  induction l as [|a l IH]; [auto|]. right. destruct IH as [-> | (c & Hc & Mc)].
+  - exists a. split; [simpl; auto|]. intros b [<-|[]]. lra.
+  - destruct (Rle_dec (f a) (f c)); [exists c | exists a]; (split; [simpl; auto|]);
+      intros b [<-|Hb]; try specialize (Mc b Hb); lra.
 Qed.
+
+Definition threes := [First; Second; Third].
+
+Lemma in_threes i : In i threes.
+Proof. destruct i; simpl; auto. Qed.
+
+Lemma largest (f : three -> R) : exists i, forall j, f j <= f i.
+Proof. destruct (extreme f threes) as [E | (i & _ & M)]; [discriminate E | eauto using in_threes]. Qed.
 
 Lemma ahead_is_not_near c A B m : ahead c A B m -> ~ near A B m.
 Proof.

@@ -14,25 +14,9 @@ Lemma between (L U : list R) :
   (forall l u, In l L -> In u U -> l < u) ->
   exists t, (forall l, In l L -> l < t) /\ (forall u, In u U -> t < u).
 Proof.
-  induction L as [|l L IH]; intro H.
-  - clear H. induction U as [|u U [t [_ Ht]]].
-    + exists 0. split; intros ? [].
-    + exists (Rmin t u - 1). pose proof (Rmin_l t u); pose proof (Rmin_r t u).
-      split; [intros ? []|]. intros v [<-|Hv]; [lra | specialize (Ht v Hv); lra].
-  - destruct IH as [t [HL HU]]; [intros; apply H; simpl; auto|].
-    destruct (Rlt_dec l t) as [Hlt | Hge].
-    + exists t. split; [intros k [<-|Hk]; auto | exact HU].
-    + assert (exists s, l < s /\ forall u, In u U -> s < u) as [s [Hs HsU]].
-      { clear - H. assert (Hl : forall u, In u U -> l < u) by (intros; apply H; simpl; auto).
-        clear H. induction U as [|u U IH].
-        - exists (l + 1). split; [lra | intros ? []].
-        - destruct IH as [s [Hs HU]]; [intros; apply Hl; simpl; auto|].
-          assert (l < u) by (apply Hl; simpl; auto).
-          exists (Rmin s ((l + u) / 2)).
-          pose proof (Rmin_l s ((l + u) / 2)); pose proof (Rmin_r s ((l + u) / 2)). split.
-          + apply Rmin_glb_lt; lra.
-          + intros v [<-|Hv]; [lra | specialize (HU v Hv); lra]. }
-      exists s. split; [intros k [<-|Hk]; [exact Hs | specialize (HL k Hk); lra] | exact HsU].
+  intro H. destruct (extreme (fun l => l) L) as [-> | (l & Hl & Ml)], (extreme Ropp U) as [-> | (u & Hu & Mu)];
+    [exists 0 | exists (u - 1) | exists (l + 1) | exists ((l + u) / 2); specialize (H l u Hl Hu)];
+    (split; intros k K; [try specialize (Ml k K) | try specialize (Mu k K)]; try destruct K); lra.
 Qed.
 
 Section Elimination.
@@ -204,13 +188,8 @@ Definition corners :=
   [Vector m m m; Vector m m (-m); Vector m (-m) m; Vector m (-m) (-m);
    Vector (-m) m m; Vector (-m) m (-m); Vector (-m) (-m) m; Vector (-m) (-m) (-m)].
 
-Definition threes := [First; Second; Third].
-
 Definition reached :=
   flat_map (fun i => flat_map (fun j => map (add (minus (B j) (A i))) corners) threes) threes.
-
-Lemma in_threes i : In i threes.
-Proof. destruct i; simpl; auto. Qed.
 
 Lemma in_reached i j s : In s corners -> In (add (minus (B j) (A i)) s) reached.
 Proof.
