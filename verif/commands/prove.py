@@ -67,7 +67,8 @@ def _formal(options: argparse.Namespace) -> int:
 def _print_proofs(result: proving.FormalResult) -> None:
     proofs = table("proofs", ("proof", "method", "checked", "seconds", "result"), text=3)
     for outcome in result.outcomes:
-        checked = ", ".join(f"{count} {what}" for what, count in outcome.finding.facts.items())
+        facts = outcome.finding.facts.items()
+        checked = ", ".join(f"{count} {what}" for what, count in facts if isinstance(count, int))
         proofs.add_row(
             outcome.proof.name,
             str(outcome.proof.method),

@@ -180,7 +180,9 @@ def problems(theorems: Sequence[Theorem]) -> list[str]:
 
 
 def _facts(theorems: Sequence[Theorem]) -> dict[str, object]:
-    return {"axes": len(axes()), "theorems": [asdict(theorem) for theorem in theorems]}
+    return {
+        "axes": len(axes()), "theorems": len(theorems), "stated": [asdict(theorem) for theorem in theorems]
+    }  # fmt: skip
 
 
 def theorem() -> TheoremProof:
