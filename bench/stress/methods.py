@@ -130,7 +130,7 @@ def _edges_cross(p: Point, q: Point, r: Point, s: Point) -> Mask:
 def _inside(point: Point, triangle: Flat) -> Mask:
     """Return whether a point is strictly inside a triangle."""
     sides = np.stack([turn(triangle[k], triangle[(k + 1) % 3], point) for k in range(3)])
-    return (sides > 0).all(0) | (sides < 0).all(0)
+    return np.logical_and.reduce(sides > 0) | np.logical_and.reduce(sides < 0)
 
 
 def overlap_by_edges(a: Flat, b: Flat) -> Mask:
