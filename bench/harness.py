@@ -5,15 +5,15 @@ is compared works in one thread. The machine still makes itself felt, by its cac
 are timed in rounds, side by side where their ratio counts, and the best of each is taken.
 """
 
-import gc
 import json
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from math import ceil
 from pathlib import Path
-from typing import Any, TypeVar
+from timeit import Timer
+from typing import Any, Self, TypeVar, cast
 
 from matplotlib.figure import Figure
 from rich.console import Console
@@ -52,27 +52,15 @@ Made = TypeVar("Made")
 
 def best_times(works: Sequence[Callable[[], object]], rounds: int = ROUNDS) -> list[float]:
     """Return the least seconds that each took over so many rounds of all, after a first to warm up."""
-    for work in works:
-        work()
-    repeats = [max(1, ceil(_LEAST_SECONDS / max(_seconds(work, 1), 1e-9))) for work in works]
-    best = [float("inf")] * len(works)
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        for _ in range(rounds):
-            for number, (work, repeat) in enumerate(zip(works, repeats, strict=True)):
-                best[number] = min(best[number], _seconds(work, repeat) / repeat)
-    finally:
-        if collecting:
-            gc.enable()
-    return best
-
-
-def _seconds(work: Callable[[], object], repeat: int) -> float:
-    start = time.process_time()
-    for _ in range(repeat):
-        work()
-    return time.process_time() - start
+    timers = [Timer(work, timer=time.process_time) for work in works]
+    for timer in timers:
+        timer.timeit(1)
+    repeats = [max(1, ceil(_LEAST_SECONDS / max(timer.timeit(1), 1e-9))) for timer in timers]
+    taken = [
+        [timer.timeit(repeat) / repeat for timer, repeat in zip(timers, repeats, strict=True)]
+        for _ in range(rounds)
+    ]
+    return [min(seconds) for seconds in zip(*taken, strict=True)]
 
 
 def clocked(work: Callable[[], Made]) -> tuple[Made, float]:
@@ -81,8 +69,35 @@ def clocked(work: Callable[[], Made]) -> tuple[Made, float]:
     seconds: list[float] = []
     while len(seconds) < _ALONE_ROUNDS and sum(seconds) <= _ALONE_SECONDS:
         made.clear()
-        seconds.append(_seconds(lambda: made.append(work()), 1))
+        start = time.process_time()
+        made.append(work())
+        seconds.append(time.process_time() - start)
     return made[0], min(seconds)
+
+
+class Summed:
+    """A dataclass of figures that can be added field by field.
+
+    What holds must hold of both; what is not known of one is not known of the sum; names stay.
+    """
+
+    def __add__(self, other: Self) -> Self:
+        """Return the sums."""
+        names = [field.name for field in fields(cast(Any, self))]
+        return type(self)(*(_sum(getattr(self, name), getattr(other, name)) for name in names))
+
+
+def _sum(one: Any, other: Any) -> Any:
+    if one is None or other is None:
+        return None
+    if isinstance(one, bool):
+        return one and other
+    return one if isinstance(one, str) else one + other
+
+
+def told(found: Any, *properties: str) -> dict[str, Any]:
+    """Return a dataclass as JSON has it: its fields, and these of its properties."""
+    return {**asdict(found), **{name: getattr(found, name) for name in properties}}
 
 
 class StoredSteps:

@@ -3,7 +3,7 @@
 import argparse
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -13,10 +13,9 @@ from rich.table import Table
 
 from triaxis.bench import harness
 from triaxis.bench.error.plot import figure_of
-from triaxis.bench.error.points import CLOCK_NS, MODES, NO_MISS, WIDTHS, CorePoint, Errors
+from triaxis.bench.error.points import CLOCK_NS, MODES, NO_MISS, WIDTHS, CorePoint, Errors, PeerPoint
 from triaxis.bench.error.running import Benchmark, Measured, WorkloadResult
-from triaxis.bench.error.software_points import PeerPoint
-from triaxis.bench.harness import Findings, report
+from triaxis.bench.harness import Findings, report, told
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
 
@@ -27,6 +26,7 @@ CGAL = ("libcgal-dev", "cgal")
 
 # Of the bulk checker's widths: those of the two arithmetics, and the widest.
 _SHOWN = (16, 24, WIDTHS[-1])
+_RATES = ("missed_share", "false_alarm_share")
 _SHARES = "missed: of those that collide; alarms: of the others"
 
 
@@ -183,19 +183,13 @@ def _workload(result: WorkloadResult) -> dict[str, Any]:
         "pairs": len(result.workload),
         "colliding": result.colliding,
         "parts": {part.source: len(part) for part in result.workload.parts},
-        "core": [{**asdict(p), "errors": _errors(p.errors)} for p in result.core],
+        "core": [{**asdict(p), "errors": told(p.errors, *_RATES)} for p in result.core],
         "bulk": [asdict(point) for point in result.bulk],
         "golden_ns": result.golden_ns,
         "peers": [
-            {**asdict(p), "errors": _errors(p.errors), "kernel_ns": p.kernel_ns, "times_bulk": p.times_bulk}
-            for p in result.peers
+            {**told(p, "kernel_ns", "times_bulk"), "errors": told(p.errors, *_RATES)} for p in result.peers
         ],
     }
-
-
-def _errors(errors: Errors) -> Mapping[str, Any]:
-    shares = {"missed_share": errors.missed_share, "false_alarm_share": errors.false_alarm_share}
-    return {**asdict(errors), **shares}
 
 
 def _shares(errors: Errors) -> str:

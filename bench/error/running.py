@@ -10,14 +10,18 @@ from triaxis.bench import harness
 from triaxis.bench.error.points import (
     MODES,
     WIDTHS,
+    BulkPoint,
     CorePoint,
     Errors,
     OnGrid,
+    PeerPoint,
+    bulk_point,
     configuration,
     core_point,
+    golden_ns,
     on_grid,
+    peer_point,
 )
-from triaxis.bench.error.software_points import BulkPoint, PeerPoint, bulk_point, golden_ns, peer_point
 from triaxis.bench.error.truth import Truth, exact_truth
 from triaxis.bench.error.workloads import Workload, workloads
 from triaxis.bench.harness import SOURCES, Progress, StoredSteps

@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from triaxis.bench.mesh_cycles import CLOCK_MHZ
-from triaxis.bench.skipping.growth import Growth
-from triaxis.bench.skipping.run import SceneRow, SkippingResult
-from triaxis.bench.skipping.stages import Stages
+from triaxis.bench.skipping.run import SceneRow, SkippingResult, Stages
+from triaxis.bench.skipping.software import Growth
 from triaxis.host import figures as look
 from triaxis.host.figures import GREY, LARGE, NORMAL, SMALL
 

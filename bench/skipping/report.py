@@ -12,11 +12,10 @@ from rich.table import Table
 from triaxis.bench import harness
 from triaxis.bench.harness import Findings, report
 from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, real_meshes
-from triaxis.bench.skipping.growth import MOST_COMPARED, MOST_SECONDS, SIZES, Growth
 from triaxis.bench.skipping.plot import figure_of
 from triaxis.bench.skipping.run import LEAST_RATIO, SceneRow, SkippingResult, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, skipping_scenes
-from triaxis.bench.skipping.software import BOXES, Saved
+from triaxis.bench.skipping.software import BOXES, MOST_COMPARED, MOST_SECONDS, SIZES, Growth, Saved
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
 

@@ -14,14 +14,18 @@ from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial, reduce
+from operator import add
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors, total
+from triaxis.bench.harness import Progress
+from triaxis.bench.stress.families import FAMILIES, Family
+from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.judge import judge
+from triaxis.golden.judge import default_solver, judge
+from triaxis.golden.processes import in_processes
 from triaxis.host.quantise import (
     Grid,
     Steps,
@@ -189,7 +193,7 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
         judged_pairs=exact.judged,
         contradicted=exact.contradicted,
         own_width=width,
-        core=total(own),
+        core=reduce(add, own),
         methods={method.name: method_errors(method, pairs, near) for method in METHODS},
         resolution=resolution,
         rounded=errors(at_zero, near),
@@ -198,3 +202,79 @@ def measure(pairs: Ints, core: Core = rtl_core, margin: int | None = None) -> Se
         beyond_band=int((alarms & ~in_band).sum()),
         farthest=(farthest or 0) / resolution,
     )
+
+
+# Of a run: a core to build, a setting to measure.
+STEPS = len(WIDTHS) + sum(len(family.settings) for family in FAMILIES)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What was measured at several settings, and sums over them."""
+
+    measured: tuple[SettingResult, ...]
+
+    @property
+    def core(self) -> OrderErrors:
+        """Return the core's errors at its own resolution."""
+        return reduce(add, (one.core for one in self.measured))
+
+    @property
+    def no_miss(self) -> OrderErrors:
+        """Return the errors of the no-miss mode."""
+        return reduce(add, (one.no_miss for one in self.measured))
+
+    @property
+    def beyond_band(self) -> int:
+        """Return the number of false alarms of the no-miss mode beyond its band."""
+        return sum(one.beyond_band for one in self.measured)
+
+
+@dataclass(frozen=True)
+class FamilyResult(Settings):
+    """A family, and what was measured at each of its settings."""
+
+    family: Family
+
+
+@dataclass(frozen=True)
+class StressResult:
+    """What was measured, with which seed and how many pairs at each setting."""
+
+    seed: int
+    pairs: int
+    families: tuple[FamilyResult, ...]
+
+    @property
+    def whole(self) -> Settings:
+        """Return what was measured at the settings of all families."""
+        return Settings(tuple(one for family in self.families for one in family.measured))
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what must not be, anywhere, with the setting."""
+        return [
+            f"{result.family.name} {setting.label}: {problem}"
+            for result in self.families
+            for setting, measured in zip(result.family.settings, result.measured, strict=True)
+            for problem in measured.problems
+        ]
+
+
+def measure_setting(place: tuple[int, int], seed: int, pairs: int) -> SettingResult:
+    """Measure a setting of a family, by their numbers."""
+    family = FAMILIES[place[0]]
+    rng = np.random.default_rng([seed, place[1], *family.name.encode()])
+    return measure(family.settings[place[1]].make(rng, pairs))
+
+
+def run_stress(seed: int, pairs: int, progress: Progress) -> StressResult:
+    """Measure everything; ``progress`` is told of each of STEPS."""
+    for width in WIDTHS:
+        core_engine(width)
+        progress(1)
+    places = [(f, s) for f, family in enumerate(FAMILIES) for s in range(len(family.settings))]
+    work = partial(measure_setting, seed=seed, pairs=pairs)
+    measured = iter(in_processes(work, places, lambda _: progress(1), default_solver))
+    families = (FamilyResult(tuple(next(measured) for _ in family.settings), family) for family in FAMILIES)
+    return StressResult(seed, pairs, tuple(families))

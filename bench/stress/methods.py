@@ -21,7 +21,7 @@ edges, one of each.
 """
 
 from collections.abc import Iterator
-from itertools import product
+from itertools import product, starmap
 from typing import Any
 
 import numpy as np
@@ -38,11 +38,7 @@ Mask = npt.NDArray[np.bool_]
 
 def cross(u: Vectors, v: Vectors) -> Vectors:
     """Return u x v: (3, N)."""
-    w = np.empty(u.shape, u.dtype)
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        w[k] = u[i] * v[j] - u[j] * v[i]
-    return w
+    return np.cross(u, v, axis=0)
 
 
 def dot(u: Vectors, v: Vectors) -> Numbers:
@@ -61,22 +57,18 @@ def signs(values: Numbers) -> npt.NDArray[np.int8]:
 
 
 def largest_component(vectors: Vectors) -> npt.NDArray[np.intp]:
-    """Return the number of each vector's component of the largest size: (N,)."""
-    x, y, z = np.abs(vectors)
-    return np.where((x >= y) & (x >= z), 0, np.where(y >= z, 1, 2))
+    """Return the number of each vector's component of the largest size, the first of several: (N,)."""
+    return np.abs(vectors).argmax(0)
 
 
 def component(points: npt.NDArray[Any], number: npt.NDArray[np.intp]) -> npt.NDArray[Any]:
     """Return coordinate ``number`` (N,) of points (.., 3, N): (.., N)."""
-    return np.where(
-        number == 0, points[..., 0, :], np.where(number == 1, points[..., 1, :], points[..., 2, :])
-    )
+    return np.choose(number, list(np.moveaxis(points, -2, 0)))
 
 
 def vertex(triangle: npt.NDArray[Any], number: npt.NDArray[np.intp]) -> npt.NDArray[Any]:
     """Return vertex ``number`` (N,), cyclically, of what has three along its first dimension: (.., N)."""
-    place = number % 3
-    return np.where(place == 0, triangle[0], np.where(place == 1, triangle[1], triangle[2]))
+    return np.choose(number, list(triangle), mode="wrap")
 
 
 # Vertex, coordinate of two, pair: (3, 2, N).
@@ -137,12 +129,8 @@ def _edges_cross(p: Point, q: Point, r: Point, s: Point) -> Mask:
 
 def _inside(point: Point, triangle: Flat) -> Mask:
     """Return whether a point is strictly inside a triangle."""
-    sides = [turn(triangle[k], triangle[(k + 1) % 3], point) for k in range(3)]
-    left, right = np.ones(point.shape[1], np.bool_), np.ones(point.shape[1], np.bool_)
-    for side in sides:
-        left &= side > 0
-        right &= side < 0
-    return left | right
+    sides = np.stack([turn(triangle[k], triangle[(k + 1) % 3], point) for k in range(3)])
+    return np.logical_and.reduce(sides > 0) | np.logical_and.reduce(sides < 0)
 
 
 def overlap_by_edges(a: Flat, b: Flat) -> Mask:
@@ -158,15 +146,10 @@ def overlap_by_edges(a: Flat, b: Flat) -> Mask:
 
 
 def _axes(edges_a: Triangles, edges_b: Triangles, normal_a: Vectors, normal_b: Vectors) -> Iterator[Vectors]:
-    yield normal_a
-    yield normal_b
-    for edge_a in edges_a:
-        for edge_b in edges_b:
-            yield cross(edge_a, edge_b)
-    for edge in edges_a:
-        yield cross(normal_a, edge)
-    for edge in edges_b:
-        yield cross(normal_b, edge)
+    yield from (normal_a, normal_b)
+    yield from starmap(cross, product(edges_a, edges_b))
+    yield from (cross(normal_a, edge) for edge in edges_a)
+    yield from (cross(normal_b, edge) for edge in edges_b)
 
 
 def separating_axes(a: Triangles, b: Triangles) -> Mask:
@@ -175,15 +158,12 @@ def separating_axes(a: Triangles, b: Triangles) -> Mask:
     p, q, r, s, t = a[1] - a[0], a[2] - a[0], *(b - a[0])
     edges_a = np.stack([p, q - p, a[0] - a[2]])
     edges_b = np.stack([b[1] - b[0], b[2] - b[1], b[0] - b[2]])
-    separated = np.zeros(a.shape[2], np.bool_)
+    separated, zero = np.zeros(a.shape[2], np.bool_), np.zeros_like(p[0])
     for axis in _axes(edges_a, edges_b, normal(a), normal(b)):
-        on_p, on_q = dot(axis, p), dot(axis, q)
-        on_r, on_s, on_t = dot(axis, r), dot(axis, s), dot(axis, t)
         # The first vertex of A is at 0.
-        high_a, low_a = np.maximum(np.maximum(on_p, on_q), 0), np.minimum(np.minimum(on_p, on_q), 0)
-        high_b = np.maximum(np.maximum(on_r, on_s), on_t)
-        low_b = np.minimum(np.minimum(on_r, on_s), on_t)
-        separated |= (low_b > high_a) | (low_a > high_b)
+        on_a = np.stack([dot(axis, p), dot(axis, q), zero])
+        on_b = np.stack([dot(axis, r), dot(axis, s), dot(axis, t)])
+        separated |= (on_b.min(0) > on_a.max(0)) | (on_a.min(0) > on_b.max(0))
     return ~separated
 
 

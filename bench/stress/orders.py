@@ -1,12 +1,13 @@
 """A method's answers in all 72 orders of each pair, and what is wrong with them."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import astuple, dataclass
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.bench.harness import Summed
 from triaxis.bench.stress.methods import Mask, Triangles, guigue_devillers, moller, separating_axes
 from triaxis.verif.core.stimulus.stimulus import Ints
 from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS, VERTICES
@@ -43,7 +44,7 @@ METHODS = tuple(
 
 
 @dataclass(frozen=True)
-class OrderErrors:
+class OrderErrors(Summed):
     """Of the answers on N pairs in all orders: how many there are, and how many of them are wrong.
 
     misses: "clear" of a near pair; false_alarms: "near" of a clear one. pairs: N; wrong_pairs: pairs that
@@ -63,7 +64,7 @@ class OrderErrors:
         return self.misses + self.false_alarms
 
     @property
-    def rate(self) -> float:
+    def wrong_rate(self) -> float:
         """Return the share of wrong answers."""
         return self.wrong / self.answers
 
@@ -71,11 +72,6 @@ class OrderErrors:
     def changing_rate(self) -> float:
         """Return the share of pairs whose answer hangs on the order."""
         return self.changing_pairs / self.pairs
-
-
-def total(parts: Iterable[OrderErrors]) -> OrderErrors:
-    """Return the errors of all parts together."""
-    return OrderErrors(*(sum(counts) for counts in zip(*(astuple(part) for part in parts), strict=True)))
 
 
 def errors(answers: Answers, near: Mask) -> OrderErrors:

@@ -10,9 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.typing import LineStyleType
 
-from triaxis.bench.stress.measuring import ROUNDING_WIDTH, SettingResult
+from triaxis.bench.stress.measuring import ROUNDING_WIDTH, FamilyResult, SettingResult, StressResult
 from triaxis.bench.stress.orders import METHODS, OrderErrors
-from triaxis.bench.stress.run import FamilyResult, StressResult
 from triaxis.host import figures as look
 from triaxis.host.figures import LARGE, NORMAL, SMALL
 
@@ -75,9 +74,9 @@ ERRORS = Picture(
     "core: on what it is given, at its own resolution",
     "wrong answers (%)",
     (
-        *_of_methods(lambda errors: errors.rate),
+        *_of_methods(lambda errors: errors.wrong_rate),
         Curve(
-            "core, as simulated", lambda m: m.core.rate, look.GREEN, width=4.5,
+            "core, as simulated", lambda m: m.core.wrong_rate, look.GREEN, width=4.5,
             counted=lambda result: f"{result.whole.core.wrong} of {result.whole.core.answers:,} wrong",
         ),
         Curve(

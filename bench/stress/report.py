@@ -1,18 +1,24 @@
 """``triaxis bench stress``: what is told of wrong answers."""
 
 import argparse
-from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 from rich.table import Table
 
 from triaxis.bench import harness
-from triaxis.bench.harness import Findings, report
-from triaxis.bench.stress.measuring import ROUNDING_WIDTH, WIDTHS, SettingResult
-from triaxis.bench.stress.orders import METHODS, OrderErrors
+from triaxis.bench.harness import Findings, report, told
+from triaxis.bench.stress.measuring import (
+    ROUNDING_WIDTH,
+    STEPS,
+    WIDTHS,
+    FamilyResult,
+    SettingResult,
+    StressResult,
+    run_stress,
+)
+from triaxis.bench.stress.orders import METHODS
 from triaxis.bench.stress.plot import PICTURES, figure_of
-from triaxis.bench.stress.run import STEPS, FamilyResult, StressResult, run_stress
 from triaxis.golden.errors import InputError
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
@@ -22,6 +28,7 @@ from triaxis.verif.core.stimulus.symmetry import NUM_ORDERS
 PAIRS, LEAST_PAIRS, MOST_PAIRS = 4000, 100, 100_000
 # From this share of wrong answers on, a method is said to fail.
 _FAILS = 0.001
+_RATES = ("wrong_rate", "changing_rate")
 
 
 def add_stress(parser: argparse.ArgumentParser) -> None:
@@ -89,22 +96,18 @@ def _setting(label: str, measured: SettingResult) -> dict[str, Any]:
         "near_pairs": measured.near_pairs,
         "judged_pairs": measured.judged_pairs,
         "core_width_as_given": measured.own_width,
-        "core_at_its_own_resolution": _errors(measured.core),
-        "methods": {name: _errors(errors) for name, errors in measured.methods.items()},
+        "core_at_its_own_resolution": told(measured.core, *_RATES),
+        "methods": {name: told(errors, *_RATES) for name, errors in measured.methods.items()},
         "rounded": {
             "width": ROUNDING_WIDTH,
             "resolution": measured.resolution,
-            "without_margin": _errors(measured.rounded),
-            "no_miss": _errors(measured.no_miss),
+            "without_margin": told(measured.rounded, *_RATES),
+            "no_miss": told(measured.no_miss, *_RATES),
             "band_pairs": measured.band_pairs,
             "false_alarms_beyond_band": measured.beyond_band,
             "farthest_false_alarm_lsb": measured.farthest,
         },
     }
-
-
-def _errors(errors: OrderErrors) -> dict[str, Any]:
-    return {**asdict(errors), "wrong_rate": errors.rate, "changing_rate": errors.changing_rate}
 
 
 def _wrong_answers(result: StressResult) -> Table:
@@ -116,7 +119,7 @@ def _wrong_answers(result: StressResult) -> Table:
 
 
 def _method_cell(result: FamilyResult, name: str) -> str:
-    rates = [measured.methods[name].rate for measured in result.measured]
+    rates = [measured.methods[name].wrong_rate for measured in result.measured]
     first = next((k for k, rate in enumerate(rates) if rate >= _FAILS), None)
     if first is None:
         return f"{max(rates):.2%}"

@@ -7,17 +7,18 @@ import shutil
 import numpy as np
 import pytest
 
-from triaxis.bench.activity import measuring
-from triaxis.bench.activity.measuring import (
+from triaxis.bench import activity
+from triaxis.bench.activity import (
     BOUND,
+    UNDECIDED,
     MultiplierToggles,
     Row,
     in_place,
     multiplier_toggles,
+    random_stream,
     trace,
 )
-from triaxis.bench.activity.saif import read_saif
-from triaxis.bench.activity.streams import UNDECIDED, random_stream
+from triaxis.bench.saif import read_saif
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
@@ -92,9 +93,9 @@ def test_gating_leaves_about_the_undecided_share_and_broken_gating_is_seen(tmp_p
 @pytest.mark.parametrize(("gated", "status"), [(3, 0), (4, 1)])
 def test_command(tmp_path, monkeypatch, capsys, gated, status):
     row = Row("pairs", 1000, 10, 5, MultiplierToggles(1, gated, 0, 0), MultiplierToggles(1, 50, 30, 20))
-    monkeypatch.setattr(measuring, "ACTIVITY", tmp_path / "activity.json")
-    monkeypatch.setattr(measuring, "measure", lambda _: row)
-    monkeypatch.setattr(measuring, "trace_scene", lambda: row.gated)
+    monkeypatch.setattr(activity, "ACTIVITY", tmp_path / "activity.json")
+    monkeypatch.setattr(activity, "measure", lambda _: row)
+    monkeypatch.setattr(activity, "trace_scene", lambda: row.gated)
     assert main(["fpga", "activity"]) == status
     assert f"{gated}.00 %" in capsys.readouterr().out
     content = json.loads((tmp_path / "activity.json").read_text())

@@ -15,14 +15,15 @@ from triaxis.bench.error.points import (
     MODES,
     NO_MISS,
     WIDTHS,
+    BulkPoint,
     CorePoint,
     Errors,
+    PeerPoint,
     core_point,
     on_grid,
 )
 from triaxis.bench.error.report import demands, findings
 from triaxis.bench.error.running import Measured, WorkloadResult
-from triaxis.bench.error.software_points import BulkPoint, PeerPoint
 from triaxis.bench.error.truth import exact_truth
 from triaxis.bench.error.workloads import workloads
 from triaxis.golden.bulk import bulk_verdicts

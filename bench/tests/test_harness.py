@@ -10,9 +10,9 @@ from triaxis.bench.harness import StoredSteps
 from triaxis.bench.mesh_cycles import CONFIGURATION, Bound, Case, Row, bench_mesh, cases
 from triaxis.bench.peers import MESH_PEERS, TRIANGLE_PEERS
 from triaxis.bench.peers.peer import present
+from triaxis.bench.skipping.run import stage_answer
 from triaxis.bench.skipping.scenes import SURFACES
 from triaxis.bench.skipping.software import Meeting, ask_peer
-from triaxis.bench.skipping.stages import stage_answer
 from triaxis.host.engines import SceneRun
 
 

@@ -10,11 +10,9 @@ from triaxis.bench import harness
 from triaxis.bench.mesh_cycles import CONFIGURATION
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question
 from triaxis.bench.skipping import report, run, software
-from triaxis.bench.skipping.growth import Growth, GrowthPoint
-from triaxis.bench.skipping.run import measure_scene, run_skipping
+from triaxis.bench.skipping.run import Stages, measure_scene, run_skipping, stage_answer
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
-from triaxis.bench.skipping.software import Meeting, ask_peer, contradictions
-from triaxis.bench.skipping.stages import Stages, stage_answer
+from triaxis.bench.skipping.software import Growth, GrowthPoint, Meeting, ask_peer, contradictions
 from triaxis.golden.scene import boxes_of
 from triaxis.host.cli import main
 

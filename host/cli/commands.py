@@ -131,7 +131,7 @@ COMMANDS = {
         ("fast enough", "too slow"),
     ),
     "fpga activity": Command(
-        "count the toggles of all multipliers with and without operand gating", "bench.activity.measuring",
+        "count the toggles of all multipliers with and without operand gating", "bench.activity",
         ("gating saves what it must", "it does not"),
     ),
     "fpga gate": Command(

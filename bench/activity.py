@@ -2,29 +2,35 @@
 
 Toggles are counted in RTL simulation, bit by bit, on the operands, the registers behind the partial
 products, and the products of every instance of triaxis_mul.
+
+The pairs are such that their boxes leave about one in a hundred undecided.
 """
 
 import argparse
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
 from functools import partial
+from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import numpy.typing as npt
 
-from triaxis.bench.activity.saif import Activity, read_saif
-from triaxis.bench.activity.streams import WIDTH, Stream, scene_meshes, scene_stream, streams
-from triaxis.bench.harness import Findings, report
+from triaxis.bench.harness import Findings, report, told
+from triaxis.bench.saif import Activity, read_saif
 from triaxis.fpga.bitstream import ACTIVITY, SAIF
 from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.golden.pairs import Pairs, coordinate_range
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
-from triaxis.host.scenes import scenes
+from triaxis.host.quantise import centred_grid, quantise
+from triaxis.host.scenes import Scene, scenes
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import RtlEngine
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -32,6 +38,70 @@ from triaxis.sim.mesh_engine import MeshEngine, Mode, spatial_order
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import followed
 from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.stimulus.margins import box_gaps
+
+WIDTH = 16
+UNDECIDED = Fraction(1, 100)
+RANDOM_PAIRS = 10_000
+
+# All of a scene of `scenes` in the range of WIDTH bits, in millimetres.
+_SPAN = 300
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Pairs (N, 2, 3, 3) in the order in which they are sent, and the margin for all of them."""
+
+    name: str
+    pairs: Pairs
+    margin: int
+
+    @property
+    def undecided(self) -> npt.NDArray[np.bool_]:
+        """Return which pairs (N,) no box axis separates by more than the margin."""
+        return box_gaps(self.pairs) <= self.margin
+
+
+def scene_meshes(scene: Scene) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return both meshes of a scene, (N, 3, 3) and (M, 3, 3), on a grid that holds every scene."""
+    grid = centred_grid([scene.a, scene.b], Fraction(_SPAN, 1 << WIDTH), WIDTH)
+    return quantise(scene.a, grid, scene.name), quantise(scene.b, grid, scene.name)
+
+
+def scene_stream(scene: Scene) -> Stream:
+    """Return all facet pairs of a scene, facet by facet of A, each with all of B as they stand in the mesh.
+
+    The margin is the smallest with which at least `UNDECIDED` of them are undecided.
+    """
+    a, b = scene_meshes(scene)
+    pairs = np.stack([np.repeat(a, len(b), 0), np.tile(b, (len(a), 1, 1))], 1)
+    return Stream(scene.name, pairs, _margin(box_gaps(pairs)))
+
+
+def _margin(gaps: npt.NDArray[np.int64]) -> int:
+    # Where boxes overlap, gaps are negative.
+    return max(0, int(np.sort(gaps)[ceil(UNDECIDED * len(gaps)) - 1]))
+
+
+def random_stream(
+    rng: np.random.Generator, count: int = RANDOM_PAIRS, width: int = WIDTH, margin: int = 0
+) -> Stream:
+    """Return random pairs over the whole range, exactly `UNDECIDED` of them undecided, in random places."""
+    low, high = coordinate_range(width)
+    wanted = ceil(UNDECIDED * count)
+    undecided, decided = np.empty((0, 2, 3, 3), np.int64), np.empty((0, 2, 3, 3), np.int64)
+    while len(undecided) < wanted or len(decided) < count - wanted:
+        drawn = rng.integers(low, high, (count, 2, 3, 3), endpoint=True)
+        meet = box_gaps(drawn) <= margin
+        undecided, decided = np.concatenate([undecided, drawn[meet]]), np.concatenate([decided, drawn[~meet]])
+    pairs = np.concatenate([undecided[:wanted], decided[: count - wanted]])
+    return Stream("random pairs", rng.permutation(pairs), margin)
+
+
+def streams(seed: int) -> list[Stream]:
+    """Return what is measured: random pairs, and all scenes."""
+    return [random_stream(np.random.default_rng(seed)), *map(scene_stream, scenes())]
+
 
 # What a scene with one undecided pair in a hundred may toggle of an ungated design.
 BOUND = 0.03
@@ -201,7 +271,7 @@ def findings(rows: Sequence[Row], engine: MultiplierToggles, seed: int) -> Findi
         "seed": seed,
         "bound": BOUND,
         "worst": worst,
-        "streams": [{**asdict(row), "ratio": row.ratio, "within_bound": row.within_bound} for row in rows],
+        "streams": [told(row, "ratio", "within_bound") for row in rows],
         "engine": {"scene": SAIF_SCENE.name, "saif": SAIF.name, **asdict(engine)},
     }
     summary = f"multipliers toggle at most {100 * worst:.2f} % of the ungated design's toggles"

@@ -1,1 +1,0 @@
-"""Switching activity of the multipliers and of the whole top, counted in simulation."""
