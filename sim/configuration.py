@@ -8,7 +8,8 @@ from triaxis.golden.pairs import check_width
 
 # The core's latency in clocks without margins, from the first width that has it; one more with margins. What
 # docs/interface.md promises, and what the RTL is held against.
-_FIRST_WIDTHS = {8: 24, 13: 25, 18: 27, 25: 29}
+FIRST_WIDTHS = {8: 24, 13: 25, 18: 27, 25: 29}
+MOST_TAG_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,9 @@ class Configuration:
             raise InputError(
                 f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
             )
-        # The RTL takes any width; the environment keeps TUSER, tag and margin, in 64 bits.
-        if not 1 <= self.tag_bits <= 32:
-            raise InputError(f"tag bits {self.tag_bits}: must be 1..32")
+        # The RTL takes any width; the environment keeps a tag in 64 bits.
+        if not 1 <= self.tag_bits <= MOST_TAG_BITS:
+            raise InputError(f"tag bits {self.tag_bits}: must be 1..{MOST_TAG_BITS}")
         if not self.edge_box and self.margin_bits:
             raise InputError("a core without the edge x box axes needs 0 margin bits")
 
@@ -54,7 +55,7 @@ class Configuration:
     @property
     def latency(self) -> int:
         """Return core_latency(W, M) as it is signed off, in clocks."""
-        return _FIRST_WIDTHS[max(first for first in _FIRST_WIDTHS if first <= self.width)] + (
+        return FIRST_WIDTHS[max(first for first in FIRST_WIDTHS if first <= self.width)] + (
             self.margin_bits > 0
         )
 

@@ -89,7 +89,7 @@ class CorePlayer(Player):
         # Held here: C++ keeps pointers to them while the burst is under way.
         self._held = (
             np.ascontiguousarray(pairs, np.int32), np.ascontiguousarray(margins, np.uint32),
-            np.ascontiguousarray(tags, np.uint32),
+            np.ascontiguousarray(tags, np.uint64),
         )  # fmt: skip
         burst = _Burst(
             *(array.ctypes.data for array in self._held), len(pairs), runs.ctypes.data, len(runs), budget
@@ -117,7 +117,7 @@ class CorePlayer(Player):
         """
         count = self._available("input")
         arrays = (
-            np.empty((count, 2, 3, 3), np.int32), np.empty(count, np.uint32), np.empty(count, np.uint32),
+            np.empty((count, 2, 3, 3), np.int32), np.empty(count, np.uint32), np.empty(count, np.uint64),
             np.empty(count, np.uint16),
         )  # fmt: skip
         return *arrays, self._fetch("input", count, arrays)
@@ -125,7 +125,7 @@ class CorePlayer(Player):
     def output_beats(self) -> tuple[Array, Array, Array, bool]:
         """Return words, tags and waits of the results that were taken, as `input_beats` does."""
         count = self._available("output")
-        arrays = (np.empty(count, np.uint16), np.empty(count, np.uint32), np.empty(count, np.uint16))
+        arrays = (np.empty(count, np.uint16), np.empty(count, np.uint64), np.empty(count, np.uint16))
         return *arrays, self._fetch("output", count, arrays)
 
     def _available(self, side: str) -> int:
@@ -228,11 +228,11 @@ def streamed(
     player.watch(False)
     player.run(1)
     player.set_reset(False)
-    tag_mask = (1 << configuration.tag_bits) - 1
+    tag_mask = np.uint64((1 << configuration.tag_bits) - 1)
     clocks = 0
     for start in range(0, len(pairs), _CHUNK):
         some = pairs[start : start + _CHUNK]
-        tags = (start + np.arange(len(some))) & tag_mask
+        tags = np.arange(start, start + len(some), dtype=np.uint64) & tag_mask
         player.start(some, margins[start : start + _CHUNK], tags, _ALWAYS, len(some) + _SLACK)
         at = player.run(len(some) + _SLACK)
         at = player.run(_DRAIN)

@@ -8,6 +8,7 @@
 // fault in one shows against the other. See core_engine.py.
 
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "player.h"
@@ -22,7 +23,9 @@ constexpr int kUsedBits = kCoordinates * WIDTH;
 constexpr int kDataBits = 8 * ((kUsedBits + 7) / 8);
 constexpr int kDataWords = (kDataBits + 31) / 32;
 constexpr uint64_t kCoordinateMask = (uint64_t{1} << WIDTH) - 1;
-static_assert(TAG_BITS + MARGIN_BITS <= 64, "TUSER travels in 64 bits");
+static_assert(TAG_BITS <= 64, "a tag travels in 64 bits");
+// TUSER: as Verilator keeps it, lowest word first.
+using User = std::conditional_t<(TAG_BITS + MARGIN_BITS > 64), unsigned __int128, uint64_t>;
 
 // Beats in a monitor's buffer at which they are to be fetched.
 constexpr size_t kFull = size_t{1} << 16;
@@ -31,7 +34,7 @@ constexpr size_t kFull = size_t{1} << 16;
 struct Burst {
   const int32_t* pairs;
   const uint32_t* margins;
-  const uint32_t* tags;
+  const uint64_t* tags;
   int64_t count;
   const uint16_t* runs;
   int64_t num_runs;
@@ -46,7 +49,7 @@ struct Progress {
 
 // What a monitor saw: the beats that moved, and before which of them a reset began.
 struct Monitor {
-  std::vector<uint32_t> tags;
+  std::vector<uint64_t> tags;
   std::vector<uint16_t> waits;
   std::vector<size_t> resets;
   size_t fetched = 0;
@@ -61,7 +64,7 @@ struct Monitor {
     wait = 0;
   }
   // A clock in which a beat is offered; returns whether it moves.
-  bool Clock(uint32_t tag, bool ready) {
+  bool Clock(uint64_t tag, bool ready) {
     if (!ready) {
       if (wait != UINT16_MAX) ++wait;
       return false;
@@ -76,7 +79,7 @@ struct Monitor {
   int64_t Available() const {
     return (resets_fetched < resets.size() ? resets[resets_fetched] : tags.size()) - fetched;
   }
-  void Fetch(int64_t count, uint32_t* to_tags, uint16_t* to_waits) const {
+  void Fetch(int64_t count, uint64_t* to_tags, uint16_t* to_waits) const {
     std::memcpy(to_tags, tags.data() + fetched, sizeof *to_tags * count);
     std::memcpy(to_waits, waits.data() + fetched, sizeof *to_waits * count);
   }
@@ -135,7 +138,9 @@ void Unpack(const uint32_t* words, int32_t* coordinates) {
 
 class Player {
  public:
-  explicit Player(uint32_t selected) : bench(selected), core_(bench.model()) {}
+  Player(uint32_t selected, int64_t initial) : bench(selected, initial), core_(bench.model()) {
+    core_.s_axis_tvalid_i = core_.m_axis_tready_i = 0;
+  }
 
   void Start(const Burst& burst) {
     burst_ = burst;
@@ -200,8 +205,9 @@ class Player {
   void WatchInput(bool moves) {
     uint32_t data[kDataWords];
     std::memcpy(data, &core_.s_axis_tdata_i, sizeof data);
-    const uint64_t user = core_.s_axis_tuser_i;
-    if (!input.Clock(static_cast<uint32_t>(user >> MARGIN_BITS), moves)) return;
+    User user = 0;
+    std::memcpy(&user, &core_.s_axis_tuser_i, sizeof core_.s_axis_tuser_i);
+    if (!input.Clock(static_cast<uint64_t>(user >> MARGIN_BITS), moves)) return;
     margins.push_back(static_cast<uint32_t>(user & ((uint64_t{1} << MARGIN_BITS) - 1)));
     const size_t at = coordinates.size();
     coordinates.resize(at + kCoordinates);
@@ -233,19 +239,19 @@ class Player {
 
   void Offer() {
     uint32_t data[kDataWords] = {};
-    uint64_t user = 0;
+    User user = 0;
     const bool next = offered_ < burst_.count && active() && gaps_.On();
     if (next) {
       gaps_.Use();
       padding_ = padding_ * 1664525u + 1013904223u;
       Pack(burst_.pairs + kCoordinates * offered_, padding_ >> 16, data);
-      const uint64_t tag = burst_.tags[offered_];
+      const User tag = burst_.tags[offered_];
       user = (tag << MARGIN_BITS) | (MARGIN_BITS ? burst_.margins[offered_] : 0u);
       ++offered_;
     }
     core_.s_axis_tvalid_i = next;
     std::memcpy(&core_.s_axis_tdata_i, data, sizeof data);
-    core_.s_axis_tuser_i = user;
+    std::memcpy(&core_.s_axis_tuser_i, &user, sizeof core_.s_axis_tuser_i);
   }
 
   Vtop& core_;
@@ -300,7 +306,7 @@ int64_t triaxis_input_available(void* player) { return Of(player).input.Availabl
 int64_t triaxis_output_available(void* player) { return Of(player).output.Available(); }
 
 // Copies exactly count beats; returns 1 where a reset follows them at once.
-int32_t triaxis_input_fetch(void* player, int64_t count, int32_t* pairs, uint32_t* margins, uint32_t* tags,
+int32_t triaxis_input_fetch(void* player, int64_t count, int32_t* pairs, uint32_t* margins, uint64_t* tags,
                             uint16_t* waits) {
   Player& from = Of(player);
   const size_t at = from.input.fetched;
@@ -316,7 +322,7 @@ int32_t triaxis_input_fetch(void* player, int64_t count, int32_t* pairs, uint32_
   return reset;
 }
 
-int32_t triaxis_output_fetch(void* player, int64_t count, uint16_t* words, uint32_t* tags, uint16_t* waits) {
+int32_t triaxis_output_fetch(void* player, int64_t count, uint16_t* words, uint64_t* tags, uint16_t* waits) {
   Player& from = Of(player);
   const size_t at = from.output.fetched;
   from.output.Fetch(count, tags, waits);

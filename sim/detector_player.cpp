@@ -8,7 +8,7 @@
 namespace {
 
 struct Player {
-  explicit Player(uint32_t selected) : bench(selected) {}
+  Player(uint32_t selected, int64_t initial) : bench(selected, initial) {}
 
   bool Collides(const int64_t* inputs) {
     Vtop& top = bench.model();

@@ -17,6 +17,7 @@ namespace {
 constexpr int kCoordinates = 18;
 constexpr int kDataWords = (kCoordinates * WIDTH + 31) / 32;
 constexpr uint32_t kCoordinateMask = (uint64_t{1} << WIDTH) - 1;
+static_assert(TAG_BITS < 64 && TAG_BITS + MARGIN_BITS <= 64, "TUSER travels in 64 bits");
 constexpr uint64_t kTagMask = (uint64_t{1} << TAG_BITS) - 1;
 constexpr int kClocksInReset = 4;
 // Clocks without a result after which a core hangs: far above any latency.
@@ -24,7 +25,7 @@ constexpr int kPatience = 1000;
 
 // Copies what a model is after reset into all lanes.
 void Reset(Lanes& lanes) {
-  triaxis::Bench bench(0);
+  triaxis::Bench bench;
   Vtop& core = bench.model();
   core.rst_ni = 0;
   core.s_axis_tvalid_i = 0;

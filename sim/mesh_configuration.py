@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 
+# What is simulated; the RTL takes larger groups, more lanes and wider counters.
+MOST_DEPTH, MOST_GROUP, MOST_LANES = 65536, 64, 32
+LEAST_CYCLE_BITS, MOST_CYCLE_BITS = 2, 64
+
 
 def _is_power_of_two(number: int) -> bool:
     return number > 0 and number & (number - 1) == 0
@@ -33,15 +37,19 @@ class MeshConfiguration:
         for name in ("depth", "group", "lanes"):
             if not _is_power_of_two(getattr(self, name)):
                 raise InputError(f"{name} {getattr(self, name)}: must be a power of two")
-        if not 2 <= self.depth <= 65536:
-            raise InputError(f"depth {self.depth}: must be 2..65536")
+        for name, least, most in (
+            ("depth", 2, MOST_DEPTH),
+            ("group", 1, MOST_GROUP),
+            ("lanes", 1, MOST_LANES),
+            ("cycle_bits", LEAST_CYCLE_BITS, MOST_CYCLE_BITS),
+        ):
+            if not least <= getattr(self, name) <= most:
+                raise InputError(f"{name.replace('_', ' ')} {getattr(self, name)}: must be {least}..{most}")
         if self.lanes > self.group or self.group * self.lanes > self.depth:
             raise InputError(
                 f"lanes {self.lanes}, group {self.group}, depth {self.depth}: lanes must be at most the "
                 "group, and group * lanes at most the depth"
             )
-        if not 2 <= self.cycle_bits <= 64:
-            raise InputError(f"cycle bits {self.cycle_bits}: must be 2..64")
 
     @property
     def name(self) -> str:

@@ -99,8 +99,9 @@ void Get(const Pin& pin, uint32_t* words) {
 
 class Player {
  public:
-  explicit Player(uint32_t selected) : bench(selected), engine_(bench.model()), root_(*engine_.rootp) {
+  Player(uint32_t selected, int64_t initial) : bench(selected, initial), engine_(bench.model()), root_(*engine_.rootp) {
     engine_.m_axis_near_tready_i = engine_.m_axis_done_tready_i = 1;
+    engine_.s_axis_load_tvalid_i = engine_.s_axis_run_tvalid_i = engine_.abort_i = 0;
     Guarded([this] { bench.Fall(); });
   }
 

@@ -44,14 +44,6 @@ def _bits(flat: npt.NDArray[np.int32], width: int, size: int) -> npt.NDArray[np.
     return np.ascontiguousarray(words[:-1].T).view(np.uint8)
 
 
-def user_words(
-    margins: npt.NDArray[np.integer], tags: npt.NDArray[np.integer], configuration: Configuration
-) -> npt.NDArray[np.uint64]:
-    """Return TUSER for margins and tags of shape (N,)."""
-    shift = np.uint64(configuration.margin_bits)
-    return np.ascontiguousarray(tags.astype(np.uint64) << shift | margins.astype(np.uint64))
-
-
 def pack_data(pairs: Pairs, width: int) -> list[int]:
     """Return TDATA for pairs (N, 2, 3, 3) as numbers."""
     return [int.from_bytes(row.tobytes(), "little") for row in data_words(pairs, width)]
@@ -69,18 +61,19 @@ def unpack_data(words: list[int], width: int) -> Pairs:
 
 
 def pack_user(
-    margins: npt.NDArray[np.int64], tags: npt.NDArray[np.int64], configuration: Configuration
+    margins: npt.NDArray[np.integer], tags: npt.NDArray[np.integer], configuration: Configuration
 ) -> list[int]:
-    """Return TUSER for margins and tags of shape (N,) as numbers."""
-    return user_words(margins, tags, configuration).tolist()
+    """Return TUSER for margins and tags of shape (N,) as numbers; both together may exceed 64 bits."""
+    shift = configuration.margin_bits
+    return [tag << shift | margin for tag, margin in zip(tags.tolist(), margins.tolist(), strict=True)]
 
 
 def unpack_user(
     words: list[int], configuration: Configuration
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint64]]:
     """Return margins and tags in TUSER words: the inverse of `pack_user`."""
     shift = configuration.margin_bits
     mask = (1 << shift) - 1
     margins = np.array([word & mask for word in words], np.int64)
-    tags = np.array([word >> shift for word in words], np.int64)
+    tags = np.array([word >> shift for word in words], np.uint64)
     return margins, tags

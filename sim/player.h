@@ -124,10 +124,15 @@ class Followed {
 };
 #endif
 
-// A model and its context, with mutant number `selected` where the build holds mutants.
+// A model and its context, with mutant number `selected` where the build holds mutants. `initial`: the seed of
+// what registers without a reset and memories begin with; 0 in all of them where it is negative.
 class Bench {
  public:
-  explicit Bench(uint32_t selected) {
+  explicit Bench(uint32_t selected = 0, int64_t initial = -1) {
+    if (initial >= 0) {
+      context_.randReset(2);
+      context_.randSeed(static_cast<int>(initial));
+    }
     // An assertion that fails counts an error; it must not end the process.
     context_.errorLimit(std::numeric_limits<int>::max());
 #if VM_COVERAGE
@@ -145,6 +150,7 @@ class Bench {
 #else
     (void)selected;
 #endif
+    if (initial >= 0) FallIntoReset(*model_);
 #if VM_COVERAGE
     LeaveInitialValues(*model_);
     context_.coveragep()->zero();
@@ -192,6 +198,22 @@ class Bench {
 #endif
   }
 
+  // With two states a reset that is there from the start is no edge, and resets nothing until the first clock.
+  // Logic that does not settle shows again in the first run.
+  template <typename Model>
+  void FallIntoReset(Model& model) {
+    SetClock(model, false);
+    if constexpr (requires { model.rst_ni; }) {
+      try {
+        for (const bool released : {true, false}) {
+          model.rst_ni = released;
+          model.eval();
+        }
+      } catch (const std::runtime_error&) {
+      }
+    }
+  }
+
   // What happens before the first clock in reset is no coverage: signals leave the simulator's initial values.
   template <typename Model>
   void LeaveInitialValues(Model& model) {
@@ -220,7 +242,9 @@ extern "C" void triaxis_trace(const char* file) {
 
 // The functions by which a library's models are made, freed and asked for their coverage.
 #define TRIAXIS_PLAYER(Player)                                                             \
-  extern "C" void* triaxis_open(uint32_t selected) { return new Player(selected); }        \
+  extern "C" void* triaxis_open(uint32_t selected, int64_t initial) {                      \
+    return new Player(selected, initial);                                                  \
+  }                                                                                        \
   extern "C" void triaxis_close(void* player) { delete static_cast<Player*>(player); }     \
   TRIAXIS_COVERAGE(Player)
 #if VM_COVERAGE

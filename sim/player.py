@@ -11,23 +11,27 @@ ASSERTION, HANGS = "assertion", "hangs"
 SYMPTOMS = ("", ASSERTION, "does not settle")
 
 
+# Registers and memories begin with 0.
+ZEROS = -1
+
+
 class Player:
     """A library that is loaded, and the model in it, with the mutant of that number where it holds any."""
 
-    def __init__(self, library: Path, selected: int = 0) -> None:
-        """Load the library, and make a model."""
+    def __init__(self, library: Path, selected: int = 0, initial: int = ZEROS) -> None:
+        """Load the library, and make a model; ``initial``: the seed of its registers and memories."""
         self.library: Any = ctypes.CDLL(str(library))
         self.library.triaxis_open.restype = ctypes.c_void_p
-        self.library.triaxis_open.argtypes = [ctypes.c_uint32]
+        self.library.triaxis_open.argtypes = [ctypes.c_uint32, ctypes.c_int64]
         self.library.triaxis_close.argtypes = [ctypes.c_void_p]
         self.library.triaxis_close.restype = None
         self.model: int | None = None
-        self.renew(selected)
+        self.renew(selected, initial)
 
-    def renew(self, selected: int = 0) -> None:
+    def renew(self, selected: int = 0, initial: int = ZEROS) -> None:
         """Free the model, and make another one."""
         self.free()
-        self.model = self.library.triaxis_open(selected)
+        self.model = self.library.triaxis_open(selected, initial)
 
     def free(self) -> None:
         """Free the model."""

@@ -92,13 +92,21 @@ class Build:
         return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
 
     @property
+    def initial(self) -> str:
+        """Return what Verilator is to do of registers without a reset: let each run choose, or begin with 0.
+
+        What is counted, or differs by a mutant alone, begins with 0; so do cores that are copied.
+        """
+        return "fast" if self.counters or self.selectable or self.lanes else "unique"
+
+    @property
     def flags(self) -> list[str]:
         """Return the arguments of Verilator, but for those that name files and folders."""
         arguments = [
             # Warnings are for lint: only errors end a build.
             "--cc", "-Wno-lint", "-Wno-UNOPTFLAT", "-Wno-fatal",
             # No signal is public: Verilator's default for cocotb costs most of the speed.
-            "--no-public-flat-rw", "--x-assign", "fast", "--x-initial", "fast", "--prefix", PREFIX,
+            "--no-public-flat-rw", "--x-assign", "fast", "--x-initial", self.initial, "--prefix", PREFIX,
             "--assert" if self.assertions else "--no-assert",
         ]  # fmt: skip
         if self.speed == FAST:

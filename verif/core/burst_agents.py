@@ -120,7 +120,7 @@ class BurstSourceDriver(SourceDriver):
             super().check(item)
         check_margins(item, self.settings.configuration.max_margin)
 
-    async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
+    async def drive(self, item: BurstItem, tags: npt.NDArray[np.uint64]) -> None:
         """Offer the pairs until the last is accepted; HungError where that never comes."""
         await self.bfm.send(item.pairs, item.margins, tags, item.gaps, self.rng)
 

@@ -85,8 +85,8 @@ class SourceBus(ValidatedBusDriver):
             self.on -= 1
 
 
-# Odd, so that tags return only after all others.
-_TAG_STEP = 0x9E37
+# Odd, so that tags return only after all others; of as many bits as the widest.
+_TAG_STEP = np.uint64(0x9E3779B97F4A9E37)
 
 # Beats gathered before they are published together.
 _BATCH = 512
@@ -138,15 +138,15 @@ class SourceDriver(uvm_driver):
         check_pairs(item.pairs, configuration.width, "stimulus")
         check_margins(item, configuration.max_margin)
 
-    def tags_of(self, item: BurstItem) -> npt.NDArray[np.int64]:
+    def tags_of(self, item: BurstItem) -> npt.NDArray[np.uint64]:
         """Return the tags (N,) of an item's pairs: no two alike among the last, and every bit moves."""
         count = len(item.pairs)
-        numbers = _TAG_STEP * (self.next_tag + np.arange(count))
-        tags = numbers if item.tags is None else item.tags.astype(np.int64)
+        numbers = _TAG_STEP * np.arange(self.next_tag, self.next_tag + count, dtype=np.uint64)
+        tags = numbers if item.tags is None else item.tags.astype(np.uint64)
         self.next_tag += count
-        return tags & ((1 << self.settings.configuration.tag_bits) - 1)
+        return tags & np.uint64((1 << self.settings.configuration.tag_bits) - 1)
 
-    async def drive(self, item: BurstItem, tags: npt.NDArray[np.int64]) -> None:
+    async def drive(self, item: BurstItem, tags: npt.NDArray[np.uint64]) -> None:
         """Offer the pairs until the last is accepted."""
         configuration = self.settings.configuration
         self.bus.set_pace(item.gaps, self.random)
@@ -259,7 +259,7 @@ class SinkMonitor(PinMonitor):
 
     def to_batch(self, beats: Beats) -> ResultBatch:
         """Return the results."""
-        words, tags = np.array(beats.data, np.uint16), np.array(beats.user, np.int64)
+        words, tags = np.array(beats.data, np.uint16), np.array(beats.user, np.uint64)
         return ResultBatch(words, tags, np.array(beats.waits, np.int64))
 
 

@@ -60,6 +60,8 @@ _OVERFULL_ONE_IN, _KEEPS_ONE_IN, _CHAINED_ONE_IN = 25, 4, 4
 # Scenes of more pairs are of kinds of which little is left to be tested, and in spatial order: a run in which
 # nothing is skipped takes a clock for each pair.
 _LARGE = 1 << 20
+# Of the largest memories only one is filled.
+_MOST_PAIRS = 1 << 24
 _KINDS_OF_LARGE = ["rows_apart", "lattice", "one_contact"]
 
 
@@ -72,6 +74,10 @@ def random_scene(
     """Return a scene of any of some kinds. ``calm``: without stalls, aborts, and runs that are refused."""
     rng, configuration = shapes.rng, shapes.configuration
     count_a, count_b = counts or (shapes.size(), shapes.size())
+    if count_a * count_b > _MOST_PAIRS:
+        count_b = _MOST_PAIRS // count_a
+        if rng.integers(2):
+            count_a, count_b = count_b, count_a
     margin = random_margin(rng, configuration)
     large = count_a * count_b > _LARGE
     kind = str(rng.choice(_KINDS_OF_LARGE if large else kinds))

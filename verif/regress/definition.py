@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import ROOT
 from triaxis.verif.regress.coverage_models import model_of
+from triaxis.verif.regress.covering import array_runs
 from triaxis.verif.regress.records import PlannedRun
 from triaxis.verif.testbench.settings import BURST, PIN, width_of
 from triaxis.verif.testbench.table import Entry, Runs, configurations, table
@@ -47,7 +49,8 @@ class Item:
 class Regression:
     """Tests by name, in the order of the file. ``seeds``: in place of those of its tests, None: as they say.
 
-    ``least_pairs``: fewer checked fail it; ``all_covered``: so does a coverage bin below its goal.
+    ``least_pairs``: fewer checked fail it; ``all_covered``: so does a coverage bin below its goal, but in
+    the configurations of ``uncovered``, which see too few pairs.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Regression:
     seeds: int | None
     least_pairs: int
     all_covered: bool
+    uncovered: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -121,11 +125,18 @@ def _with_table(flow: Mapping[str, Any]) -> dict[str, Any]:
         if runs.seeds
         for config in runs.configs
     ]
-    tests = [_test(*one) for one in runs]
     smoke = [runs.name(entry.name, config) for entry, runs, config in runs if config in runs.smoke]
-    builds = [_build(config, {r.agent for _, r, c in runs if c == config}) for config in configurations()]
+    runs += [(table()[test], runs, config) for test, runs in array_runs() for config in runs.configs]
+    tests = [_test(*one) for one in runs]
+    agents: dict[str, set[str]] = defaultdict(set)
+    for _, run, config in runs:
+        agents[config].add(run.agent)
+    builds = [_build(number, *one) for number, one in enumerate(agents.items())]
+    uncovered = sorted(agents.keys() - set(configurations()))
+    goals = [{**goal, "uncovered": uncovered} for goal in flow.get("goals", [])]
     return {
         **flow,
+        "goals": goals,
         "primary_build_mode": configurations()[0],
         "build_modes": [*flow["build_modes"], *builds],
         "tests": tests,
@@ -137,10 +148,9 @@ def _with_table(flow: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _build(config: str, agents: set[str]) -> dict[str, Any]:
+def _build(number: int, config: str, agents: set[str]) -> dict[str, Any]:
     # The number, because dvsim takes builds that differ in nothing but their names for one.
-    number = f"--number {configurations().index(config)}"
-    options = [f"--config {config}", number, *(f"--agent {agent}" for agent in sorted(agents))]
+    options = [f"--config {config}", f"--number {number}", *(f"--agent {agent}" for agent in sorted(agents))]
     minutes = _LIMIT_MINUTES + width_of(config)
     return {"name": config, "build_opts": options, "build_timeout_mins": minutes}
 
@@ -185,8 +195,9 @@ def _regression(raw: Mapping[str, Any], goal: Mapping[str, Any], items: Mapping[
         raise ValueError(f"regression {name}: no test {', '.join(sorted(missing))}")
     ordered = tuple(item for item in items if item in wanted)
     return Regression(
-        name, ordered, raw.get("reseed"), int(goal.get("pairs", 0)), bool(goal.get("coverage", False))
-    )
+        name, ordered, raw.get("reseed"), int(goal.get("pairs", 0)), bool(goal.get("coverage", False)),
+        frozenset(goal.get("uncovered", ())),
+    )  # fmt: skip
 
 
 def write_view(path: Path, items: Sequence[Item], testplan: Path = TESTPLAN) -> None:

@@ -224,6 +224,7 @@ class _Regression:
         records = [found[run.key] for run in everything if run.key in found]
         passed = [(record.run.config, Path(record.folder)) for record in records if record.passed]
         keys = {run.key for run in everything}
+        covered = (run.config for run in planned if run.config not in self._regression.uncovered)
         return Outcome(
             self._regression,
             state,
@@ -235,7 +236,7 @@ class _Regression:
             replayed,
             [seed for seed in self._failing.read() if seed.flaky and seed.run.key in keys],
             kept,
-            merge_coverage(self._folder, (run.config for run in planned), passed),
+            merge_coverage(self._folder, covered, passed),
             state.seconds(records, time.time()),
         )
 

@@ -185,9 +185,11 @@ class EnvironmentTest(uvm_test):
         faulthandler.register(signal.SIGXCPU)
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
         if self.bfm:
-            self.bfm.open(Path(model.library), model.selected)
+            self.bfm.open(Path(model.library), model.selected, self.settings.seed)
         else:
-            # Some simulators do not know the value of an input that nothing drives yet.
+            # A reset that is there from the start is no edge, and Verilator's registers begin with anything.
+            self.dut.rst_ni.value = 1
+            await Timer(1, "ns")
             self.dut.rst_ni.value = 0
             Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
             await self.between_edges()

@@ -63,8 +63,8 @@ class FastModel(Generic[PlayerT]):
 
     player: PlayerT
 
-    def __init__(self, make: Callable[[Path, int], PlayerT]) -> None:
-        """Nobody waits yet. ``make``: from a library, and the number of the mutant in it."""
+    def __init__(self, make: Callable[[Path, int, int], PlayerT]) -> None:
+        """Nobody waits yet. ``make``: from a library, the number of the mutant in it, a seed."""
         self._make = make
         self._due: list[tuple[int, int, Event]] = []
         self._numbers = count()
@@ -72,9 +72,9 @@ class FastModel(Generic[PlayerT]):
         self._asserted = False
         self.clock = 0
 
-    def open(self, library: Path, selected: int) -> None:
+    def open(self, library: Path, selected: int, initial: int) -> None:
         """Load the library, and let it run."""
-        self.player = self._make(library, selected)
+        self.player = self._make(library, selected, initial)
         cocotb.start_soon(self._run())
 
     @property

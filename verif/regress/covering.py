@@ -1,0 +1,148 @@
+"""The covering arrays: configurations with all sizes of the parameters, and every pair of kinds of values.
+
+A kind is what the RTL tells apart, as margins of no bits, of some, of as many as coordinates. Of each of its
+kinds a configuration takes a value that the fewest before it have. Pairwise libraries stop early where not
+all kinds go together, as Lanes above Group: here the rows are chosen from all that are allowed.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
+from itertools import combinations, product
+from typing import Any
+
+import numpy as np
+
+from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.configuration import FIRST_WIDTHS, MOST_TAG_BITS, Configuration
+from triaxis.sim.mesh_configuration import (
+    LEAST_CYCLE_BITS,
+    MOST_CYCLE_BITS,
+    MOST_DEPTH,
+    MOST_GROUP,
+    MOST_LANES,
+    MeshConfiguration,
+)
+from triaxis.verif.testbench.table import Runs
+
+NO_EDGE_BOX, NONE, SOME, ALL = "no edge box", "none", "some", "all"
+_SWITCH = (True, False)
+Row = tuple[Any, ...]
+
+
+def _bands(first: Iterable[int], last: int) -> tuple[range, ...]:
+    """Return ranges that begin with these numbers, up to the last."""
+    begins = list(first)
+    return tuple(range(begin, end) for begin, end in zip(begins, [*begins[1:], last + 1], strict=True))
+
+
+def _powers(most: int) -> tuple[int, ...]:
+    return tuple(1 << n for n in range(most.bit_length()))
+
+
+# Width, margin, tag, gating; every width with every kind of margin and of tag.
+CORE_KINDS = (
+    range(MIN_WIDTH, MAX_WIDTH + 1),
+    (NO_EDGE_BOX, NONE, SOME, ALL),
+    _bands(range(1, MOST_TAG_BITS, 16), MOST_TAG_BITS),
+    _SWITCH,
+)
+_DEPTHS = _powers(MOST_DEPTH)[1:]
+# Width by latency, margin, depth, group, lanes, cycle bits, gating.
+MESH_KINDS = (
+    _bands(FIRST_WIDTHS, MAX_WIDTH),
+    (NONE, SOME, ALL),
+    tuple(_DEPTHS[n : n + 4] for n in range(0, len(_DEPTHS), 4)),
+    _powers(MOST_GROUP),
+    _powers(MOST_LANES),
+    _bands((LEAST_CYCLE_BITS, 9, 33), MOST_CYCLE_BITS),
+    _SWITCH,
+)
+
+
+def mesh_fits(row: Row) -> bool:
+    """Return whether an engine can have these kinds."""
+    _, _, depths, group, lanes, _, _ = row
+    return lanes <= group and group * lanes <= depths[-1]
+
+
+def covering_rows(kinds: Sequence[Sequence[Any]], fits: Callable[[Row], bool] = lambda _: True) -> list[Row]:
+    """Return rows of kinds that fit, such that each pair in any of these is in one of them."""
+    allowed = [row for row in product(*map(range, map(len, kinds))) if fits(_named(kinds, row))]
+    columns = np.array(allowed).T
+    most = max(map(len, kinds))
+    two = enumerate(combinations(columns, 2))
+    pairs = np.stack([(n * most + one) * most + other for n, (one, other) in two], 1)
+    missing = np.zeros(pairs.max() + 1, np.bool_)
+    missing[pairs] = True
+    # Of rows that are as good, one of the kinds that were taken least.
+    taken = np.zeros((len(kinds), most), np.int64)
+    rows: list[Row] = []
+    while missing.any():
+        spread = taken[np.arange(len(kinds))[:, None], columns].sum(0)
+        best = int((missing[pairs].sum(1) * (1 << 20) - spread).argmax())
+        missing[pairs[best]] = False
+        taken[np.arange(len(kinds)), columns[:, best]] += 1
+        rows.append(_named(kinds, allowed[best]))
+    return rows
+
+
+def _named(kinds: Sequence[Sequence[Any]], row: Sequence[int]) -> Row:
+    return tuple(kind[n] for kind, n in zip(kinds, row, strict=True))
+
+
+class _Fewest:
+    """Takes of some values the one that was taken least, of those the one that is nearest to an end."""
+
+    def __init__(self, taken: Iterable[int] = ()) -> None:
+        self._taken = Counter(taken)
+
+    def __call__(self, values: Sequence[int]) -> int:
+        last = len(values) - 1
+        _, _, value = min((self._taken[one], min(n, last - n), one) for n, one in enumerate(values))
+        self._taken[value] += 1
+        return value
+
+
+def _margin(kind: str, width: int, some: _Fewest) -> int:
+    return width if kind == ALL else some(range(1, width)) if kind == SOME else 0
+
+
+# Twice what a counter of sixteen bits holds; of small engines less, whose scenes have few pairs each.
+_PAIRS, _PAIRS_OF_DEPTH = 1 << 17, 400
+# The golden model judges few: the bulk checker checks every pair.
+_JUDGED, _JUDGED_SCENES = 10_000, 16
+_LABEL = "array"
+
+
+def array_runs() -> Iterator[tuple[str, Runs]]:
+    """Yield the runs of the arrays: the name of the test, the runs in one configuration."""
+    for core in core_array():
+        yield "VolumeTest", Runs((core.name,), _PAIRS, _JUDGED, label=_LABEL)
+    for engine in mesh_array():
+        pairs = min(_PAIRS, _PAIRS_OF_DEPTH * engine.depth)
+        yield "MeshRandomTest", Runs((f"mesh_{engine.name}",), pairs, _JUDGED_SCENES, label=_LABEL)
+
+
+@cache
+def core_array() -> tuple[Configuration, ...]:
+    """Return the configurations of the core."""
+    # Margins of all bits are there for every width.
+    tags, some = _Fewest(), _Fewest(CORE_KINDS[0])
+    return tuple(
+        Configuration(width, _margin(margin, width, some), tags(tag), margin != NO_EDGE_BOX, gating)
+        for width, margin, tag, gating in covering_rows(CORE_KINDS)
+    )
+
+
+@cache
+def mesh_array() -> tuple[MeshConfiguration, ...]:
+    """Return the configurations of the mesh engine."""
+    widths, some, depths, cycles = _Fewest(), _Fewest(), _Fewest(), _Fewest()
+    found: list[MeshConfiguration] = []
+    for band, margin, depth, group, lanes, bits, gating in covering_rows(MESH_KINDS, mesh_fits):
+        width = widths(band)
+        enough = [one for one in depth if one >= group * lanes]
+        margin_bits, cycle_bits = _margin(margin, width, some), cycles(bits)
+        found.append(MeshConfiguration(width, margin_bits, depths(enough), group, lanes, cycle_bits, gating))
+    return tuple(found)
