@@ -143,7 +143,10 @@ class CountingScoreboard(uvm_scoreboard):
             "cpu_seconds": time.process_time() - self._busy,
             "peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         }
-        path = result_file(Path(settings_of(self).folder))
+        settings = settings_of(self)
+        # Of registers without a reset and of memories, too.
+        taken["seed"] = settings.seed
+        path = result_file(Path(settings.folder))
         write_whole(path, json.dumps({**counts, **taken}, indent=2) + "\n")
 
 

@@ -3,10 +3,16 @@
 Faults of the core have tests of their own, in verif/faults/tests/test_faults.py.
 """
 
+import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import load
+from triaxis.sim.configuration import Configuration
+from triaxis.sim.core_engine import CorePlayer, streamed
+from triaxis.sim.models import core_build
+from triaxis.sim.verilate import library
+from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench import simulation
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
@@ -72,6 +78,23 @@ def test_a_simulator_that_ends_badly_has_not_passed(tmp_path, seed, monkeypatch)
         script.write_text(f"#!/bin/sh\n{honest}/triaxis_bare_tb\nexit {status}\n")
         script.chmod(0o755)
         assert run(settings).passed == (status == 0)
+
+
+@pytest.mark.parametrize("agent", [BURST, PIN])
+def test_a_register_without_a_reset_is_noticed_as_it_begins_with_anything(tmp_path, seed, agent):
+    dut = broken_rtl(tmp_path, ("core/triaxis_fifo.sv", "      write_q <= '0;\n", ""))
+    # Two, because one may begin with what the reset should have given it.
+    runs = [
+        run(run_settings("RandomTest", "w8_m0", seed + n, 100, folder=tmp_path / str(n), agent=agent), dut)
+        for n in range(2)
+    ]
+    assert not all(one.passed for one in runs)
+    if agent == BURST:
+        # Where all begin with 0 nothing shows.
+        core = Configuration(8)
+        player = CorePlayer(library(core_build(core, dut)))
+        pairs = np.zeros((100, 2, 3, 3), np.int32)
+        assert (streamed(player, core, pairs, np.zeros(100, np.uint32))[0] & 1).all()
 
 
 @pytest.mark.regress
