@@ -58,7 +58,7 @@ class Regression:
     seeds: int | None
     least_pairs: int
     all_covered: bool
-    uncovered: frozenset[str]
+    uncovered: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
