@@ -198,12 +198,13 @@ class Bench {
 #endif
   }
 
-  // With two states a reset that is there from the start is no edge, and resets nothing until the first clock.
-  // Logic that does not settle shows again in the first run.
+  // With two states a reset that is there from the start is no edge, and resets nothing until the first clock;
+  // what asserts the opposite is asked after it. Logic that does not settle shows again in the first run.
   template <typename Model>
   void FallIntoReset(Model& model) {
     SetClock(model, false);
     if constexpr (requires { model.rst_ni; }) {
+      context_.assertOn(false);
       try {
         for (const bool released : {true, false}) {
           model.rst_ni = released;
@@ -211,6 +212,7 @@ class Bench {
         }
       } catch (const std::runtime_error&) {
       }
+      context_.assertOn(true);
     }
   }
 

@@ -95,9 +95,11 @@ class Build:
     def initial(self) -> str:
         """Return what Verilator is to do of registers without a reset: let each run choose, or begin with 0.
 
-        What is counted, or differs by a mutant alone, begins with 0; so do cores that are copied.
+        What is counted, or differs by a mutant alone, begins with 0; so do cores that are copied, and pins,
+        where clocks would begin with anything too, which is an edge.
         """
-        return "fast" if self.counters or self.selectable or self.lanes else "unique"
+        alike = self.counters or self.selectable or self.lanes or self.form is Form.PINS
+        return "fast" if alike else "unique"
 
     @property
     def flags(self) -> list[str]:

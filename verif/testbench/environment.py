@@ -190,9 +190,7 @@ class EnvironmentTest(uvm_test):
         if self.bfm:
             self.bfm.open(Path(model.library), model.selected, self.settings.seed)
         else:
-            # A reset that is there from the start is no edge, and Verilator's registers begin with anything.
-            self.dut.rst_ni.value = 1
-            await Timer(1, "ns")
+            # Some simulators do not know the value of an input that nothing drives yet.
             self.dut.rst_ni.value = 0
             Clock(self.dut.clk_i, PERIOD_NS, "ns").start()
             await self.between_edges()

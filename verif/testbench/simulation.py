@@ -192,7 +192,6 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
             hdl_toplevel_lang="verilog",
             test_module="triaxis.verif.testbench.entry",
             seed=settings.seed,
-            plusargs=_initial_values(settings),
             build_dir=program,
             test_dir=folder,
             results_xml=str(_results(folder)),
@@ -212,13 +211,6 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
         )
         return True
     return False
-
-
-def _initial_values(settings: RunSettings) -> list[str]:
-    """Return what has Verilator begin with anything, by the run's seed; libraries take it themselves."""
-    if settings.simulator != VERILATOR:
-        return []
-    return ["+verilator+rand+reset+2", f"+verilator+seed+{max(1, settings.seed)}"]
 
 
 def _counts(path: Path) -> dict[str, Any] | None:
