@@ -16,7 +16,7 @@ from triaxis.sim.models import core_build, lockstep_build
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import SYMPTOMS, Player
 from triaxis.sim.result import decode
-from triaxis.sim.verilate import FAST, MANY, library
+from triaxis.sim.verilate import FAST, MANY, SAIF, library
 
 _CHUNK = 1 << 16
 # Clocks that the last results of a burst may take once nothing stalls them: far above any latency.
@@ -155,7 +155,7 @@ class RtlEngine:
         """
         self.configuration = configuration
         build = replace(core_build(configuration, dut), plain=plain)
-        self._player = CorePlayer(library(replace(build, traced=True, speed=MANY) if traced else build))
+        self._player = CorePlayer(library(replace(build, trace=SAIF, speed=MANY) if traced else build))
         self.library = self._player.library
 
     def words(

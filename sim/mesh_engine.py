@@ -17,7 +17,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import mesh_build
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import HANGS, SYMPTOMS, Player
-from triaxis.sim.verilate import MANY
+from triaxis.sim.verilate import MANY, SAIF
 from triaxis.sim.verilate import library as built_library
 
 Move = tuple[int, int, int]
@@ -234,7 +234,7 @@ class MeshEngine:
         self.configuration = configuration
         self.counts: tuple[int, int] = (0, 0)
         build = mesh_build(configuration, dut)
-        usual = replace(build, traced=True, speed=MANY) if traced else build
+        usual = replace(build, trace=SAIF, speed=MANY) if traced else build
         self._player = MeshPlayer(library or built_library(usual))
         self.library = self._player.library
         self._player.run(1)

@@ -25,6 +25,9 @@ PREFIX = "Vtop"
 # Of the model's code: what runs for milliseconds costs more to compile than to run.
 QUICK, LIGHT, MANY, FAST = "-O0", "-Og", "-O1", "-O2"
 
+# What a traced build writes.
+SAIF, VCD = "saif", "vcd"
+
 COUNTERS = (
     "--coverage-line", "--coverage-toggle", "--coverage-expr",
     # Signals of any width: Verilator leaves out those above 256 bits otherwise, and does not say so.
@@ -55,7 +58,8 @@ class Build:
     ``sources``: RTL and control files of Verilator, in order; ``above``, those that it depends on besides.
     ``cpp``: of the player or the program; ``headers``, what that includes. ``dut``: the folder of the RTL,
     which may be another one with the same files. ``counters``: of line, toggle and expression coverage.
-    ``assertions``: those in the sources are checked. ``traced``: it follows its own switching activity.
+    ``assertions``: those in the sources are checked. ``trace``: it writes what it switches, SAIF,
+    or all its waves, VCD.
     ``selectable``: it holds mutants, one of which is selected by its number. ``plain``: with Verilator's own
     arithmetic, not that of arithmetic.h, to compare with. ``speed``: of the model's code. ``split``:
     statements in a C++ file, 0 all in one. ``objects``: compiled already. ``lanes``: of cores in lockstep, 0
@@ -74,7 +78,7 @@ class Build:
     form: Form = Form.LIBRARY
     counters: bool = False
     assertions: bool = False
-    traced: bool = False
+    trace: str = ""
     selectable: bool = False
     plain: bool = False
     speed: str = FAST
@@ -86,7 +90,8 @@ class Build:
     def kind(self) -> str:
         """Return in a word for each what is special about it, for the names of folders."""
         marks = {
-            "covered": self.counters, "traced": self.traced, "mutated": self.selectable, "plain": self.plain,
+            "covered": self.counters, f"traced_{self.trace}": self.trace, "mutated": self.selectable,
+            "plain": self.plain,
             "asserted": self.form is Form.LIBRARY and self.assertions, f"lanes{self.lanes}": self.lanes,
         }  # fmt: skip
         return "_".join([self.name, *(mark for mark, holds in marks.items() if holds)])
@@ -121,8 +126,8 @@ class Build:
             # Functions of moderate length: g++ makes code of the whole core in one function that runs a third
             # slower.
             arguments += ["--output-split-cfuncs", "1000"]
-        if self.traced:
-            arguments.append("--trace-saif")
+        if self.trace:
+            arguments += [f"--trace-{self.trace}", *(["--trace-structs"] if self.trace == VCD else [])]
         if self.split is not None:
             arguments += ["--output-split", str(self.split)]
         if self.form is not Form.LIBRARY:
@@ -132,10 +137,10 @@ class Build:
     @property
     def preprocessed(self) -> list[str]:
         """Return the definitions with which C++ is compiled."""
-        trace = int(self.traced)
         values = {
-            "VERILATOR": 1, "VM_COVERAGE": int(self.counters), "VM_SC": 0, "VM_TRACE": trace,
-            "VM_TRACE_FST": 0, "VM_TRACE_VCD": 0, "VM_TRACE_SAIF": trace,
+            "VERILATOR": 1, "VM_COVERAGE": int(self.counters), "VM_SC": 0,
+            "VM_TRACE": int(bool(self.trace)), "VM_TRACE_FST": 0, "VM_TRACE_VCD": int(self.trace == VCD),
+            "VM_TRACE_SAIF": int(self.trace == SAIF),
         }  # fmt: skip
         # A library keeps the time itself, and throws what would end the process: see player.h.
         if self.form is Form.LIBRARY:
@@ -250,8 +255,8 @@ def runtime(build: Build) -> Path:
         names += _FOR_COCOTB
     if build.counters:
         names.append("verilated_cov")
-    if build.traced:
-        names.append("verilated_saif_c")
+    if build.trace:
+        names.append(f"verilated_{build.trace}_c")
     sources = [_include() / f"{name}.cpp" for name in names]
     command = compiler(build, FAST)
     key = content_hash(sources, str(verilator()), target(cxx()), *_without_folders(command))

@@ -26,7 +26,17 @@ from triaxis.sim.models import (
     safety_build,
 )
 from triaxis.sim.paths import DUT, SIM, listed
-from triaxis.sim.verilate import FAST, MANY, QUICK, compile_model, compiler, runtime, verilate_command
+from triaxis.sim.verilate import (
+    FAST,
+    MANY,
+    QUICK,
+    SAIF,
+    VCD,
+    compile_model,
+    compiler,
+    runtime,
+    verilate_command,
+)
 
 CORE, MESH = Configuration(8, 8), MeshConfiguration(8, 0, depth=16, group=4, lanes=4)
 BLOCKS = (
@@ -84,8 +94,8 @@ def test_every_variant_is_a_build_of_its_own(build, tmp_path):
     variants = [
         replace(build, **change)
         for change in (
-            {}, {"counters": True}, {"traced": True}, {"selectable": True}, {"speed": MANY}, {"split": 0},
-            {"plain": True}, {"assertions": not build.assertions}, {"defines": {"MORE": 1}},
+            {}, {"counters": True}, {"trace": SAIF}, {"trace": VCD}, {"selectable": True}, {"speed": MANY},
+            {"split": 0}, {"plain": True}, {"assertions": not build.assertions}, {"defines": {"MORE": 1}},
             {"parameters": {"W": 9}},
         )
     ]  # fmt: skip

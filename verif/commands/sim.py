@@ -28,6 +28,7 @@ from triaxis.verif.testbench.table import (
     mesh_tests,
     table,
 )
+from triaxis.verif.testbench.waves import WAVES, check_waves
 
 _SIMULATORS = (VERILATOR, ICARUS, *UNTRIED)
 
@@ -85,6 +86,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="break the core, or the mesh engine, by a fault of `triaxis prove faults --list`",
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
+    parser.add_argument(
+        "--waves", nargs="?", choices=WAVES, const=WAVES[0], default="",
+        help="keep all values of a run on the pins, with a view for GTKWave and one for Surfer; fst is "
+        "written by vcd2fst, which comes with GTKWave (vcd)",
+    )  # fmt: skip
     parser.set_defaults(run=run)
 
 
@@ -97,6 +103,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--soak goes with --agent burst, and only with it")
     if options.simulator != VERILATOR and options.agent != PIN:
         raise InputError(f"--agent {options.agent} needs Verilator: {options.simulator} drives pins alone")
+    if options.waves:
+        check_waves(options.waves, options.agent, options.simulator)
     check_test_fits(options.test, options.config)
     dut = DUT if options.fault is None else _broken(options.fault, options.test)
     if table()[options.test].of_mesh_engine:
@@ -120,8 +128,10 @@ def run(options: argparse.Namespace) -> int:
         judged_one_in=options.judged,
         soak=options.soak,
         simulator=options.simulator,
+        waves=options.waves,
     )
     result = run_and_explain(settings, dut)
+    _print_waves(result)
     if result.passed and result.counts:
         print(
             f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
@@ -131,6 +141,11 @@ def run(options: argparse.Namespace) -> int:
         )
         return DONE
     return _failed(options, result)
+
+
+def _print_waves(result: RunResult) -> None:
+    if result.waves:
+        print(f"waves: {result.waves}: gtkwave {result.waves.with_suffix('.gtkw')}")
 
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
@@ -165,8 +180,10 @@ def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
         agent=options.agent,
         judged_one_in=options.judged,
         simulator=options.simulator,
+        waves=options.waves,
     )
     result = run_and_explain(settings, dut)
+    _print_waves(result)
     if not result.passed or not result.counts:
         return _failed(options, result)
     counts = result.counts

@@ -7,7 +7,7 @@ import numpy as np
 
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.core.base_test import CoreTest
-from triaxis.verif.core.failing_pairs import read_failing_pairs
+from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, load_regressions
 from triaxis.verif.core.metamorphic import GROUPS, MetamorphicCheck
@@ -330,9 +330,12 @@ class ResetsTest(CoreTest):
 
 @listed("V3")
 class ReplayTest(CoreTest):
-    """Pairs that failed before, from the file that the scoreboard wrote."""
+    """Pairs that failed before, from the file that the scoreboard wrote, each after the pairs before it."""
 
     async def stimulus(self) -> None:
-        """Send the pairs in the file."""
-        pairs, margins = read_failing_pairs(Path(self.settings.replay), self.settings.configuration)
+        """Send what is in the file."""
+        failing = read_failing(Path(self.settings.replay), self.settings.configuration)
+        streams = [one.stream.preceded_by(one.context) if one.context else one.stream for one in failing]
+        pairs = np.concatenate([stream.pairs for stream in streams])
+        margins = np.concatenate([stream.margins for stream in streams])
         await self.send(ArraySequence(self.settings, pairs, margins))

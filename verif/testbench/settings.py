@@ -39,7 +39,8 @@ class RunSettings:
     ``agent``: "pin" or "burst". ``judged_one_in``: the share of pairs that the golden model judges
     beside the bulk checker; 1: all. ``soak``: no assertions, coverage samples a part of
     the batches, and the golden model takes new kinds of situations one a batch. ``simulator``: of the
-    pins, Verilator or one of sim/simulators.py; a library is always Verilator's.
+    pins, Verilator or one of sim/simulators.py; a library is always Verilator's. ``waves``: "vcd" or "fst", a
+    file of all values; "": none.
     """
 
     test: str
@@ -52,6 +53,7 @@ class RunSettings:
     judged_one_in: int = 1
     soak: bool = False
     simulator: str = VERILATOR
+    waves: str = ""
 
     @property
     def four_state(self) -> bool:

@@ -18,7 +18,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import asserted, bare_build, core_build, mesh_build, mesh_pin_build, pin_build
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.simulators import compiled_for
-from triaxis.sim.verilate import FAST, LIGHT, Build, library, verilate
+from triaxis.sim.verilate import FAST, LIGHT, VCD, Build, library, verilate
 from triaxis.verif.testbench.settings import (
     PIN,
     VERILATOR,
@@ -29,6 +29,7 @@ from triaxis.verif.testbench.settings import (
 )
 from triaxis.verif.testbench.table import configurations
 from triaxis.verif.testbench.trials import Trials
+from triaxis.verif.testbench.waves import DUMP, finished
 
 # How often an error line of the log is repeated to the user.
 _SHOWN = 5
@@ -45,6 +46,7 @@ class RunResult:
     errors: tuple[str, ...]
     log: Path
     counterexamples: tuple[str, ...] = ()
+    waves: Path | None = None
 
     @property
     def coverage(self) -> Path:
@@ -64,9 +66,15 @@ class RunResult:
         lines.append(f"  log:    {self.log}")
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
+            lines.append(f"  waves:  {_replay(self.settings.config, self.failing_pairs)} --waves")
         lines += [f"  {line}" for line in self.counterexamples]
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
+
+
+def _replay(config: str, pairs: Path) -> str:
+    """Return the command that sends failing pairs again, each after those before it: few clocks in all."""
+    return f".venv/bin/triaxis sim ReplayTest --config {config} --replay {pairs}"
 
 
 def run_settings(
@@ -80,6 +88,7 @@ def run_settings(
     judged_one_in: int = 1,
     soak: bool = False,
     simulator: str = VERILATOR,
+    waves: str = "",
 ) -> RunSettings:
     """Return the settings of a run, in its usual folder unless another is named.
 
@@ -89,7 +98,7 @@ def run_settings(
     on = agent if simulator == VERILATOR else simulator
     usual = BUILD / "runs" / f"{test}-{config}-{on}-{seed}"
     return RunSettings(
-        test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak, simulator
+        test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak, simulator, waves
     )
 
 
@@ -125,9 +134,12 @@ def program_of(settings: RunSettings, dut: Path = DUT) -> Build:
     """Return the simulator that a run lives in: empty, where what is under test is a library."""
     if settings.agent != PIN:
         return bare_build()
-    if settings.of_mesh_engine:
-        return mesh_pin_build(settings.mesh_configuration, dut)
-    return pin_build(settings.configuration, dut)
+    build = (
+        mesh_pin_build(settings.mesh_configuration, dut)
+        if settings.of_mesh_engine
+        else pin_build(settings.configuration, dut)
+    )
+    return replace(build, trace=VCD) if settings.waves else build
 
 
 def build_for(settings: RunSettings, dut: Path = DUT) -> tuple[Path, Path | None]:
@@ -159,9 +171,10 @@ def run(settings: RunSettings, dut: Path = DUT, model: Path | None = None) -> Ru
     start = time.monotonic()
     ended_well = _simulate(settings, program, settings.to_environment(usual), folder)
     seconds = time.monotonic() - start
+    waves = finished(folder, settings) if settings.waves else None
     counts, log = _counts(result_file(folder)), _log(folder)
     passed = ended_well and _passed(_results(folder)) and counts is not None and counts["failed"] == 0
-    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, waves=waves)
 
 
 def run_trials(trials: Trials) -> None:
@@ -195,6 +208,7 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
             build_dir=program,
             test_dir=folder,
             results_xml=str(_results(folder)),
+            test_args=["--trace", "--trace-file", DUMP] if settings.waves else [],
             log_file=_log(folder),
             extra_env={
                 **environment,

@@ -1,0 +1,123 @@
+"""Waves of a run on the pins: the file, and views of it for GTKWave and Surfer, stream by stream.
+
+A view names signals; each must be in the file, or the view is refused: so a signal that is called
+otherwise in the RTL does not silently go from the view.
+"""
+
+import shutil
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import write_whole
+from triaxis.sim.models import CORE_TOP, MESH_TOP
+from triaxis.verif.testbench.settings import PIN, VERILATOR, RunSettings
+
+WAVES = ("vcd", "fst")
+DUMP = "waves.vcd"
+_CONVERTER = "vcd2fst"
+
+Groups = Mapping[str, Sequence[str]]
+
+
+_VERDICT = ("is_near", "axis", "coplanar", "degenerate_a", "degenerate_b")
+_CORE: Groups = {
+    "pairs in": ["clk_i", "rst_ni", "s_axis_tvalid_i", "s_axis_tready_o", "s_axis_tuser_i", "margin", "tag"],
+    "their vertices": [f"{triangle}[{v}][{k}]" for triangle in "ab" for v in range(3) for k in range(3)],
+    "stage by stage": [
+        "valid_q", "in_flight_q", "u_datapath.valid_q", "u_datapath.box_separated",
+        *(f"u_datapath.normal_{triangle}[{k}]" for triangle in "ab" for k in range(3)),
+        "u_datapath.u_verdict.separated_i", "u_datapath.u_verdict.lowest_q", "u_datapath.u_verdict.claim",
+    ],
+    "verdicts out": [
+        "m_axis_tvalid_o", "m_axis_tready_i", "m_axis_tuser_o",
+        *(f"oldest.verdict.{field}" for field in _VERDICT),
+    ],
+}  # fmt: skip
+_MESH: Groups = {
+    "meshes in": [
+        "clk_i", "rst_ni", "s_axis_load_tvalid_i", "s_axis_load_tready_o", "s_axis_load_tuser_i", "count_a_o",
+        "count_b_o",
+    ],
+    "runs in": [
+        "s_axis_run_tvalid_i", "s_axis_run_tready_o", "margin", "move[0]", "move[1]", "move[2]", "abort_i",
+        "busy_o", "u_control.state_q",
+    ],
+    "groups, boxes, pairs": [
+        "row_valid", "row", "word_valid", "word_mask", "group_pair_valid", "masked_valid", "pair_valid",
+        "core_valid", "core_ready", "core_a", "core_b",
+    ],
+    "verdicts": ["verdict_valid", "verdict_ready", "verdict", "verdict_pair"],
+    "near pairs out": ["m_axis_near_tvalid_o", "m_axis_near_tready_i", "m_axis_near_tdata_o"],
+    "ends of runs": [
+        "m_axis_done_tvalid_o", "m_axis_done_tready_i", "status_o", "cycles_o", "group_pairs_skipped_o",
+        "pairs_skipped_o", "tested_o", "near_o",
+    ],
+}  # fmt: skip
+
+
+def check_waves(waves: str, agent: str, simulator: str) -> None:
+    """Raise InputError where a run cannot leave such waves."""
+    if (agent, simulator) != (PIN, VERILATOR):
+        raise InputError("--waves: are of runs on the pins in Verilator: leave out --agent and --simulator")
+    if waves == "fst" and shutil.which(_CONVERTER) is None:
+        raise InputError(
+            f"--waves fst: {_CONVERTER}: not found: install GTKWave (apt-get install gtkwave), or take vcd"
+        )
+
+
+def signals_in(dump: Path) -> dict[str, int]:
+    """Return the signals in a VCD file with their bits, by their path from the top module."""
+    found: dict[str, int] = {}
+    scopes: list[str] = []
+    with dump.open(encoding="ascii", errors="replace") as lines:
+        for line in lines:
+            words = line.split()
+            if words[:1] == ["$scope"]:
+                scopes.append(words[2])
+            elif words[:1] == ["$upscope"]:
+                scopes.pop()
+            elif words[:1] == ["$var"]:
+                found[".".join([*scopes, words[4]])] = int(words[2])
+            elif words[:1] == ["$enddefinitions"]:
+                break
+    return found
+
+
+def _shown(settings: RunSettings, held: Mapping[str, int]) -> Iterator[tuple[str, list[str]]]:
+    """Yield each group of the view with its signals as the file has them."""
+    for title, names in (_MESH if settings.of_mesh_engine else _CORE).items():
+        paths = [f"{MESH_TOP if settings.of_mesh_engine else CORE_TOP}.{name}" for name in names]
+        if missing := [path for path in paths if path not in held]:
+            raise InputError(f"{DUMP}: without {', '.join(missing)}: adapt the view in {Path(__file__).name}")
+        yield title, paths
+
+
+def finished(folder: Path, settings: RunSettings) -> Path:
+    """Write the views beside the waves of a run, convert these where asked for; return the file.
+
+    Raises InputError where a run left none, or one without a signal of the view.
+    """
+    dump = folder / DUMP
+    if not dump.exists():
+        raise InputError(f"{dump}: the run left no waves: see its log")
+    held = signals_in(dump)
+    groups = list(_shown(settings, held))
+    gtkwave, surfer = [f'[dumpfile] "{DUMP}"', "[timestart] 0", "[size] 1400 800"], []
+    for title, paths in groups:
+        gtkwave += ["@200", f"-{title}"]
+        surfer.append(f"divider_add {title}")
+        for path in paths:
+            bits = held[path]
+            gtkwave += ["@28" if bits == 1 else "@22", path if bits == 1 else f"{path}[{bits - 1}:0]"]
+            surfer.append(f"variable_add {path}")
+    if settings.waves == "fst":
+        whole = dump.with_suffix(".fst")
+        subprocess.run([_CONVERTER, dump.name, whole.name], cwd=folder, check=True, capture_output=True)
+        dump.unlink()
+        gtkwave[0] = f'[dumpfile] "{whole.name}"'
+        dump = whole
+    write_whole(dump.with_suffix(".gtkw"), "\n".join(gtkwave) + "\n")
+    write_whole(dump.with_suffix(".sucl"), "\n".join([*surfer, "zoom_fit"]) + "\n")
+    return dump
