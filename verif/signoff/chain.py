@@ -73,7 +73,7 @@ def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
         ),
         _proved(
             "RTL to the machine",
-            "go implies a clear run on what was acknowledged, of a host heard in time, for any line and any frames",
+            "go implies a clear run on what was acknowledged to a host heard in time, for any frames",
             "SymbiYosys with yices",
             parts["proofs"],
             lambda name: name.startswith(_BOARD),

@@ -253,6 +253,7 @@ module triaxis_go_formal
       Legitimate :
       assert (!acknowledged || heard ||
               (owned && frame.sequence_number == number_q && frame.command == command_q));
+      TakenInSilence : assert (!(u_top.hello && takes) || !u_top.alive);
       if (go_o) begin
         // The last run was complete and found nothing near.
         Clear : assert (clear_q && unchanged_q);

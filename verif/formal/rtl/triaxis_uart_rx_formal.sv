@@ -67,6 +67,10 @@ module triaxis_uart_rx_formal #(
     end
   end
 
+  // Two bits since the first clock.
+  logic [1:0] bits_q = 2'd0;
+  always_ff @(posedge clk_i) if (in_middle && !bits_q[1]) bits_q <= bits_q + 2'd1;
+
   // Where the count of a bit and its number must be.
   clocks_t bit_clocks;
   logic [2:0] state;
@@ -85,8 +89,8 @@ module triaxis_uart_rx_formal #(
       Given : assert (valid_o == (done_q && levels_q[9]));
       InTheMiddles : assert (!valid_o || (data_o == levels_q[8:1] && !levels_q[0]));
       Framing : assert (framing_error_o == (done_q && !levels_q[9]));
-      SeenByte : cover (valid_o && data_o == 8'hC5);
-      SeenFraming : cover (framing_error_o);
+      SeenByte : cover (valid_o && data_o == 8'hC5 && bits_q[1]);
+      SeenFraming : cover (framing_error_o && bits_q[1]);
       // What makes it inductive.
       assert (state <= 3'd4);
       assert (u_rx.line_q == line_q);
