@@ -1,13 +1,13 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Stand-ins, with the ports of the real ones, for what surrounds the decision of go on the board, in
-// the proof `board_go`. Signals named free_* have no driver: the prover chooses them anew each clock. What is
-// not free is what another proof shows of the real module, named beside it.
+// Stand-ins, with the ports of the real ones, for what surrounds the decision of go on the board,
+// in the proof `board_go`. Signals named free_* have no driver: the prover chooses them anew each
+// clock. What is not free is what another proof shows of the real module, named beside it.
 
-// Whole frames, of any bytes, at any clocks. Frames stay as they are until they are released, have 13 to 256 bytes
-// and a good CRC (`board_frame`). Of a frame one byte, of any place, reads the same each time; all others
-// are free at each reading, which allows more than the real one does.
+// Whole frames, of any bytes, at any clocks. Frames stay as they are until they are released, have
+// 13 to 256 bytes and a good CRC (`board_frame`). Of a frame one byte, of any place, reads the same
+// each time; all others are free at each reading, which allows more than the real one does.
 module triaxis_receiver
   import triaxis_board_pkg::*;
 #(
@@ -48,13 +48,13 @@ module triaxis_receiver
 
 endmodule
 
-// The engine: takes loads and runs at any clocks, but none while a run is going on, and says of a run,
-// once, after it was accepted, whatever it likes: that it says complete only of a run that was neither
-// aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`; that what
-// it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was not tested is
-// separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost between, `engine_queue` and
-// `engine_pick`; that verdicts are right, the proofs of the core. Triangles get the next number of
-// their mesh: `engine_boxes`.
+// The engine: takes loads and runs at any clocks, but none while a run is going on, and says of a
+// run, once, after it was accepted, whatever it likes: that it says complete only of a run that was
+// neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
+// that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
+// not tested is separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost
+// between, `engine_queue` and `engine_pick`; that verdicts are right, the proofs of the core.
+// Triangles get the next number of their mesh: `engine_boxes`.
 module triaxis_mesh
   import triaxis_mesh_pkg::*;
 #(
@@ -183,7 +183,8 @@ module triaxis_display #(
 
 endmodule
 
-// The pairs for the host have no part in go; how many there are does not either, but RESULTS is refused by it.
+// Pairs for the host have no part in go; their numbers only decide which RESULTS are refused.
+// verilog_lint: waive module-filename
 module triaxis_near_ring #(
     parameter int unsigned Width   = 24,
     parameter int unsigned Entries = 1024

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Frames from any bytes, ends and errors: what is handed out is what came between two ends, whole,
-// with its own CRC-32 at its end, and stays until it is released; whatever else came is told as an error.
-// One byte of a frame, of any number, chosen once by the prover, is followed. The CRC is that of the
-// definition: the remainder of the division by the polynomial, highest power first.
+// with its own CRC-32 at its end, and stays until it is released; whatever else came is told as an
+// error. One byte of a frame, of any number, chosen once by the prover, is followed. The CRC is
+// that of the definition: the remainder of the division by the polynomial, highest power first.
 
 `include "triaxis_formal.svh"
 
@@ -46,8 +46,9 @@ module triaxis_frame_rx_formal
     for (int i = 0; i < 32; i++) mirrored[i] = value[31-i];
   endfunction
 
-  // Of the frame that comes: its bytes, the remainders after it and after all but its last one to four,
-  // these four, the byte that is followed; whether any of it came while another frame was held.
+  // Of the frame that comes: its bytes, the remainders after it and after all but its last one to
+  // four, these four, the byte that is followed; whether any of it came while another frame was
+  // held.
   count_t count_q;
   remainder_t remainder_q[5];
   byte_t last_q[4], followed_q;

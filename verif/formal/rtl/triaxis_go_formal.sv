@@ -1,14 +1,15 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Go, on the board's own top: what it implies, in terms of the frames that were answered, of what the
-// engine was given and said, and of clocks. The host's view is made of answered frames alone: whose the
-// board is, the next number, the meshes, the pose and the run that were acknowledged. The engine's
-// view is made of its streams alone. See triaxis_board_surroundings for what stands around the board.
+// Go, on the board's own top: what it implies, in terms of the frames that were answered, of what
+// the engine was given and said, and of clocks. The host's view is made of answered frames alone:
+// whose the board is, the next number, the meshes, the pose and the run that were acknowledged. The
+// engine's view is made of its streams alone. See triaxis_board_surroundings for what stands around
+// the board.
 //
-// Meshes are followed by one byte of one triangle, of any mesh, number and place, chosen once by the prover: what
-// holds of it holds of all. In each frame any one byte is followed; claims hold where it is the one
-// that the triangle's comes from, so in particular then.
+// Meshes are followed by one byte of one triangle, of any mesh, number and place, chosen once by
+// the prover: what holds of it holds of all. In each frame any one byte is followed; claims hold
+// where it is the one that the triangle's comes from, so in particular then.
 
 module triaxis_go_formal
   import triaxis_board_pkg::*;
@@ -30,7 +31,8 @@ module triaxis_go_formal
   // States, by their places in the enumerations.
   localparam logic [3:0] Gather = 4'd1, Judge = 4'd2, Act = 4'd3, Load = 4'd4;
   localparam logic [3:0] HelloEnd = 4'd5, HelloEmpty = 4'd6, AbortEnd = 4'd7, Reply = 4'd8;
-  localparam logic [2:0] LoaderGather = 3'd1, LoaderLook = 3'd2, LoaderEmpty = 3'd3, LoaderSend = 3'd4;
+  localparam logic [2:0] LoaderGather = 3'd1, LoaderLook = 3'd2;
+  localparam logic [2:0] LoaderEmpty = 3'd3, LoaderSend = 3'd4;
 
   typedef logic [16:0] count_t;
   typedef logic [$clog2(WatchdogClocks)+1:0] age_t;
@@ -231,8 +233,8 @@ module triaxis_go_formal
 
   // --- Claims -----------------------------------------------------------------------------------------
 
-  // Since the first clock: the triangle that is followed was loaded; a frame was read and judged; by it
-  // a run was asked for, and the engine took it.
+  // Since the first clock: the triangle that is followed was loaded; a frame was read and judged;
+  // by it a run was asked for, and the engine took it.
   logic was_go_q, judged_q = 1'b0, loaded_q = 1'b0, ran_q = 1'b0;
   always_ff @(posedge clk_i) begin
     judged_q <= judged_q || u_top.u_command.state_q == Judge;
@@ -248,8 +250,8 @@ module triaxis_go_formal
     Antivalent : assert (go_o != stop_o);
     StopInReset : assert (rst_n || !go_o);
     if (rst_n) begin
-      // Only frames of the board's own session, each once and in order, are acknowledged, or the last one
-      // again; another session's HELLO takes the board.
+      // Only frames of the board's own session, each once and in order, are acknowledged, or the
+      // last one again; another session's HELLO takes the board.
       Legitimate :
       assert (!acknowledged || heard ||
               (owned && frame.sequence_number == number_q && frame.command == command_q));
@@ -257,7 +259,8 @@ module triaxis_go_formal
       if (go_o) begin
         // The last run was complete and found nothing near.
         Clear : assert (clear_q && unchanged_q);
-        // It was the run asked for: pose, margin, mode and counts, and the pose is still the host's.
+        // It was the run asked for: pose, margin, mode and counts, and the pose is still the
+        // host's.
         AsAsked : assert (asked_q && engine_run_q == host_run_q && pose_q == host_run_q.pose);
         // On the meshes that were acknowledged: as many triangles, and each byte of each.
         Counts :
@@ -316,7 +319,8 @@ module triaxis_go_formal
       assert (state == '0 || address <= 8'(RequestBytes));
       assert (!(state == Gather) || address < 8'(RequestBytes));
       assert (state <= Gather || address == 8'(RequestBytes));
-      assert (!u_top.frame_full || content inside {[9'(HeaderBytes) : 9'(MaxFrameBytes - CrcBytes)]});
+      assert (!u_top.frame_full ||
+              content inside {[9'(HeaderBytes) : 9'(MaxFrameBytes - CrcBytes)]});
       Head :
       assert (state == '0 || frame_place >= address ||
               8'(frame >> (8 * (32'(RequestBytes) - 32'(address) + 32'(frame_place)))) ==
@@ -371,7 +375,8 @@ module triaxis_go_formal
         assert (u_top.u_command.u_loader.mesh_q == frame.fields[0]);
         assert (u_top.u_command.u_loader.empty_first_q == (first == '0));
         assert (8'(u_top.u_command.u_loader.triangles_q) == triangles);
-        assert (u_top.u_command.u_loader.left_q inside {[4'd1 : u_top.u_command.u_loader.triangles_q]});
+        assert (u_top.u_command.u_loader.left_q != '0 &&
+                u_top.u_command.u_loader.left_q <= u_top.u_command.u_loader.triangles_q);
         assert (loader != LoaderSend || loading);
         assert (loader != LoaderEmpty || (loading && sent == '0 && first == '0));
         assert (loader != LoaderLook || !loading);

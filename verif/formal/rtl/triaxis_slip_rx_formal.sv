@@ -1,9 +1,9 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// SLIP frames: of any bytes of a line with any framing errors, none is given but within a frame, from
-// an END on and up to the first thing that is wrong; and what the encoder makes of a frame is given
-// back byte by byte, with one end after it, and without an error.
+// SLIP frames: of any bytes of a line with any framing errors, none is given but within a frame,
+// from an END on and up to the first thing that is wrong; and what the encoder makes of a frame is
+// given back byte by byte, with one end after it, and without an error.
 
 `include "triaxis_formal.svh"
 
@@ -57,7 +57,8 @@ module triaxis_slip_rx_formal
 
   `TRIAXIS_RESET_FIRST
 
-  // The last two bytes of the line, and since when they count: an END that is no other's second byte.
+  // The last two bytes of the line, and since when they count: an END that is no other's second
+  // byte.
   logic byte_q, framing_q, in_frame_q, was_in_frame_q, escape_q, was_escape_q;
   byte_t last_q;
   logic stays_q, stays_last_q, taken_q, ended_q, closed_q;
@@ -95,7 +96,8 @@ module triaxis_slip_rx_formal
 
   always_comb begin
     FrameStays :
-    assume (!stays_q || (frame_valid_i && frame_data_i == stays_data_q && frame_last_i == stays_last_q));
+    assume (!stays_q || (frame_valid_i &&
+            {frame_data_i, frame_last_i} == {stays_data_q, stays_last_q}));
     if (rst_ni) begin
       // Any line.
       OneAtATime : assert (32'(valid_o) + 32'(end_o) + 32'(error_o) <= 1);

@@ -1,10 +1,10 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes of a serial line with any levels at any clocks: by one count of clocks from the line's fall on,
-// each byte that is given is what the line was in the middles of its bits, after a start bit that was low in its
-// middle and before a stop bit that was high; a byte whose stop bit was low is told as an error, once,
-// and nothing begins before the line was high again.
+// Bytes of a serial line with any levels at any clocks: by one count of clocks from the line's fall
+// on, each byte that is given is what the line was in the middles of its bits, after a start bit
+// that was low in its middle and before a stop bit that was high; a byte whose stop bit was low is
+// told as an error, once, and nothing begins before the line was high again.
 
 `include "triaxis_formal.svh"
 
@@ -78,8 +78,7 @@ module triaxis_uart_rx_formal #(
   always_comb begin
     case (state)
       3'd1: bit_clocks = clocks_t'(Middle);
-      3'd2:
-      bit_clocks = clocks_t'(Middle) + (clocks_t'(u_rx.bit_q) + clocks_t'(1)) * clocks_t'(ClocksPerBit);
+      3'd2: bit_clocks = clocks_t'(Middle + (32'(u_rx.bit_q) + 1) * ClocksPerBit);
       default: bit_clocks = clocks_t'(Last);
     endcase
   end
