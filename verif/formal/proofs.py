@@ -1,4 +1,4 @@
-"""All proofs, by name: of the theory, the core, and the mesh engine with its queues, skips, ends of runs."""
+"""All proofs, by name: of the theory, the core, the mesh engine, and what decides go on the board."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.paths import BOARD_TOP
 from triaxis.verif.formal.axis_proofs import axes_proof
 from triaxis.verif.formal.coq import theorem
 from triaxis.verif.formal.pieces import multiply_wide
@@ -35,6 +36,7 @@ def _assertions(
     top = f"{Path(modules[0]).name}_formal"
     packages = ["core/triaxis_pkg"] if any("core/" in module for module in modules) else []
     packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith("mesh/") else []
+    packages += ["board/triaxis_board_pkg"] if modules[0].startswith("board/") else []
     return SbyProof(
         name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
         dut_files=tuple(f"{module}.sv" for module in (*packages, *reversed(modules))),
@@ -153,12 +155,13 @@ def engine_proofs() -> tuple[SbyProof, ...]:
         _skip("engine_skip_small", 4, whole=True),
         _assertions(
             "engine_boxes",
-            "The box of a group, and that of the mesh, is the smallest around its triangles' boxes, by "
-            "induction over the triangles.",
+            "A mesh counts the triangles that it is given, and writes each at its number; the box of a "
+            "group, and that of the mesh, is the smallest around its triangles' boxes, by induction over "
+            "the triangles.",
             ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "core/triaxis_extent", "core/triaxis_delay"),
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
-            window=2,
+            window=5,
         ),
         _assertions(
             "engine_queue",
@@ -207,6 +210,81 @@ def engine_proofs() -> tuple[SbyProof, ...]:
     )
 
 
+def _board_go() -> SbyProof:
+    packages = ("mesh/triaxis_mesh_pkg", "board/triaxis_board_pkg")
+    modules = (
+        "reset_sync", "session", "judge", "loader", "command", "watchdog", "runner", "saturating_counter",
+        "answer", "safety", "beat",
+    )  # fmt: skip
+    rtl = (*packages, *(f"board/triaxis_{module}" for module in modules))
+    return SbyProof(
+        name="board_go",
+        claim="For all time, from power-up: go is said only where the last run that the engine took was "
+        "complete and found nothing near; it was the run last acknowledged to the host, at the pose, "
+        "margin and mode asked for, and the pose is still that; its meshes are those acknowledged, "
+        "byte by byte, as many triangles as the run named, and nothing was loaded since; no frame was"
+        " damaged or refused since the run was asked for; a command that was no repeat was "
+        "acknowledged at most WatchdogClocks + 1 clocks ago. Go and stop always differ; the beat ends"
+        " with go.",
+        method=Method.INDUCTION,
+        parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
+        assumptions=(
+            "frames are whole, have their CRC and stay until they are released: shown by `board_frame`, "
+            "`board_slip` and `board_bytes`; they come at any clocks",
+            "the engine takes nothing during a run, and ends it once: shown by `engine_control`; it counts "
+            "and places triangles: shown by `engine_boxes`; what it says of a run is free, and is what the "
+            "other proofs of the engine and the core make of it",
+            "replies leave at any pace, and what RESULTS may ask for is anything",
+        ),
+        top="triaxis_go_formal",
+        dut_files=(*(f"{file}.sv" for file in rtl), BOARD_TOP.name),
+        formal_files=("triaxis_board_surroundings.sv", "triaxis_go_formal.sv"),
+        depth=1,
+        cover_depth=10,
+        cover_from_reset=False,
+    )
+
+
+def board_proofs() -> tuple[SbyProof, ...]:
+    """Return the proofs of what the board's go rests on, the longest first."""
+    return (
+        _board_go(),
+        replace(
+            _assertions(
+                "board_bytes",
+                "For all time and for any line: a byte is given exactly where one was, each of its bits as "
+                "the line was in the middle of it, after a start bit and before a stop bit; without a stop "
+                "bit it is an error, told once.",
+                ("board/triaxis_uart_rx",),
+                {"ClocksPerBit": 50},
+                54,
+            ),
+            cover_from_reset=False,
+        ),
+        _assertions(
+            "board_frame",
+            "For all time and under any bytes, ends and errors: a frame that is handed out is what came "
+            "between two ends, 13 to 256 bytes, unchanged until it is released, its last four the "
+            "complement of the remainder of the others divided by the polynomial of CRC-32; every such "
+            "frame is handed out unless it came while another was held; every other is told as an error.",
+            ("board/triaxis_frame_rx", "board/triaxis_crc32"),
+            {},
+            18,
+            ("of byte, end and error one comes at a time: shown by `board_slip`",),
+        ),
+        _assertions(
+            "board_slip",
+            "For all time and for any line: nothing is given but from an END on and up to what is wrong or "
+            "the next END, and what is wrong is told; what the encoder makes of a frame is given back byte "
+            "by byte, with an end and without an error.",
+            ("board/triaxis_slip_rx", "board/triaxis_slip_tx"),
+            {},
+            6,
+            ("frames for the encoder stay as they are until they are taken",),
+        ),
+    )
+
+
 @cache
 def proofs() -> tuple[Proof, ...]:
     """Return all proofs, the longest first, so that two at a time end together."""
@@ -233,6 +311,7 @@ def proofs() -> tuple[Proof, ...]:
         _threshold("threshold_plane", 2, 17, _WIDTH, 6, exact=False),
         _threshold("threshold_small", 3, 5, 3, 7, exact=True),
         *engine_proofs(),
+        *board_proofs(),
         _assertions(
             "verdict_m0",
             "Near exactly where none of 32 free axis bits is set, otherwise the claim is the lowest one set; "

@@ -71,6 +71,13 @@ def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
             parts["mutation"],
             _mutants,
         ),
+        _proved(
+            "RTL to the machine",
+            "go implies a clear run on what was acknowledged to a host heard in time, for any frames",
+            "SymbiYosys with yices",
+            parts["proofs"],
+            lambda name: name.startswith(_BOARD),
+        ),
         _checked(
             "two states to four",
             "nothing unknown reaches an output that counts",

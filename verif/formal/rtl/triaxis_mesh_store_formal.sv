@@ -1,9 +1,12 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
+// A mesh counts what it is given, and writes each triangle at its number, 3 clocks later.
 // Boxes of groups and of the mesh as they are written: each holds the box of the triangle that is
 // written and, but for the first of its group or mesh, the box so far; each of its faces is one of
 // theirs. So by induction over the triangles a box is the smallest around all of them.
+
+`include "triaxis_formal.svh"
 
 module triaxis_mesh_store_formal #(
     parameter int unsigned W = 16,
@@ -20,6 +23,10 @@ module triaxis_mesh_store_formal #(
 
   typedef logic signed [W-1:0] coord_t;
 
+  typedef logic [$clog2(Depth):0] count_t;
+  typedef logic [9*W-1:0] triangle_t;
+
+  count_t count;
   coord_t object_o[2][3], boxes_o[Lanes][2][3], group_boxes_o[Lanes][2][3];
 
   triaxis_mesh_store #(
@@ -33,7 +40,7 @@ module triaxis_mesh_store_formal #(
       .clear_i,
       .push_i,
       .triangle_i,
-      .count_o(),
+      .count_o(count),
       .overfull_o(),
       .settled_o(),
       .object_o,
@@ -47,6 +54,22 @@ module triaxis_mesh_store_formal #(
       .group_word_i('0),
       .group_boxes_o
   );
+
+  `TRIAXIS_PAST(count_t, counts, count, 3)
+  `TRIAXIS_PAST(triangle_t, triangles, triangle_i, 3)
+  `TRIAXIS_PAST(logic [2:0], pushes, {rst_ni && clear_i, rst_ni && push_i, rst_ni}, 1)
+  logic cleared, pushed;
+  assign {cleared, pushed} = pushes[0][2:1];
+
+  always_comb begin
+    if (rst_ni && pushes[0][0]) begin
+      Counted :
+      assert (count ==
+              (cleared ? '0 : counts[0] + count_t'(pushed && counts[0] != count_t'(Depth))));
+    end
+    AtItsNumber :
+    assert (u_store.index == counts[2][$clog2(Depth)-1:0] && u_store.triangle == triangles[2]);
+  end
 
   logic first_in_group, first_in_mesh;
   assign first_in_group = u_store.index % Group == 0;

@@ -11,7 +11,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.evidence import read_evidence
-from triaxis.sim.paths import DUT
+from triaxis.sim.paths import BOARD_TOP, DUT
 from triaxis.sim.programs import EndedError
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.formal import proving
@@ -106,6 +106,66 @@ BROKEN = (
      " && cycles_o != '1)", ")", "Cycles"),
     ("a near pair takes the place of one that waits", "engine_near", "mesh/triaxis_near_pairs.sv",
      "!verdict_near_i || !m_axis_near_tvalid_o || m_axis_near_tready_i", "1'b1", "check"),
+    ("a mesh counts what does not fit", "engine_boxes", "mesh/triaxis_mesh_store.sv",
+     "if (keep) count_q", "if (push_i) count_q", "Counted"),
+    ("a triangle at the next one's number", "engine_boxes", "mesh/triaxis_mesh_store.sv",
+     "index_q <= count_q[IndexWidth-1:0];", "index_q <= count_q[IndexWidth-1:0] + index_t'(1);",
+     "AtItsNumber"),
+    ("go although a pair is near", "board_go", "board/triaxis_safety.sv", " && near_i == '0", "", "Clear"),
+    ("go while the meshes change", "board_go", "board/triaxis_safety.sv",
+     "load_i || move_i", "move_i", "check"),
+    ("go after a refusal", "board_go", "board/triaxis_safety.sv", "|| refused_i ", "", "check"),
+    ("go without a run since the last change", "board_go", "board/triaxis_safety.sv",
+     "(armed_q && clear)", "clear", "check"),
+    ("a watchdog of one clock more", "board_go", "board/triaxis_watchdog.sv",
+     "left_q <= count_t'(Clocks);", "left_q <= count_t'(Clocks + 1);", "check"),
+    ("repeats are signs of life", "board_go", "board/triaxis_command.sv",
+     "(done && !repeated)", "done", "check"),
+    ("a HELLO leaves the number of the session before", "board_go", "board/triaxis_session.sv",
+     "if (take_i || executed_i)", "if (executed_i)", "check"),
+    ("a session that survives a reset", "board_go", "board/triaxis_session.sv",
+     "      session_q  <= '0;\n", "", "check"),
+    ("any sequence number will do", "board_go", "board/triaxis_judge.sv",
+     "mine_i && !next_i && !repeat_i", "1'b0", "check"),
+    ("runs on as many triangles of A as there are", "board_go", "board/triaxis_judge.sv",
+     "fields_i[55:40] != count_a_i || ", "", "check"),
+    ("a pose that is cut off", "board_go", "board/triaxis_judge.sv",
+     "top == '0 || top == '1;", "1'b1;", "check"),
+    ("triangles of B go to A", "board_go", "board/triaxis_loader.sv",
+     "{state_q == Empty, mesh_q}", "{state_q == Empty, 1'b0}", "check"),
+    ("a triangle's bytes in another order", "board_go", "board/triaxis_loader.sv",
+     "{data_i, triangle_q[8*TriangleBytes-1:8]}", "{triangle_q[8*TriangleBytes-9:0], data_i}", "check"),
+    ("a command reads on into the CRC", "board_go", "board/triaxis_command.sv",
+     "9'(address_q) < content_bytes ? data_i : 8'd0", "data_i", "Head"),
+    ("frames without a CRC", "board_frame", "board/triaxis_frame_rx.sv",
+     " && crc == CrcResidue", "", "HandedOut"),
+    ("a power too many in the polynomial", "board_frame", "board/triaxis_board_pkg.sv",
+     "32'hEDB8_8320", "32'hEDB8_8321", "check"),
+    ("a frame over one that is held", "board_frame", "board/triaxis_frame_rx.sv",
+     "full_q || count_q == Longest", "count_q == Longest", "check"),
+    ("a damaged frame that nobody hears of", "board_frame", "board/triaxis_frame_rx.sv",
+     "(ended && !good) || ", "", "Told"),
+    ("a frame goes on after a framing error", "board_slip", "board/triaxis_slip_rx.sv",
+     "        error_o <= 1'b1;\n        state_q <= Hunt;", "        error_o <= 1'b1;", "check"),
+    ("an escaped ESC comes back as END", "board_slip", "board/triaxis_slip_rx.sv",
+     "unescaped_end ? SlipEnd : SlipEsc", "SlipEnd", "Escaped"),
+    ("no END between two frames", "board_slip", "board/triaxis_slip_tx.sv",
+     "last_i ? Last : Plain", "Plain", "check"),
+    ("bits a clock before their middles", "board_bytes", "board/triaxis_uart_rx.sv",
+     "ClocksPerBit / 2 - 1", "ClocksPerBit / 2 - 2", "check"),
+    ("a byte without a stop bit", "board_bytes", "board/triaxis_uart_rx.sv",
+     "valid_o <= line;", "valid_o <= 1'b1;", "Given"),
+)  # fmt: skip
+
+# The same of the board's top, which is no part of dut/.
+MISWIRED = (
+    ("refusals are not told", ".refused_i(refused)", ".refused_i(1'b0)"),
+    ("errors of the line are not told", ".link_error_i(link_error)", ".link_error_i(1'b0)"),
+    ("any frame is a sign of life", ".kick_i(kick)", ".kick_i(kick || refused)"),
+    ("go at each end of a run", ".engine_status_i(done_status),\n      .near_i(near_count)",
+     ".engine_status_i(StatusComplete),\n      .near_i(near_count)"),
+    ("counts swapped", ".count_a_i(16'(count_a)),\n      .count_b_i(16'(count_b))",
+     ".count_a_i(16'(count_b)),\n      .count_b_i(16'(count_a))"),
 )  # fmt: skip
 
 # The proof of this group is the algebra of the core in the configuration named.
@@ -159,6 +219,7 @@ def _proof(name: str) -> Proof:
 
 # One of each way to prove, by every run of the tests; the others take minutes.
 QUICK = ("touching taken for clear", "a group's box forgets what was before", "a piece at the wrong place",
+         "a HELLO leaves the number of the session before", "a frame goes on after a framing error",
          "determinants one bit too narrow", *(row[0] for row in AXES))  # fmt: skip
 CASES = [
     pytest.param(*row, id=name, marks=() if name in QUICK else pytest.mark.regress)
@@ -172,6 +233,15 @@ def test_proof_fails(tmp_path, proof, file, right, wrong, message):
     finding = _proof(proof).prove(broken_rtl(tmp_path, (file, right, wrong)), tmp_path / "proof")
     assert finding.result is Result.FAILED, finding
     assert any(message in problem for problem in finding.problems), finding.problems
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize(("right", "wrong"), [pytest.param(*row, id=name) for name, *row in MISWIRED])
+def test_proof_of_a_miswired_board_fails(tmp_path, right, wrong):
+    go = _proof("board_go")
+    assert isinstance(go, SbyProof)
+    finding = replace(go, edits={BOARD_TOP.name: ((right, wrong),)}).prove(DUT, tmp_path)
+    assert finding.result is Result.FAILED, finding
 
 
 def test_every_proof_is_seen_to_fail():

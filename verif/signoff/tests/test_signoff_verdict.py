@@ -120,12 +120,12 @@ def test_each_link_says_what_it_rests_on():
 
     good = states(signed())
     assert [state for _, state in good] == [
-        "not measured", "proved", "checked", "checked", "checked", "not covered",
+        "not measured", "proved", "checked", "checked", "not measured", "checked", "not covered",
     ]  # fmt: skip
     parts = good_parts()
     assert parts["proofs"].evidence and parts["mutation"].evidence
     proofs = parts["proofs"].evidence["proofs"]
-    proofs.append({**proofs[0], "name": "theorem"})
+    proofs += [{**proofs[0], "name": name} for name in ("theorem", "board_go")]
     assert states(signed(parts))[0] == ("distance to 32 axes", "proved")
     proofs[0].update(passed=False, result="failed")
     parts["mutation"].evidence.update(passed=False)
@@ -133,7 +133,7 @@ def test_each_link_says_what_it_rests_on():
         signed({**parts, "simulation": Part(None, "no tool")}, {"four_state": Part(None, "none")})
     )
     assert [state for _, state in broken] == [
-        "proved", "failed", "not measured", "failed", "not measured", "not covered",
+        "proved", "failed", "not measured", "failed", "proved", "not measured", "not covered",
     ]  # fmt: skip
 
 

@@ -1,0 +1,216 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Stand-ins, with the ports of the real ones, for what surrounds the decision of go on the board,
+// in the proof `board_go`. Signals named free_* have no driver: the prover chooses them anew each
+// clock. What is not free is what another proof shows of the real module, named beside it.
+
+// Whole frames, of any bytes, at any clocks. Frames stay as they are until they are released, have
+// 13 to 256 bytes and a good CRC (`board_frame`). Of a frame one byte, of any place, reads the same
+// each time; all others are free at each reading, which allows more than the real one does.
+module triaxis_receiver
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned ClocksPerBit = 50
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic line_i,
+    output logic full_o,
+    output logic [$clog2(MaxFrameBytes+1)-1:0] length_o,
+    input logic [$clog2(MaxFrameBytes)-1:0] address_i,
+    output byte_t data_o,
+    input logic release_i,
+    output logic error_o
+);
+
+  logic free_arrives, free_error;
+  byte_t free_data, free_byte, byte_q;
+  logic [$clog2(MaxFrameBytes)-1:0] free_place, place_q;
+  logic [$clog2(MaxFrameBytes+1)-1:0] free_length;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) full_o <= 1'b0;
+    else full_o <= full_o ? !release_i : free_arrives;
+  end
+  always_ff @(posedge clk_i) begin
+    if (!full_o) begin
+      length_o <= free_length;
+      place_q  <= free_place;
+      byte_q   <= free_byte;
+    end
+  end
+  assign data_o  = address_i == place_q ? byte_q : free_data;
+  assign error_o = free_error;
+
+  always_comb begin
+    Length : assume (free_length >= 9'(HeaderBytes + CrcBytes) && free_length <= 9'(MaxFrameBytes));
+  end
+
+endmodule
+
+// The engine: takes loads and runs at any clocks, but none while a run is going on, and says of a
+// run, once, after it was accepted, whatever it likes: that it says complete only of a run that was
+// neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
+// that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
+// not tested is separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost
+// between, `engine_queue` and `engine_pick`; that verdicts are right, the proofs of the core.
+// Triangles get the next number of their mesh: `engine_boxes`.
+module triaxis_mesh
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 16,
+    parameter int unsigned Depth = 4096,
+    parameter int unsigned Group = 8,
+    parameter int unsigned Lanes = 8,
+    localparam int unsigned IndexWidth = $clog2(Depth),
+    localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1,
+    localparam int unsigned PairCountWidth = 2 * IndexWidth + 1
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic s_axis_load_tvalid_i,
+    output logic s_axis_load_tready_o,
+    input logic [9*W-1:0] s_axis_load_tdata_i,
+    input logic [1:0] s_axis_load_tuser_i,
+    output logic [IndexWidth:0] count_a_o,
+    output logic [IndexWidth:0] count_b_o,
+    output logic [1:0] overfull_o,
+    input logic s_axis_run_tvalid_i,
+    output logic s_axis_run_tready_o,
+    input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
+    input logic [M+1:0] s_axis_run_tuser_i,
+    input logic abort_i,
+    output logic busy_o,
+    output logic m_axis_near_tvalid_o,
+    input logic m_axis_near_tready_i,
+    output logic [2*IndexWidth-1:0] m_axis_near_tdata_o,
+    output logic m_axis_done_tvalid_o,
+    input logic m_axis_done_tready_i,
+    output status_e status_o,
+    output logic [31:0] cycles_o,
+    output logic [GroupPairWidth-1:0] group_pairs_skipped_o,
+    output logic [GroupPairWidth-1:0] group_pairs_opened_o,
+    output logic [PairCountWidth-1:0] pairs_skipped_o,
+    output logic [PairCountWidth-1:0] tested_o,
+    output logic [PairCountWidth-1:0] near_o
+);
+
+  logic free_ready, free_ends, free_near_valid;
+  logic [2:0] free_status;
+  logic [2*IndexWidth-1:0] free_near;
+  logic [PairCountWidth-1:0] free_count;
+  logic load, running_q;
+  logic [IndexWidth:0] count_q[2];
+
+  assign load = s_axis_load_tvalid_i && s_axis_load_tready_o;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      running_q <= 1'b0;
+      count_q   <= '{default: '0};
+    end else begin
+      if (s_axis_run_tvalid_i && s_axis_run_tready_o) running_q <= 1'b1;
+      else if (m_axis_done_tvalid_o && m_axis_done_tready_i) running_q <= 1'b0;
+      for (int mesh = 0; mesh < 2; mesh++) begin
+        if (load && s_axis_load_tuser_i == {1'b1, 1'(mesh)}) count_q[mesh] <= '0;
+        else if (load && s_axis_load_tuser_i == {1'b0, 1'(mesh)})
+          count_q[mesh] <= count_q[mesh] + (IndexWidth + 1)'(1);
+      end
+    end
+  end
+
+  assign s_axis_run_tready_o = free_ready && !running_q;
+  assign s_axis_load_tready_o = s_axis_run_tready_o;
+  assign busy_o = running_q;
+  assign count_a_o = count_q[0];
+  assign count_b_o = count_q[1];
+  assign overfull_o = '0;  // asserted: nothing is loaded into a mesh that is full
+  assign m_axis_near_tvalid_o = free_near_valid;
+  assign m_axis_near_tdata_o = free_near;
+  assign m_axis_done_tvalid_o = free_ends && running_q;
+  assign status_o = status_e'(free_status);
+  assign near_o = free_count;
+  assign tested_o = '0;
+  assign pairs_skipped_o = '0;
+  assign group_pairs_skipped_o = '0;
+  assign group_pairs_opened_o = '0;
+  assign cycles_o = '0;
+
+endmodule
+
+// Replies leave at any pace; what they say has no part in go.
+module triaxis_transmitter
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned IndexWidth   = 12,
+    parameter int unsigned ClocksPerBit = 50
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic valid_i,
+    output logic ready_o,
+    input reply_t reply_i,
+    input body_bytes_t body_bytes_i,
+    input near_pairs_t pairs_i,
+    input logic [31:0] first_pair_i,
+    output logic ring_read_o,
+    output logic [31:0] ring_number_o,
+    input logic [2*IndexWidth-1:0] ring_data_i,
+    output logic line_o
+);
+
+  logic free_ready;
+  assign ready_o = free_ready;
+  assign {ring_read_o, ring_number_o} = '0;
+  assign line_o = 1'b1;
+
+endmodule
+
+module triaxis_display #(
+    parameter int unsigned DigitClocks = 12_500
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic go_i,
+    input logic running_i,
+    input logic error_i,
+    input logic [31:0] near_i,
+    output logic [7:0] seg_no,
+    output logic [7:0] an_no
+);
+
+  assign {seg_no, an_no} = '0;
+
+endmodule
+
+// Pairs for the host have no part in go; their numbers only decide which RESULTS are refused.
+// verilog_lint: waive module-filename
+module triaxis_near_ring #(
+    parameter int unsigned Width   = 24,
+    parameter int unsigned Entries = 1024
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic clear_i,
+    input logic drop_i,
+    input logic free_i,
+    input logic [31:0] free_to_i,
+    output logic [31:0] freed_o,
+    output logic [31:0] written_o,
+    output logic full_o,
+    input logic tvalid_i,
+    output logic tready_o,
+    input logic [Width-1:0] tdata_i,
+    input logic read_i,
+    input logic [31:0] number_i,
+    output logic [Width-1:0] data_o
+);
+
+  logic [31:0] free_freed, free_written;
+  assign freed_o = free_freed;
+  assign written_o = free_written;
+  assign full_o = 1'b0;
+  assign tready_o = 1'b1;
+  assign data_o = '0;
+
+endmodule

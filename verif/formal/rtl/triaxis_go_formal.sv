@@ -1,0 +1,447 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Go, on the board's own top: what it implies, in terms of the frames that were answered, of what
+// the engine was given and said, and of clocks. The host's view is made of answered frames alone:
+// whose the board is, the next number, the meshes, the pose and the run that were acknowledged. The
+// engine's view is made of its streams alone. See triaxis_board_surroundings for what stands around
+// the board.
+//
+// Meshes are followed by one byte of one triangle, of any mesh, number and place, chosen once by
+// the prover: what holds of it holds of all. In each frame any one byte is followed; claims hold
+// where it is the one that the triangle's comes from, so in particular then.
+
+module triaxis_go_formal
+  import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 16,
+    parameter int unsigned Depth = 4096,
+    parameter int unsigned WatchdogClocks = 10_000_000
+) (
+    input logic clk_i,
+    input logic button_ni
+);
+
+  localparam int unsigned CoordWidth = 8 * ((W + 7) / 8);
+  localparam int unsigned TriangleBytes = 9 * CoordWidth / 8;
+  localparam int unsigned FirstTriangle = HeaderBytes + LoadFieldBytes;
+  localparam int unsigned RequestBytes = HeaderBytes + FieldBytes;
+  // States, by their places in the enumerations.
+  localparam logic [3:0] Gather = 4'd1, Judge = 4'd2, Act = 4'd3, Load = 4'd4;
+  localparam logic [3:0] HelloEnd = 4'd5, HelloEmpty = 4'd6, AbortEnd = 4'd7, Reply = 4'd8;
+  localparam logic [2:0] LoaderGather = 3'd1, LoaderLook = 3'd2;
+  localparam logic [2:0] LoaderEmpty = 3'd3, LoaderSend = 3'd4;
+
+  typedef logic [16:0] count_t;
+  typedef logic [$clog2(WatchdogClocks)+1:0] age_t;
+  typedef struct packed {
+    pose_t pose;
+    logic [31:0] margin;
+    logic [1:0] mode;
+    logic [15:0] count_b;
+    logic [15:0] count_a;
+  } run_t;
+
+  logic go_o, stop_o, beat_o;
+  nexys4ddr_top #(
+      .W(W),
+      .M(M),
+      .Depth(Depth),
+      .WatchdogClocks(WatchdogClocks)
+  ) u_top (
+      .clk_100mhz_i(clk_i),
+      .cpu_reset_ni(button_ni),
+      .uart_rx_i(1'b1),
+      .uart_tx_o(),
+      .led_o(),
+      .seg_no(),
+      .an_no(),
+      .go_o,
+      .stop_o,
+      .beat_o
+  );
+  logic rst_n;
+  assign rst_n = u_top.rst_n;
+
+  // --- What the prover chose ------------------------------------------------------------------------
+
+  logic mesh_q;
+  logic [15:0] slot_q;
+  logic [$clog2(TriangleBytes)-1:0] place_q;
+  always_ff @(posedge clk_i) begin
+    mesh_q  <= mesh_q;
+    slot_q  <= slot_q;
+    place_q <= place_q;
+  end
+  always_comb begin
+    Place : assume (32'(place_q) < TriangleBytes);
+  end
+
+  // The byte at that place of a triangle, as a frame has it.
+  function automatic byte_t byte_of(logic [9*W-1:0] triangle,
+                                    logic [$clog2(
+                                    TriangleBytes)-1:0] place);
+    logic [8*TriangleBytes-1:0] bytes;
+    for (int k = 0; k < 9; k++)
+    bytes[k*CoordWidth+:CoordWidth] = CoordWidth'(signed'(triangle[k*W+:W]));
+    return bytes[8*32'(place)+:8];
+  endfunction
+
+  // --- What the host was answered ---------------------------------------------------------------------
+
+  request_t frame;
+  logic [7:0] first_place;
+  logic [15:0] first;
+  logic [7:0] triangles;
+  byte_t frame_byte;
+  logic [7:0] frame_place;
+  logic [8:0] content;
+  assign frame = u_top.request;
+  assign first = frame.fields[23:8];
+  assign triangles = frame.fields[31:24];
+  assign frame_byte = u_top.u_receiver.byte_q;
+  assign frame_place = u_top.u_receiver.place_q;
+  assign content = u_top.frame_length - 9'(CrcBytes);
+
+  // A frame that is released is answered; heard: acknowledged as a command that is no repeat.
+  logic answered, acknowledged, owned, takes, heard, covered;
+  logic [31:0] session_q;
+  sequence_t number_q;
+  byte_t command_q;
+  assign answered = u_top.frame_release;
+  assign acknowledged = answered && u_top.code == CodeOk;
+  assign owned = frame.session != '0 && frame.session == session_q;
+  assign takes = frame.session != '0 && frame.session != session_q && frame.command == CmdHello;
+  assign heard = acknowledged && (takes || (owned && frame.sequence_number == number_q + 32'd1));
+  // The frame loads the triangle that is followed, and its byte is the one that is.
+  assign first_place = 8'(FirstTriangle) + 8'(slot_q - first) * 8'(TriangleBytes) + 8'(place_q);
+  assign covered = frame.fields[0] == mesh_q && slot_q >= first &&
+      17'(slot_q) < 17'(first) + 17'(triangles);
+
+  count_t host_count_q[2], host_count_d[2];
+  pose_t pose_q, pose_d;
+  run_t host_run_q, host_run_d;
+  logic known_q, known_d, asked_q, asked_d, wrong_q;
+  byte_t host_byte_q, host_byte_d;
+  age_t age_q;
+
+  always_comb begin
+    host_count_d = host_count_q;
+    pose_d = pose_q;
+    host_run_d = host_run_q;
+    known_d = known_q;
+    host_byte_d = host_byte_q;
+    asked_d = asked_q;
+    if (heard) begin
+      case (frame.command)
+        CmdHello: begin
+          host_count_d = '{default: '0};
+          pose_d = '0;
+        end
+        CmdLoad: begin
+          host_count_d[frame.fields[0]] = 17'(first) + 17'(triangles);
+          if (covered) begin
+            known_d = frame_place == first_place;
+            host_byte_d = frame_byte;
+          end
+        end
+        CmdMove: pose_d = frame.fields[95:0];
+        CmdRun:
+        host_run_d = '{
+            pose: pose_q,
+            margin: frame.fields[39:8],
+            mode: frame.fields[1:0],
+            count_a: frame.fields[55:40],
+            count_b: frame.fields[71:56]
+        };
+        default: ;
+      endcase
+      asked_d = frame.command inside {CmdResults, CmdStatus} ? asked_q : frame.command == CmdRun;
+    end
+  end
+
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) begin
+      session_q <= '0;
+      number_q <= '0;
+      command_q <= '0;
+      host_count_q <= '{default: '0};
+      pose_q <= '0;
+      host_run_q <= '0;
+      known_q <= 1'b0;
+      host_byte_q <= '0;
+      asked_q <= 1'b0;
+      wrong_q <= 1'b0;
+      age_q <= '1;
+    end else begin
+      if (heard) begin
+        session_q <= frame.session;
+        number_q  <= frame.sequence_number;
+        command_q <= frame.command;
+      end
+      host_count_q <= host_count_d;
+      pose_q <= pose_d;
+      host_run_q <= host_run_d;
+      known_q <= known_d;
+      host_byte_q <= host_byte_d;
+      asked_q <= asked_d;
+      // An error on the line, or a refusal, since a run was last asked for.
+      wrong_q <= u_top.link_error || (answered && !acknowledged) ||
+          (wrong_q && !(heard && frame.command == CmdRun));
+      if (heard) age_q <= '0;
+      else if (age_q != '1) age_q <= age_q + age_t'(1);
+    end
+  end
+
+  // --- What the engine was given, and said ------------------------------------------------------------
+
+  logic load, accept, clear_q, unchanged_q, loaded_here;
+  run_t   engine_run_q;
+  byte_t  engine_byte_q;
+  count_t engine_count  [2];
+  assign load = u_top.load_tvalid && u_top.load_tready;
+  assign accept = u_top.run_tvalid && u_top.run_tready;
+  assign engine_count[0] = 17'(u_top.count_a);
+  assign engine_count[1] = 17'(u_top.count_b);
+  assign loaded_here = load && u_top.load_tuser == {1'b0, mesh_q} &&
+      engine_count[mesh_q] == 17'(slot_q);
+
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) begin
+      clear_q <= 1'b0;
+      unchanged_q <= 1'b0;
+    end else begin
+      // The last run that it accepted was complete and clear; its meshes are as they were.
+      if (accept || load) clear_q <= 1'b0;
+      else if (u_top.done) clear_q <= u_top.done_status == StatusComplete && u_top.near_count == '0;
+      unchanged_q <= (unchanged_q || accept) && !load;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (loaded_here) engine_byte_q <= byte_of(u_top.load_tdata, place_q);
+    if (accept) begin
+      for (int k = 0; k < 3; k++)
+      engine_run_q.pose[k] <= 32'(signed'(u_top.run_tdata[k*(W+1)+:W+1]));
+      engine_run_q.margin <= M > 0 ? 32'(u_top.run_tuser) & 32'((64'd1 << M) - 64'd1) : 32'd0;
+      engine_run_q.mode <= u_top.run_tuser[M+:2];
+      engine_run_q.count_a <= 16'(u_top.count_a);
+      engine_run_q.count_b <= 16'(u_top.count_b);
+    end
+  end
+
+  // --- Claims -----------------------------------------------------------------------------------------
+
+  // Since the first clock: the triangle that is followed was loaded; a frame was read and judged;
+  // by it a run was asked for, and the engine took it.
+  logic was_go_q, judged_q = 1'b0, loaded_q = 1'b0, ran_q = 1'b0;
+  always_ff @(posedge clk_i) begin
+    judged_q <= judged_q || u_top.u_command.state_q == Judge;
+    loaded_q <= loaded_q || loaded_here;
+    ran_q <= ran_q || (judged_q && accept && heard && frame.command == CmdRun);
+  end
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) was_go_q <= 1'b0;
+    else was_go_q <= go_o;
+  end
+
+  always_comb begin
+    Antivalent : assert (go_o != stop_o);
+    StopInReset : assert (rst_n || !go_o);
+    if (rst_n) begin
+      // Only frames of the board's own session, each once and in order, are acknowledged, or the
+      // last one again; another session's HELLO takes the board.
+      Legitimate :
+      assert (!acknowledged || heard ||
+              (owned && frame.sequence_number == number_q && frame.command == command_q));
+      TakenInSilence : assert (!(u_top.hello && takes) || !u_top.alive);
+      if (go_o) begin
+        // The last run was complete and found nothing near.
+        Clear : assert (clear_q && unchanged_q);
+        // It was the run asked for: pose, margin, mode and counts, and the pose is still the
+        // host's.
+        AsAsked : assert (asked_q && engine_run_q == host_run_q && pose_q == host_run_q.pose);
+        // On the meshes that were acknowledged: as many triangles, and each byte of each.
+        Counts :
+        assert (host_count_q == engine_count && engine_count[0] == 17'(host_run_q.count_a) &&
+                engine_count[1] == 17'(host_run_q.count_b) && engine_count[0] != '0 &&
+                engine_count[1] != '0);
+        Triangles :
+        assert (!known_q || 17'(slot_q) >= engine_count[mesh_q] || engine_byte_q == host_byte_q);
+        NothingWrong : assert (!wrong_q);
+        HeardInTime : assert (age_q <= age_t'(WatchdogClocks));
+      end
+      BeatOnlyWithGo : assert (!beat_o || go_o || was_go_q);
+      FitsTheMesh :
+      assert (!load || u_top.load_tuser[1] || engine_count[u_top.load_tuser[0]] < 17'(Depth));
+      SeenGo : cover (go_o && ran_q);
+      SeenLoad :
+      cover (acknowledged && frame.command == CmdLoad && known_d && !known_q && loaded_q);
+      SeenStopInTime :
+      cover (judged_q && was_go_q && !go_o && age_q == age_t'(WatchdogClocks + 1) && !wrong_q);
+      SeenTaken : cover (judged_q && heard && takes);
+    end
+  end
+
+  // --- What makes it inductive --------------------------------------------------------------------------
+
+  logic [3:0] state;
+  logic [2:0] loader;
+  logic busy, armed, repeated, executes, ok, load_here, loading, hello_new, in_hello;
+  logic [7:0] address;
+  logic [3:0] sent;  // triangles of the frame before the one that is in hand
+  logic [7:0] sent_place;
+  logic [4:0] loader_byte;
+  logic [8*TriangleBytes-1:0] loader_triangle;
+  assign state = u_top.u_command.state_q;
+  assign loader = u_top.u_command.u_loader.state_q;
+  assign busy = u_top.busy;
+  assign armed = u_top.u_safety.armed_q;
+  assign repeated = u_top.u_command.repeated;
+  assign ok = u_top.code == CodeOk;
+  assign address = u_top.u_command.address_q;
+  assign executes = state == Act && ok && !repeated;
+  assign loading = state == Load && u_top.u_command.u_loader.sending_q;
+  assign hello_new = state == Reply && ok && frame.command == CmdHello && heard;
+  assign in_hello = state inside {HelloEnd, HelloEmpty} || hello_new;
+  assign sent = u_top.u_command.u_loader.triangles_q - u_top.u_command.u_loader.left_q;
+  assign loader_byte = 5'(u_top.u_command.u_loader.byte_q);
+  assign loader_triangle = u_top.u_command.u_loader.triangle_q;
+  assign sent_place = 8'(FirstTriangle) + 8'(sent) * 8'(TriangleBytes);
+  assign load_here = frame.fields[0] == mesh_q;
+
+  always_comb begin
+    if (rst_n) begin
+      // The command: states, and what is read of the frame.
+      assert (state <= Reply);
+      assert (state == '0 || u_top.frame_full);
+      assert (state == '0 || address <= 8'(RequestBytes));
+      assert (!(state == Gather) || address < 8'(RequestBytes));
+      assert (state <= Gather || address == 8'(RequestBytes));
+      assert (!u_top.frame_full ||
+              content inside {[9'(HeaderBytes) : 9'(MaxFrameBytes - CrcBytes)]});
+      Head :
+      assert (state == '0 || frame_place >= address ||
+              8'(frame >> (8 * (32'(RequestBytes) - 32'(address) + 32'(frame_place)))) ==
+              (9'(frame_place) < content ? frame_byte : 8'd0));
+      // The session: as the host sees it, but while a HELLO is executed.
+      if (in_hello) begin
+        assert (u_top.u_command.u_session.session_q == frame.session &&
+                u_top.u_command.u_session.sequence_q == frame.sequence_number &&
+                u_top.u_command.u_session.command_q == frame.command);
+        assert (ok && frame.command == CmdHello && frame.session != '0);
+        assert (takes || (owned && frame.sequence_number == number_q + 32'd1));
+      end else begin
+        assert (u_top.u_command.u_session.session_q == session_q &&
+                u_top.u_command.u_session.sequence_q == number_q &&
+                u_top.u_command.u_session.command_q == command_q);
+      end
+      if (state inside {Act, Load, AbortEnd, Reply} && ok && !in_hello) begin
+        assert (frame.command inside {[CmdHello : CmdAbort]});
+        assert (frame.session != '0 && (u_top.u_command.next || repeated ||
+                (frame.command == CmdHello && !u_top.u_command.mine)));
+      end
+      if (state inside {Act, Load} && ok && !repeated && frame.command == CmdLoad) begin
+        assert (triangles inside {[8'd1 : 8'(LoadMax)]} && frame.fields[7:1] == '0);
+        assert (17'(first) + 17'(triangles) <= 17'(Depth) && !busy);
+        assert (content == 9'(FirstTriangle) + 9'(triangles) * 9'(TriangleBytes));
+        assert (loading || first == '0 || engine_count[frame.fields[0]] == 17'(first));
+      end
+      if (executes && frame.command == CmdMove) begin
+        assert (!busy);
+        for (int k = 0; k < 3; k++)
+        assert (frame.fields[32*k+:32] == 32'(signed'(frame.fields[32*k+:W+1])));
+      end
+      if (executes && frame.command == CmdRun) begin
+        assert (!busy && frame.fields[7:0] <= 8'(ModeCount) && (frame.fields[39:8] >> M) == '0);
+        assert (17'(frame.fields[55:40]) == engine_count[0] && engine_count[0] != '0);
+        assert (17'(frame.fields[71:56]) == engine_count[1] && engine_count[1] != '0);
+      end
+      assert (state != Load || (ok && u_top.u_command.next && frame.command == CmdLoad));
+      assert (state != AbortEnd || (ok && u_top.u_command.next && frame.command == CmdAbort));
+      assert (!(state inside {Load, HelloEmpty}) || !busy);
+
+      // The loader, in step with the command.
+      assert ((loader != '0) == (state inside {Load, HelloEmpty}));
+      assert (loader <= LoaderSend);
+      if (state == HelloEmpty) begin
+        assert (loader == LoaderEmpty && u_top.u_command.u_loader.both_q);
+        assert (!u_top.u_command.u_loader.mesh_q || engine_count[0] == '0);
+      end
+      if (hello_new) assert (engine_count[0] == '0 && engine_count[1] == '0);
+      if (state == Load) begin
+        assert (!u_top.u_command.u_loader.both_q);
+        assert (u_top.u_command.u_loader.mesh_q == frame.fields[0]);
+        assert (u_top.u_command.u_loader.empty_first_q == (first == '0));
+        assert (8'(u_top.u_command.u_loader.triangles_q) == triangles);
+        assert (u_top.u_command.u_loader.left_q != '0 &&
+                u_top.u_command.u_loader.left_q <= u_top.u_command.u_loader.triangles_q);
+        assert (loader != LoaderSend || loading);
+        assert (loader != LoaderEmpty || (loading && sent == '0 && first == '0));
+        assert (loader != LoaderLook || !loading);
+        assert (loader_byte < 5'(TriangleBytes) && (loader == LoaderGather || loader_byte == '0));
+        assert (u_top.u_command.u_loader.address_q == sent_place +
+                (loader inside {LoaderLook, LoaderSend} ? 8'(TriangleBytes) : 8'(loader_byte)));
+        if (frame_place == sent_place + 8'(place_q)) begin
+          if (loader == LoaderGather && loader_byte > 5'(place_q))
+            assert (loader_triangle[8*(TriangleBytes-32'(loader_byte)+32'(place_q))+:8] ==
+                    frame_byte);
+          if (loader inside {LoaderLook, LoaderSend})
+            assert (loader_triangle[8*32'(place_q)+:8] == frame_byte);
+        end
+      end
+
+      // The meshes: the engine's are the host's, but while a LOAD or HELLO is under way.
+      for (int mesh = 0; mesh < 2; mesh++) begin
+        assert (engine_count[mesh] <= 17'(Depth));
+        if (loading && frame.fields[0] == 1'(mesh))
+          assert (loader == LoaderEmpty || engine_count[mesh] == 17'(first) + 17'(sent));
+          else if (state != HelloEmpty) assert (engine_count[mesh] == host_count_d[mesh]);
+      end
+      if (loading && load_here) begin
+        assert (loader == LoaderEmpty || 17'(slot_q) >= engine_count[mesh_q] || !covered ||
+                frame_place != first_place || engine_byte_q == frame_byte);
+        assert (loader == LoaderEmpty || 17'(slot_q) >= 17'(first) || !known_q ||
+                engine_byte_q == host_byte_q);
+      end else begin
+        assert (!known_d || 17'(slot_q) >= engine_count[mesh_q] || engine_byte_q == host_byte_d);
+      end
+
+      // The runner and the engine.
+      assert (busy == (u_top.run_tvalid || u_top.u_mesh.running_q));
+      assert (!u_top.run_tvalid || !u_top.u_mesh.running_q);
+      assert (u_top.run_state <= RunDone);
+      if (state != HelloEmpty && !hello_new) assert (u_top.pose == pose_d);
+      if (hello_new) assert (u_top.pose == '0);
+      for (int k = 0; k < 3; k++) begin
+        assert (u_top.pose[k] == 32'(signed'(u_top.pose[k][W:0])));
+        assert (u_top.status.pose[k] == 32'(signed'(u_top.status.pose[k][W:0])));
+      end
+
+      // What go rests on, from RUN's execution on.
+      assert (!(armed || go_o) || !in_hello);
+      if (armed) begin
+        assert (asked_d && !(state inside {HelloEmpty, AbortEnd}) && !loading);
+        assert (!wrong_q || (heard && frame.command == CmdRun));
+        assert (pose_d == host_run_d.pose && u_top.status.pose == host_run_d.pose);
+        assert (u_top.status.margin == host_run_d.margin && u_top.run_mode == host_run_d.mode);
+        assert ((host_run_d.margin >> M) == '0);
+        assert (engine_count[0] == 17'(host_run_d.count_a) && engine_count[0] != '0);
+        assert (engine_count[1] == 17'(host_run_d.count_b) && engine_count[1] != '0);
+        assert (u_top.run_tvalid || unchanged_q);
+        assert (u_top.run_tvalid || engine_run_q == host_run_d);
+      end
+      assert (!go_o || armed);
+      assert (!go_o || !busy);
+
+      // The watchdog.
+      assert (32'(u_top.u_watchdog.left_q) <= 32'(WatchdogClocks));
+      assert (in_hello || u_top.u_watchdog.left_q == '0 ||
+              32'(u_top.u_watchdog.left_q) + 32'(age_q) <= 32'(WatchdogClocks));
+      assert (!armed || u_top.u_watchdog.left_q != '0 || age_q <= age_t'(WatchdogClocks));
+      assert (!u_top.beat_o || go_o || was_go_q);
+    end
+  end
+
+endmodule
