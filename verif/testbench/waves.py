@@ -17,6 +17,8 @@ from triaxis.verif.testbench.settings import PIN, VERILATOR, RunSettings
 WAVES = ("vcd", "fst")
 DUMP = "waves.vcd"
 _CONVERTER = "vcd2fst"
+# GTKWave's: some thirty clocks in a window.
+_ZOOM = "*-16.000000 0"
 
 Groups = Mapping[str, Sequence[str]]
 
@@ -104,13 +106,15 @@ def finished(folder: Path, settings: RunSettings) -> Path:
         raise InputError(f"{dump}: the run left no waves: see its log")
     held = signals_in(dump)
     groups = list(_shown(settings, held))
-    gtkwave, surfer = [f'[dumpfile] "{DUMP}"', "[timestart] 0", "[size] 1400 800"], []
+    gtkwave, surfer = [f'[dumpfile] "{DUMP}"', "[timestart] 0", _ZOOM], []
     for title, paths in groups:
         gtkwave += ["@200", f"-{title}"]
         surfer.append(f"divider_add {title}")
         for path in paths:
             bits = held[path]
-            gtkwave += ["@28" if bits == 1 else "@22", path if bits == 1 else f"{path}[{bits - 1}:0]"]
+            # As GTKWave's saved files have them: a bit, signed numbers (vertices, normals), hexadecimal.
+            base = "@28" if bits == 1 else "@420" if path.endswith("]") else "@22"
+            gtkwave += [base, path if bits == 1 else f"{path}[{bits - 1}:0]"]
             surfer.append(f"variable_add {path}")
     if settings.waves == "fst":
         whole = dump.with_suffix(".fst")
