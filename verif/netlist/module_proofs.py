@@ -128,7 +128,7 @@ class ModuleProof(Proof):
 
 _RAM = "words in block or look-up-table RAM: no registers in the netlist to match those of the RTL with"
 _PRODUCTS = "sums of products: no bit-level prover is expected to end; its multipliers are proved alone"
-_LONG = "no proof that was tried ended within minutes; its parts are proved alone"
+_LONG = "no proof found that goes through and ends within minutes"
 _WHOLE = "as large as all its modules together"
 # Why a module has no proof of its own. All but the first are simulated inside the core or the engine.
 NOT_PROVED = {
