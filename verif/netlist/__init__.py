@@ -1,0 +1,1 @@
+"""The netlist: the synthesised design under the tests of the RTL, and proved equal to it module by module."""

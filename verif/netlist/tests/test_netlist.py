@@ -1,0 +1,130 @@
+"""The synthesised design against the RTL: what differs is seen, in a run and in a proof."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.sim.build import rtl_hash
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import DUT
+from triaxis.verif.formal.proof import Finding, Outcome, Result
+from triaxis.verif.netlist.gates import Scope, cells, models_of, run_on_gates, synthesised
+from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS, ModuleProof
+from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, known_result, write_result
+from triaxis.verif.testbench.simulation import RunResult, model_of
+
+_SMALL = Scope("MixedTest", "w8_m0", 2000)
+
+
+def _proof(module: str) -> ModuleProof:
+    return next(proof for proof in PROOFS if proof.name == f"triaxis_{module}")
+
+
+def _inverted(text: str) -> str:
+    """Return a netlist in which the first look-up table says the opposite."""
+    found = re.search(r"LUT\d #\(\s*\.INIT\(\d+'h([0-9a-f]+)\)", text)
+    assert found
+    right = found[1]
+    wrong = f"{int(right, 16) ^ (1 << 4 * len(right)) - 1:0{len(right)}x}"
+    return text[: found.start(1)] + wrong + text[found.end(1) :]
+
+
+def test_every_module_is_proved_or_named_with_a_reason():
+    files = [*(DUT / "core").glob("*.sv"), *(DUT / "mesh").glob("*.sv")]
+    modules = {
+        found for path in files for found in re.findall(r"^module (\w+)", path.read_text(), re.MULTILINE)
+    }
+    proved = [proof.name for proof in PROOFS]
+    assert sorted([*proved, *NOT_PROVED]) == sorted(modules)
+
+
+@pytest.mark.prover
+@pytest.mark.synthesiser
+@pytest.mark.parametrize("module", ["narrow_mul", "fifo"])
+def test_a_module_is_equal_to_its_netlist_and_not_to_another(tmp_path, module):
+    proof = _proof(module)
+    proof.synthesise(DUT, tmp_path)
+    assert proof.compare(tmp_path).result is Result.PROVED
+    gate = tmp_path / "gate.v"
+    gate.write_text(_inverted(gate.read_text()))
+    finding = proof.compare(tmp_path)
+    assert finding.result is Result.FAILED and proof.name in finding.problems[0]
+
+
+@pytest.mark.regress
+def test_a_changed_cell_is_seen_in_a_run_on_a_netlist_that_is_given(tmp_path):
+    build = model_of(_SMALL.settings(1))
+    assert build
+    netlist = synthesised(build)
+    right = gate_run(_SMALL, run_on_gates(_SMALL, 1, netlist, cells()))
+    assert (right.told, right.differences) == ((), 0) and (right.pairs or 0) >= _SMALL.pairs
+    broken = tmp_path / "broken.v"
+    broken.write_text(_inverted(netlist.read_text()))
+    wrong = gate_run(_SMALL, run_on_gates(_SMALL, 1, broken, cells()))
+    assert wrong.told and wrong.differences
+
+
+def test_a_folder_of_models_gives_those_that_the_netlist_names(tmp_path):
+    netlist, folder = tmp_path / "netlist.v", tmp_path / "unisims"
+    netlist.write_text("module m; LUT6 #(.INIT(64'h0)) \\a (.O(o)); FDRE b (.Q(q)); endmodule")
+    folder.mkdir()
+    for name in ("LUT6", "FDRE", "RAMB36E1"):
+        (folder / f"{name}.v").touch()
+    assert [path.stem for path in models_of(netlist, folder)] == ["FDRE", "LUT6"]
+    assert models_of(netlist, folder / "LUT6.v") == [folder / "LUT6.v"]
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="no model of a cell"):
+        models_of(netlist, tmp_path / "empty")
+
+
+_CLEAN = GateRun("MixedTest", "w16_m0", 100, 0, ())
+_DONE = NetlistResult((_CLEAN,), (Outcome(PROOFS[0], Finding(), 1.0),), 1, 2.0, "of the RTL")
+
+
+def _ran(passed: bool, counts: dict[str, int] | None) -> RunResult:
+    return RunResult(_SMALL.settings(1), passed, 1.0, counts, () if passed else ("wrong",), Path("log"))
+
+
+@pytest.mark.parametrize(
+    ("passed", "counts", "good"),
+    [
+        (True, {"checked": 2000, "failed": 0}, True),
+        (True, {"checked": 1999, "failed": 0}, False),
+        (False, {"checked": 2000, "failed": 3}, False),
+        (False, None, False),
+    ],
+)
+def test_a_run_counts_where_it_checked_all_that_it_should(passed, counts, good):
+    run = gate_run(_SMALL, _ran(passed, counts))
+    assert (not run.told) == good
+    assert replace(_DONE, runs=(run,)).passed == good
+    assert run.differences == (counts or {}).get("failed")
+
+
+def test_what_differs_is_undecided_or_absent_fails(tmp_path):
+    assert _DONE.passed and (_DONE.pairs, _DONE.differences) == (100, 0)
+    failed = Outcome(PROOFS[0], Finding(("it differs",)), 1.0)
+    undecided = Outcome(PROOFS[0], Finding(undecided=("no end",)), 1.0)
+    for outcomes in ((failed,), (undecided,), ()):
+        assert not replace(_DONE, outcomes=outcomes).passed
+    assert not replace(_DONE, rtl_changed=True).passed
+    assert replace(_DONE, runs=(replace(_CLEAN, differences=None),)).differences is None
+
+
+@pytest.mark.synthesiser
+def test_a_result_is_known_while_it_is_of_this_rtl(tmp_path):
+    path = write_result(_DONE, "netlist", tmp_path / "netlist.json")
+    evidence = read_evidence(path)
+    assert evidence and evidence["passed"] and evidence["differences"] == 0
+    assert sum(module["proved"] for module in evidence["modules"]) == 1
+    assert known_result(path) is None
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "rtl_hash": rtl_hash()}))
+    assert known_result(path)
+    path.write_text(json.dumps({**content, "rtl_hash": rtl_hash(), "environment_hash": "another"}))
+    assert known_result(path) is None
+    assert known_result(tmp_path / "none.json") is None
