@@ -149,9 +149,9 @@ def _print_waves(result: RunResult) -> None:
 
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
-    # The last line is the command that repeats the run.
+    # The last lines are the commands that repeat the run.
     fault = "" if options.fault is None else f" --fault {options.fault}"
-    print(result.explain() + fault, file=sys.stderr)
+    print(result.explain().replace(" --waves\n", f"{fault} --waves\n") + fault, file=sys.stderr)
     return NO
 
 

@@ -47,11 +47,12 @@ class ModuleProof(Proof):
 
     def synthesise(self, dut: Path, folder: Path) -> None:
         """Write the module as it is and as cells into ``folder``, with the cells' models."""
+        values = {key: int(value) for key, value in self.parameters.items()}
         names = [path.relative_to(DUT).as_posix() for path in (*rtl_sources(), *mesh_sources())]
         # Registers that are to be matched keep their names.
         keep = "setattr -set keep 1 w:*_q* w:*_o*; " if self.way is Way.REGISTERS else ""
         script = (
-            f"{read_slang(flat(names), self.top, self.parameters)}; hierarchy -top {self.top}; "
+            f"{read_slang(flat(names), self.top, values)}; hierarchy -top {self.top}; "
             f"write_rtlil {_GOLD}; {keep}synth_xilinx -family xc7 -flatten -noiopad -top {self.top}; "
             f"rename {self.top} gate; write_verilog -noattr {_GATE}"
         )
@@ -96,7 +97,7 @@ class ModuleProof(Proof):
         return Finding((f"{self.name}: not equal to its netlist (log: {log})",) if wrong else (), log, facts)
 
     def _registers(self, folder: Path) -> Finding:
-        given_up: set[str] = set()
+        given_up, different, facts = set[str](), set[str](), {}
         log = folder / "prove.log"
         for _ in range(_ROUNDS):
             (folder / "given_up").write_text("".join(f"{name}\n" for name in sorted(given_up)))

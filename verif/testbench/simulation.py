@@ -66,8 +66,11 @@ class RunResult:
         lines.append(f"  log:    {self.log}")
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
-            lines.append(f"  waves:  {_replay(self.settings.config, self.failing_pairs)} --waves")
         lines += [f"  {line}" for line in self.counterexamples]
+        # Of what failed on the core: those pairs alone, each after those before it.
+        again = _replay(self.settings.config, self.failing_pairs) if self.failing_pairs else None
+        if again or self.settings.agent == PIN:
+            lines.append(f"  waves:  {again or self.settings.replay_command} --waves")
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
 

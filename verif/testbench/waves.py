@@ -1,12 +1,9 @@
-"""Waves of a run on the pins: the file, and views of it for GTKWave and Surfer, stream by stream.
+"""Waves of a run on the pins: the file, and views of it for GTKWave and Surfer, stream by stream."""
 
-A view names signals; each must be in the file, or the view is refused: so a signal that is called
-otherwise in the RTL does not silently go from the view.
-"""
-
+import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -87,41 +84,37 @@ def signals_in(dump: Path) -> dict[str, int]:
     return found
 
 
-def _shown(settings: RunSettings, held: Mapping[str, int]) -> Iterator[tuple[str, list[str]]]:
-    """Yield each group of the view with its signals as the file has them."""
-    for title, names in (_MESH if settings.of_mesh_engine else _CORE).items():
-        paths = [f"{MESH_TOP if settings.of_mesh_engine else CORE_TOP}.{name}" for name in names]
-        if missing := [path for path in paths if path not in held]:
-            raise InputError(f"{DUMP}: without {', '.join(missing)}: adapt the view in {Path(__file__).name}")
-        yield title, paths
+def view(of_mesh_engine: bool) -> dict[str, list[str]]:
+    """Return the groups of a view, each with its signals as a VCD file names them."""
+    top, groups = (MESH_TOP, _MESH) if of_mesh_engine else (CORE_TOP, _CORE)
+    return {title: [f"{top}.{name}" for name in names] for title, names in groups.items()}
 
 
-def finished(folder: Path, settings: RunSettings) -> Path:
-    """Write the views beside the waves of a run, convert these where asked for; return the file.
+def finished(folder: Path, settings: RunSettings) -> Path | None:
+    """Write the views beside the waves of a run, converted where asked for; return the file, None without one.
 
-    Raises InputError where a run left none, or one without a signal of the view.
+    A signal that this configuration does not have is left out.
     """
     dump = folder / DUMP
     if not dump.exists():
-        raise InputError(f"{dump}: the run left no waves: see its log")
+        return None
     held = signals_in(dump)
-    groups = list(_shown(settings, held))
-    gtkwave, surfer = [f'[dumpfile] "{DUMP}"', "[timestart] 0", _ZOOM], []
-    for title, paths in groups:
-        gtkwave += ["@200", f"-{title}"]
-        surfer.append(f"divider_add {title}")
-        for path in paths:
-            bits = held[path]
-            # As GTKWave's saved files have them: a bit, signed numbers (vertices, normals), hexadecimal.
-            base = "@28" if bits == 1 else "@420" if path.endswith("]") else "@22"
-            gtkwave += [base, path if bits == 1 else f"{path}[{bits - 1}:0]"]
-            surfer.append(f"variable_add {path}")
     if settings.waves == "fst":
         whole = dump.with_suffix(".fst")
         subprocess.run([_CONVERTER, dump.name, whole.name], cwd=folder, check=True, capture_output=True)
         dump.unlink()
-        gtkwave[0] = f'[dumpfile] "{whole.name}"'
         dump = whole
+    gtkwave, surfer = [f'[dumpfile] "{dump.name}"', "[timestart] 0", _ZOOM], []
+    for title, paths in view(settings.of_mesh_engine).items():
+        gtkwave += ["@200", f"-{title}"]
+        surfer.append(f"divider_add {re.sub(r'[^a-z]+', '_', title)}")
+        for path in (path for path in paths if path in held):
+            bits = held[path]
+            # As GTKWave's saved files have them: a bit, signed numbers (vertices, normals), hexadecimal.
+            base = "@28" if bits == 1 else "@420" if path.endswith("]") else "@22"
+            gtkwave += [base, path if bits == 1 else f"{path}[{bits - 1}:0]"]
+            # Surfer has the elements of an array in a scope of their own.
+            surfer.append(f"variable_add {path.replace('[', '.[')}")
     write_whole(dump.with_suffix(".gtkw"), "\n".join(gtkwave) + "\n")
     write_whole(dump.with_suffix(".sucl"), "\n".join([*surfer, "zoom_fit"]) + "\n")
     return dump

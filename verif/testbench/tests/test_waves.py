@@ -1,0 +1,66 @@
+"""A run on the pins leaves its waves with views of them, whose signals are all there."""
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.verif.testbench import waves
+from triaxis.verif.testbench.settings import BURST, PIN, VERILATOR
+from triaxis.verif.testbench.simulation import run, run_settings
+from triaxis.verif.testbench.waves import check_waves, finished, signals_in, view
+
+HEADER = """$timescale 1ps $end
+ $scope module triaxis_core $end
+  $var wire 1 # clk_i $end
+  $var wire 16 $ a[0][0] [15:0] $end
+  $scope module u_datapath $end
+   $var wire 3 % box_separated [2:0] $end
+  $upscope $end
+ $upscope $end
+$enddefinitions $end
+$var wire 1 & no_signal $end
+"""
+
+
+def test_the_views_have_what_the_file_has(tmp_path):
+    (tmp_path / "waves.vcd").write_text(HEADER)
+    held = signals_in(tmp_path / "waves.vcd")
+    assert held == {
+        "triaxis_core.clk_i": 1, "triaxis_core.a[0][0]": 16, "triaxis_core.u_datapath.box_separated": 3,
+    }  # fmt: skip
+    settings = run_settings("RandomTest", "w16_m0", 1, 1, folder=tmp_path, waves="vcd")
+    assert finished(tmp_path, settings) == tmp_path / "waves.vcd"
+    lines = (tmp_path / "waves.gtkw").read_text().splitlines()
+    assert lines[0] == '[dumpfile] "waves.vcd"'
+    for base, signal in (
+        ("@28", "triaxis_core.clk_i"),
+        ("@420", "triaxis_core.a[0][0][15:0]"),
+        ("@22", "triaxis_core.u_datapath.box_separated[2:0]"),
+    ):
+        assert lines[lines.index(signal) - 1] == base
+    surfer = (tmp_path / "waves.sucl").read_text().splitlines()
+    assert "variable_add triaxis_core.a.[0].[0]" in surfer and "divider_add pairs_in" in surfer
+    (tmp_path / "waves.vcd").unlink()
+    assert finished(tmp_path, settings) is None
+
+
+def test_what_leaves_no_waves_is_refused(monkeypatch):
+    check_waves("vcd", PIN, VERILATOR)
+    for agent, simulator in ((BURST, VERILATOR), (PIN, "icarus")):
+        with pytest.raises(InputError, match="on the pins in Verilator"):
+            check_waves("vcd", agent, simulator)
+    monkeypatch.setattr(waves.shutil, "which", lambda _: None)
+    with pytest.raises(InputError, match="or take vcd"):
+        check_waves("fst", PIN, VERILATOR)
+
+
+@pytest.mark.regress
+@pytest.mark.simulator
+@pytest.mark.parametrize(
+    ("test", "config"), [("StallsTest", "w16_m0"), ("MeshStallsTest", "mesh_w16_m16_d64_g8_l8")]
+)
+def test_every_signal_of_a_view_is_in_the_waves(tmp_path, test, config):
+    result = run(run_settings(test, config, 1, 40, folder=tmp_path, waves="vcd"))
+    assert result.passed and result.waves, result.explain()
+    held = signals_in(result.waves)
+    wanted = [path for paths in view(result.settings.of_mesh_engine).values() for path in paths]
+    assert not [path for path in wanted if path not in held]
