@@ -1,5 +1,6 @@
 """The parameters with which the board is built."""
 
+import re
 from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
@@ -41,6 +42,11 @@ class BoardParameters:
         return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}"
 
     @property
+    def max_margin(self) -> int:
+        """Return the largest margin that a run can be given."""
+        return (1 << self.margin_bits) - 1
+
+    @property
     def sizes(self) -> dict[str, int]:
         """Return the RTL's parameters but for times and the build's number."""
         return {
@@ -62,3 +68,25 @@ class BoardParameters:
             "DigitClocks": self.digit_clocks,
             "BeatClocks": self.beat_clocks,
         }
+
+
+_NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)")
+# In which times are short enough to be waited for again and again; the number has bytes that framing escapes.
+_WATCHDOG_CLOCKS, _BUILD_ID = 60_000, 0xC0DBDCDD
+
+
+def is_board_configuration(name: str) -> bool:
+    """Return whether the name is one of the board's configurations."""
+    return name.startswith("board_")
+
+
+def parse_board_configuration(name: str) -> BoardParameters:
+    """Return the board of that `BoardParameters.name` as its environment builds it."""
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise InputError(
+            f"configuration {name}: must read board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>, "
+            "as in board_w12_m5_d128_g8_l4"
+        )
+    sizes = [int(number) for number in match.groups()]
+    return BoardParameters(*sizes, watchdog_clocks=_WATCHDOG_CLOCKS, build_id=_BUILD_ID)

@@ -1,38 +1,43 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The Verilated board (nexys4ddr_top) behind a C interface: a serial line at each side, pins, a
-// clock. Built as a shared library; see simulated_board.py. One clock is one period of the board's
-// 100 MHz oscillator. Boards are independent of each other.
+// The Verilated board (nexys4ddr_top) behind a C interface: a serial line at each side, pins, a clock, and what
+// was seen on them clock by clock. Built as a shared library; see simulated_board.py. One clock is one period of
+// the board's 100 MHz oscillator. Boards are independent of each other; triaxis_open powers one up, its line idle.
 //
-//   Board* board_new()                      powered up and out of reset, the line idle
-//   void board_delete(Board*)
-//   int64_t board_step(Board*, n, until)    runs n clocks; where `until` is not 0, at most n: stops
-//                                           after the clock in which the board has sent a byte or
-//                                           its go pin has changed. Returns the clocks that were run
-//   void board_send(Board*, bytes, n)       queues bytes for the line to the board
-//   int64_t board_pending(Board*)           bytes queued and not yet wholly on the line
-//   int64_t board_receive(Board*, bytes, n) takes up to n bytes that the board has sent
-//   void board_break(Board*, n)             holds the line to the board low for the next n clocks,
-//                                           whatever is being sent: bits on it meanwhile are lost
-//   void board_glitch(Board*, n)            inverts the line to the board for the next n clocks
-//   void board_unplug(Board*)               drops what is queued or half sent; the line goes idle
-//   void board_reset(Board*, n)             holds the reset button for n clocks, then lets go; the
-//                                           line stays idle, queued bytes wait
-//   void board_pins(const Board*, BoardPins*)
+// Both lines are followed here, from the pins alone and by the definition: 8N1, sampled in the middle of each bit.
 
 #include <cstdint>
 #include <deque>
-#include <memory>
+#include <vector>
 
 #include "player.h"
 
 namespace {
 
+using triaxis::Bench;
+using triaxis::Symptom;
+
 constexpr int kDigits = 8;
 constexpr int kBits = 10;  // start bit, 8 data bits, stop bit
+constexpr uint8_t kEnd = 0xC0;
 // The synchroniser of the reset, with room.
 constexpr int64_t kResetClocks = 16;
+
+// When Forward returns before its clocks are over: never; once the board has sent a byte or its go pin has changed;
+// once it has ended a frame, its run has ended, or all that was queued is on the line.
+enum Until : int32_t { kNever = 0, kSpoken, kSettled };
+
+// What is seen, and its value: a byte to the board, one without a stop bit; the start of a frame from the board, a
+// byte, one without a stop bit; the pins go, stop and the LEDs, from bit 0 on, where one has changed; an edge of the
+// beat; the reset button; the first digit lit after a reset.
+enum Kind : int32_t { kRx = 0, kRxBroken, kBegin, kTx, kTxBroken, kPins, kBeat, kReset, kLit };
+
+struct Event {
+    int64_t clock;
+    int32_t kind;
+    int32_t value;
+};
 
 // Puts bytes on the board's line.
 struct Sender {
@@ -41,6 +46,8 @@ struct Sender {
     int bits = 0;
     int clocks = 0;  // left of the bit on the line
     bool level = true;
+
+    bool Idle() const { return queue.empty() && bits == 0 && clocks == 0; }
 
     bool Next() {
         if (clocks == 0) {
@@ -63,47 +70,52 @@ struct Sender {
     }
 };
 
-// Reads bytes from the board's line, sampling the middle of each bit.
+// Reads bytes from a line. A low level that is gone by the middle of the start bit starts nothing; a byte without a
+// stop bit is broken, once for however long the line stays low.
 struct Receiver {
-    std::deque<uint8_t> queue;
-    int bit = -1;  // -1: idle
+    enum Seen { kNothing, kStarted, kByte, kBroken };
+
+    int bit = kIdle;
     int clocks = 0;
     uint8_t byte = 0;
-    int64_t framing_errors = 0;
 
-    bool Take(bool level) {
-        if (bit < 0) {
-            if (!level) {
-                bit = 0;
-                clocks = CLOCKS_PER_BIT + CLOCKS_PER_BIT / 2 - 1;
-            }
-            return false;
+    Seen Take(bool level) {
+        if (bit == kIdle) {
+            if (level) return kNothing;
+            bit = kStart;
+            clocks = CLOCKS_PER_BIT / 2 - 1;
+            return kNothing;
         }
-        if (clocks-- > 0) return false;
+        if (bit == kLow) {
+            if (level) bit = kIdle;
+            return kNothing;
+        }
+        if (clocks-- > 0) return kNothing;
         clocks = CLOCKS_PER_BIT - 1;
+        if (bit == kStart) {
+            bit = level ? kIdle : 0;
+            return level ? kNothing : kStarted;
+        }
         if (bit < 8) {
             byte = static_cast<uint8_t>(byte >> 1 | (level ? 0x80 : 0));
             ++bit;
-            return false;
+            return kNothing;
         }
-        bit = -1;
-        if (!level) {
-            ++framing_errors;
-            return false;
-        }
-        queue.push_back(byte);
-        return true;
+        bit = level ? kIdle : kLow;
+        return level ? kByte : kBroken;
     }
+
+   private:
+    static constexpr int kIdle = -1, kStart = -2, kLow = -3;
 };
 
 }  // namespace
 
-extern "C" {
-
-struct BoardPins {
-    int64_t clocks;          // since board_new
+extern "C" struct BoardPins {
+    int64_t clocks;          // since power-up
     int64_t go_clocks;       // of them, those after which the go pin said go
     int64_t bad_clocks;      // those after which go and stop were not opposite
+    int64_t bad_scans;       // those in which the displays were not scanned digit by digit, each equally long
     int64_t framing_errors;  // of what the board has sent
     int64_t beats;           // edges of the beat pin
     uint16_t leds;
@@ -112,77 +124,207 @@ struct BoardPins {
     uint8_t segments[kDigits];  // per digit, rightmost first: lit segments g..a, bit 7 the point
 };
 
-struct Board {
-    VerilatedContext context;
-    Vtop top{&context};
+namespace {
+
+class Player {
+ public:
+    Player(uint32_t selected, int64_t initial) : bench(selected, initial), top_(bench.model()) {
+        top_.clk_100mhz_i = 0;
+        top_.cpu_reset_ni = 1;
+        top_.uart_rx_i = 1;
+        bench.Eval();
+        Note();
+        for (int64_t i = 0; i < kResetClocks; ++i) Clock();
+    }
+
+    // Returns what is wrong, if anything; `done`: the clocks that were run.
+    Symptom Forward(int64_t clocks, Until until, int64_t* done) {
+        *done = 0;
+        try {
+            while (*done < clocks) {
+                ++*done;
+                Clock();
+                if ((until == kSpoken && spoken_) || (until == kSettled && settled_)) break;
+            }
+        } catch (const std::exception&) {
+            return triaxis::kDiverged;
+        }
+        return bench.asserted() ? triaxis::kAssertion : triaxis::kPassed;
+    }
+
+    // The button is pressed between two edges, and let go between two; the line stays idle, queued bytes wait.
+    void Reset(int64_t clocks) {
+        std::deque<uint8_t> waiting;
+        waiting.swap(sender.queue);
+        sender = Sender{};
+        Button(false);
+        for (int64_t i = 0; i < clocks; ++i) Clock();
+        Button(true);
+        for (int64_t i = 0; i < kResetClocks; ++i) Clock();
+        sender.queue.swap(waiting);
+    }
+
+    BoardPins Pins() const {
+        BoardPins pins = pins_;
+        pins.leds = top_.led_o;
+        pins.go = top_.go_o;
+        pins.stop = top_.stop_o;
+        return pins;
+    }
+
+    Bench bench;
     Sender sender;
-    Receiver receiver;
+    std::deque<uint8_t> received;
+    std::vector<Event> events;
+    bool notes = false;
     int64_t broken = 0;
     int64_t inverted = 0;
-    BoardPins pins{};
+
+ private:
+    void Clock() {
+        spoken_ = settled_ = false;
+        const bool was_idle = sender.Idle();
+        bool level = sender.Next();
+        if (inverted > 0) {
+            --inverted;
+            level = !level;
+        }
+        if (broken > 0) {
+            --broken;
+            level = false;
+        }
+        top_.uart_rx_i = level;
+        bench.Clock();
+        ++pins_.clocks;
+        pins_.go_clocks += top_.go_o;
+        settled_ = !was_idle && sender.Idle();
+        if (top_.cpu_reset_ni) {
+            const Receiver::Seen seen = to_board_.Take(level);
+            if (seen == Receiver::kByte) Tell(kRx, to_board_.byte);
+            if (seen == Receiver::kBroken) Tell(kRxBroken, 0);
+            Listen(from_board_.Take(top_.uart_tx_o));
+        }
+        Scan();
+        Note();
+    }
+
+    void Listen(Receiver::Seen seen) {
+        if (seen == Receiver::kStarted && !in_frame_) {
+            in_frame_ = true;
+            in_body_ = false;
+            Tell(kBegin, 0);
+        } else if (seen == Receiver::kByte) {
+            const uint8_t byte = from_board_.byte;
+            received.push_back(byte);
+            spoken_ = true;
+            Tell(kTx, byte);
+            settled_ |= in_body_ && byte == kEnd;
+            if (in_body_ && byte == kEnd) in_frame_ = false;
+            in_body_ = byte != kEnd;
+        } else if (seen == Receiver::kBroken) {
+            ++pins_.framing_errors;
+            Tell(kTxBroken, 0);
+        }
+    }
+
+    // Exactly one digit is lit, the next one to the left after so many clocks; none before the first.
+    void Scan() {
+        const uint8_t lit = static_cast<uint8_t>(~top_.an_no);
+        if (lit == 0) {
+            pins_.bad_scans += digit_ >= 0;
+            return;
+        }
+        for (int digit = 0; digit < kDigits; ++digit) {
+            if (lit >> digit & 1) pins_.segments[digit] = static_cast<uint8_t>(~top_.seg_no);
+        }
+        if (lit == (digit_ < 0 ? 1 : 1 << digit_) && digit_clocks_ > 0) {
+            --digit_clocks_;
+        } else {
+            const int next = (digit_ + 1) % kDigits;
+            // The first digit after a reset is passed over in a clock.
+            pins_.bad_scans += lit != 1 << next || (digit_clocks_ > 0 && !first_);
+            first_ = digit_ < 0;
+            if (first_) Tell(kLit, 0);
+            digit_ = next;
+            digit_clocks_ = DIGIT_CLOCKS - 1;
+        }
+    }
+
+    void Button(bool up) {
+        top_.cpu_reset_ni = up;
+        bench.Eval();
+        Tell(kReset, !up);
+        if (!up) to_board_ = from_board_ = Receiver{};
+        in_frame_ = false;
+        digit_ = -1;
+        digit_clocks_ = 0;
+        Note();
+    }
+
+    void Note() {
+        const bool go = top_.go_o;
+        const uint32_t seen = uint32_t{top_.led_o} << 2 | uint32_t{top_.stop_o} << 1 | go;
+        if (seen != seen_) {
+            spoken_ |= go != (seen_ & 1);
+            // A run has ended.
+            settled_ |= (seen_ & ~seen) >> kBusyBit & 1;
+            seen_ = seen;
+            Tell(kPins, static_cast<int32_t>(seen));
+        }
+        if (beat_ != top_.beat_o) {
+            beat_ = top_.beat_o;
+            ++pins_.beats;
+            Tell(kBeat, beat_);
+        }
+        pins_.bad_clocks += top_.go_o == top_.stop_o;
+    }
+
+    void Tell(Kind kind, int32_t value) {
+        if (notes) events.push_back({pins_.clocks, kind, value});
+    }
+
+    static constexpr int kBusyBit = 4;
+
+    Vtop& top_;
+    Receiver to_board_, from_board_;
+    BoardPins pins_{};
+    bool spoken_ = false, settled_ = false;
+    bool in_frame_ = false, in_body_ = false;
+    bool beat_ = false;
+    uint32_t seen_ = 0b1010;  // stop, by pin and LED
+    bool first_ = false;
+    int digit_ = -1;
+    int digit_clocks_ = 0;
 };
 
-static bool Clock(Board& board) {
-    Vtop& top = board.top;
-    const bool was_go = top.go_o;
-    const bool was_beat = top.beat_o;
-    bool level = board.sender.Next();
-    if (board.inverted > 0) {
-        --board.inverted;
-        level = !level;
-    }
-    if (board.broken > 0) {
-        --board.broken;
-        level = false;
-    }
-    top.uart_rx_i = level;
-    top.clk_100mhz_i = 1;
-    top.eval();
-    top.clk_100mhz_i = 0;
-    top.eval();
-    BoardPins& pins = board.pins;
-    ++pins.clocks;
-    pins.go_clocks += top.go_o;
-    pins.beats += top.beat_o != was_beat;
-    pins.bad_clocks += top.go_o == top.stop_o;
-    for (int digit = 0; digit < kDigits; ++digit) {
-        if (!(top.an_no >> digit & 1)) pins.segments[digit] = static_cast<uint8_t>(~top.seg_no);
-    }
-    return board.receiver.Take(top.uart_tx_o) || top.go_o != was_go;
+Player& Of(void* player) { return *static_cast<Player*>(player); }
+
+}  // namespace
+
+TRIAXIS_PLAYER(Player)
+
+extern "C" {
+
+// Runs so many clocks, or until what is asked for. Returns the symptom.
+int32_t triaxis_run(void* player, int64_t clocks, int32_t until, int64_t* done) {
+    return Of(player).Forward(clocks, static_cast<Until>(until), done);
 }
 
-Board* board_new() {
-    auto board = std::make_unique<Board>();
-    board->top.clk_100mhz_i = 0;
-    board->top.cpu_reset_ni = 1;
-    board->top.uart_rx_i = 1;
-    board->top.eval();
-    for (int64_t i = 0; i < kResetClocks; ++i) Clock(*board);
-    return board.release();
+// Queues bytes for the line to the board.
+void triaxis_send(void* player, const uint8_t* bytes, int64_t n) {
+    std::deque<uint8_t>& queue = Of(player).sender.queue;
+    queue.insert(queue.end(), bytes, bytes + n);
 }
 
-void board_delete(Board* board) { delete board; }
-
-int64_t board_step(Board* board, int64_t n, int until) {
-    int64_t done = 0;
-    while (done < n) {
-        ++done;
-        if (Clock(*board) && until) break;
-    }
-    return done;
-}
-
-void board_send(Board* board, const uint8_t* bytes, int64_t n) {
-    board->sender.queue.insert(board->sender.queue.end(), bytes, bytes + n);
-}
-
-int64_t board_pending(Board* board) {
-    const Sender& sender = board->sender;
+// Bytes queued and not yet wholly on the line.
+int64_t triaxis_pending(void* player) {
+    const Sender& sender = Of(player).sender;
     return static_cast<int64_t>(sender.queue.size()) + (sender.bits > 0 || sender.clocks > 0);
 }
 
-int64_t board_receive(Board* board, uint8_t* bytes, int64_t n) {
-    std::deque<uint8_t>& queue = board->receiver.queue;
+// Takes up to n bytes that the board has sent.
+int64_t triaxis_receive(void* player, uint8_t* bytes, int64_t n) {
+    std::deque<uint8_t>& queue = Of(player).received;
     int64_t taken = 0;
     while (taken < n && !queue.empty()) {
         bytes[taken++] = queue.front();
@@ -191,29 +333,30 @@ int64_t board_receive(Board* board, uint8_t* bytes, int64_t n) {
     return taken;
 }
 
-void board_break(Board* board, int64_t n) { board->broken = n; }
+// Holds the line to the board low for the next n clocks, whatever is being sent: bits on it meanwhile are lost.
+void triaxis_break(void* player, int64_t n) { Of(player).broken = n; }
 
-void board_glitch(Board* board, int64_t n) { board->inverted = n; }
+// Inverts the line to the board for the next n clocks.
+void triaxis_glitch(void* player, int64_t n) { Of(player).inverted = n; }
 
-void board_unplug(Board* board) { board->sender = Sender{}; }
+// Drops what is queued or half sent; the line goes idle.
+void triaxis_unplug(void* player) { Of(player).sender = Sender{}; }
 
-void board_reset(Board* board, int64_t n) {
-    const Sender waiting = board->sender;
-    board->sender = Sender{};
-    board->top.cpu_reset_ni = 0;
-    for (int64_t i = 0; i < n; ++i) Clock(*board);
-    board->top.cpu_reset_ni = 1;
-    for (int64_t i = 0; i < kResetClocks; ++i) Clock(*board);
-    board->sender.queue = waiting.queue;
-    board->receiver.bit = -1;
-}
+// Holds the reset button for n clocks, then lets go.
+void triaxis_reset(void* player, int64_t n) { Of(player).Reset(n); }
 
-void board_pins(const Board* board, BoardPins* pins) {
-    *pins = board->pins;
-    pins->framing_errors = board->receiver.framing_errors;
-    pins->leds = board->top.led_o;
-    pins->go = board->top.go_o;
-    pins->stop = board->top.stop_o;
+void triaxis_pins(void* player, BoardPins* pins) { *pins = Of(player).Pins(); }
+
+// Notes what is seen from here on, to be fetched.
+void triaxis_note(void* player) { Of(player).notes = true; }
+
+int64_t triaxis_noted(void* player) { return static_cast<int64_t>(Of(player).events.size()); }
+
+// Copies all that was noted, and forgets it.
+void triaxis_fetch(void* player, Event* events) {
+    std::vector<Event>& from = Of(player).events;
+    std::copy(from.begin(), from.end(), events);
+    from.clear();
 }
 
 }  // extern "C"

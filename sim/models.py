@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import core_files, mesh_files
+from triaxis.sim.build import core_files, mesh_files, rtl_files
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
@@ -18,7 +18,7 @@ BARE_TOP = "triaxis_bare_tb"
 # Sixteen of 32 bits fill the widest vectors that there are; more of them than caches hold are slower.
 LANES = 16
 
-CORE_SVA, MESH_SVA = VERIF / "core" / "sva", VERIF / "mesh" / "sva"
+CORE_SVA, MESH_SVA, BOARD_SVA = (VERIF / block / "sva" for block in ("core", "mesh", "board"))
 
 
 def assertions(folder: Path) -> tuple[Path, ...]:
@@ -51,8 +51,8 @@ def lockstep_build(configuration: Configuration) -> Build:
 
 
 def asserted(build: Build) -> Build:
-    """Return a library of the core or of the mesh engine that checks the environment's assertions."""
-    rules = CORE_SVA if build.top == CORE_TOP else MESH_SVA
+    """Return a library of the core, the mesh engine or the board that checks the environment's assertions."""
+    rules = {CORE_TOP: CORE_SVA, MESH_TOP: MESH_SVA}.get(build.top, BOARD_SVA)
     return replace(build, assertions=True, sources=(*build.sources, *assertions(rules)))
 
 
@@ -79,20 +79,13 @@ def mesh_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:
     )  # fmt: skip
 
 
-def board_build(parameters: BoardParameters, rtl: Path = DUT / "board") -> Build:
-    """Return the whole board as a library; see simulated_board.py. ``rtl``: another folder of its files."""
+def board_build(parameters: BoardParameters, dut: Path = DUT) -> Build:
+    """Return the whole board as a library; see simulated_board.py."""
+    defines = {"CLOCKS_PER_BIT": parameters.clocks_per_bit, "DIGIT_CLOCKS": parameters.digit_clocks}
     return Build(
         parameters.name, BOARD_TOP, parameters.rtl,
-        (*rtl_sources(), *mesh_sources(), *board_sources(rtl)), (SIM / "board_player.cpp",),
-        tuple(mesh_files()), defines={"CLOCKS_PER_BIT": parameters.clocks_per_bit},
-    )  # fmt: skip
-
-
-def safety_build(rtl: Path = DUT / "board") -> Build:
-    """Return the board's safety module as a library; see verif/board/safety.py. ``rtl``: as above."""
-    return Build(
-        "safety", "triaxis_safety", {}, (*rtl_sources(), *mesh_sources(), rtl / "triaxis_safety.sv"),
-        (VERIF / "board" / "safety.cpp",), tuple(mesh_files()),
+        (*rtl_sources(dut), *mesh_sources(dut), *board_sources(dut)), (SIM / "board_player.cpp",),
+        tuple(rtl_files(dut)), defines=defines, dut=dut, speed=_speed(dut),
     )  # fmt: skip
 
 

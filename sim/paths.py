@@ -20,9 +20,9 @@ def mesh_sources(dut: Path = DUT) -> list[Path]:
     return listed(dut / "mesh" / "triaxis_mesh.f")
 
 
-def board_sources(board: Path = DUT / "board") -> list[Path]:
+def board_sources(dut: Path = DUT) -> list[Path]:
     """Return the RTL files of the board and its top, which compile after those of the mesh engine."""
-    return [*listed(board / "triaxis_board.f"), BOARD_TOP]
+    return [*listed(dut / "board" / "triaxis_board.f"), BOARD_TOP]
 
 
 def listed(listing: Path) -> list[Path]:

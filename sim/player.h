@@ -185,6 +185,7 @@ class Bench {
   template <typename Model>
   void SetClock(Model& model, bool level) {
     if constexpr (requires { model.clk_i; }) model.clk_i = level;
+    if constexpr (requires { model.clk_100mhz_i; }) model.clk_100mhz_i = level;
   }
 
   void Level(bool level) {
@@ -220,6 +221,7 @@ class Bench {
   template <typename Model>
   void LeaveInitialValues(Model& model) {
     if constexpr (requires { model.rst_ni; }) model.rst_ni = 0;
+    if constexpr (requires { model.cpu_reset_ni; }) model.cpu_reset_ni = 0;
     SetClock(model, false);
     model.eval();
     Clock();

@@ -23,7 +23,6 @@ from triaxis.sim.models import (
     mesh_build,
     mesh_pin_build,
     pin_build,
-    safety_build,
 )
 from triaxis.sim.paths import DUT, SIM, listed
 from triaxis.sim.verilate import (
@@ -40,7 +39,7 @@ from triaxis.sim.verilate import (
 
 CORE, MESH = Configuration(8, 8), MeshConfiguration(8, 0, depth=16, group=4, lanes=4)
 BLOCKS = (
-    core_build(CORE), mesh_build(MESH), detector_build(8), board_build(BoardParameters(8, 0)), safety_build(),
+    core_build(CORE), mesh_build(MESH), detector_build(8), board_build(BoardParameters(8, 0)),
     pin_build(CORE), mesh_pin_build(MESH), asserted(core_build(CORE)), bare_build(),
 )  # fmt: skip
 

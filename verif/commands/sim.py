@@ -8,6 +8,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
+from triaxis.sim.board_parameters import parse_board_configuration
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import parse_mesh_configuration
 from triaxis.sim.paths import DUT
@@ -18,14 +19,13 @@ from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
-from triaxis.verif.testbench.settings import BURST, PIN, VERILATOR
+from triaxis.verif.testbench.settings import BURST, PIN, VERILATOR, Block
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 from triaxis.verif.testbench.table import (
     REPLAY,
     check_test_fits,
     check_test_name,
-    core_tests,
-    mesh_tests,
+    names_of,
     table,
 )
 from triaxis.verif.testbench.waves import WAVES, check_waves
@@ -45,9 +45,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = (
         "Run one test of the pyuvm environment. Tests of the core: "
-        + ", ".join(core_tests())
-        + ". Tests of the mesh engine: "
-        + ", ".join(mesh_tests())
+        + ". Tests of the mesh engine: ".join(
+            ", ".join(names_of(block)) for block in (Block.CORE, Block.MESH)
+        )
+        + ". Tests of the board: "
+        + ", ".join(names_of(Block.BOARD))
         + "."
     )
     parser.add_argument("test", metavar="TEST", help="name of the test")
@@ -55,11 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config", default="w16_m0", metavar="NAME",
         help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated] (w16_m0); for the mesh engine "
-        "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]",
+        "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]; for the board "
+        "board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>",
     )  # fmt: skip
     parser.add_argument(
         "--pairs", type=positive, default=2000,
-        help="how many pairs to send; for the mesh engine: to account for at least (2000)",
+        help="how many pairs to send; for the mesh engine: to account for at least; for the board: "
+        "replies (2000)",
     )  # fmt: skip
     parser.add_argument(
         "--agent", choices=(PIN, BURST), default=PIN,
@@ -107,8 +111,9 @@ def run(options: argparse.Namespace) -> int:
         check_waves(options.waves, options.agent, options.simulator)
     check_test_fits(options.test, options.config)
     dut = DUT if options.fault is None else _broken(options.fault, options.test)
-    if table()[options.test].of_mesh_engine:
-        return _run_mesh(options, dut)
+    block = table()[options.test].block
+    if block is not Block.CORE:
+        return _run_mesh(options, dut) if block is Block.MESH else _run_board(options, dut)
     configuration = parse_configuration(options.config)
     if (options.replay is None) == (options.test == REPLAY):
         raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
@@ -157,11 +162,10 @@ def _failed(options: argparse.Namespace, result: RunResult) -> int:
 
 def _broken(name: str, test: str) -> Path:
     """Return the RTL with a fault; raise InputError where the test does not drive what the fault is in."""
-    fault, of_mesh_engine = fault_of(name), table()[test].of_mesh_engine
-    if fault.kind is not (Kind.ENGINE if of_mesh_engine else Kind.CORE):
-        driven = "the mesh engine" if of_mesh_engine else "the core"
+    fault, block = fault_of(name), table()[test].block
+    if fault.kind is not {Block.CORE: Kind.CORE, Block.MESH: Kind.ENGINE}.get(block):
         raise InputError(
-            f"fault {name}: is in {fault.kind.value}, and {test} drives {driven}: "
+            f"fault {name}: is in {fault.kind.value}, and {test} drives the {block.value}: "
             f"`triaxis prove faults --fault {name}` tries it"
         )
     return faulty_rtl(fault)
@@ -191,5 +195,23 @@ def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
         f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "
         f"{counts['checked']} pairs decided, {counts['skipped_with_proof']} of them skipped with a "
         f"proof, {counts['judged_by_golden_model']} judged by the golden model, {result.seconds:.1f} s"
+    )
+    return DONE
+
+
+def _run_board(options: argparse.Namespace, dut: Path) -> int:
+    """Run a test of the board, which is always driven in bursts."""
+    if options.replay is not None or options.soak:
+        raise InputError("--replay and --soak go with tests of the core")
+    name = parse_board_configuration(options.config).name
+    settings = run_settings(options.test, name, options.seed, options.pairs, agent=BURST)
+    result = run_and_explain(settings, dut)
+    if not result.passed or not result.counts:
+        return _failed(options, result)
+    counts = result.counts
+    print(
+        f"passed: {options.test}, {name}, seed {options.seed}: {counts['checked']} replies and "
+        f"{counts['clocks']} clocks checked, {counts['runs']} runs, {counts['gos']} times go, "
+        f"{result.seconds:.1f} s"
     )
     return DONE

@@ -10,7 +10,7 @@ from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, RegressionCase, write_case
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, find
-from triaxis.verif.testbench.settings import RunSettings, failure_file
+from triaxis.verif.testbench.settings import Block, RunSettings, failure_file
 from triaxis.verif.testbench.simulation import RunResult, run
 
 PICTURES = BUILD / "counterexamples"
@@ -126,7 +126,7 @@ def run_and_explain(settings: RunSettings, dut: Path = DUT) -> RunResult:
     What comes out of the RTL of this checkout is kept in build/, and sent first from then on.
     """
     result = run(settings, dut)
-    if result.passed or settings.of_mesh_engine:
+    if result.passed or settings.block is not Block.CORE:
         return result
     store = FOUND if dut == DUT else None
     found = explain_failures(Path(settings.folder), settings.configuration, dut, store)

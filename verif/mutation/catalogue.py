@@ -6,12 +6,16 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import mesh_files
+from triaxis.sim.build import mesh_files, rtl_files
 from triaxis.sim.paths import DUT
 from triaxis.verif.mutation.elaboration import elaboration_mutants
 from triaxis.verif.mutation.mutant import RUNTIME, Mutant, macro_mutants
 from triaxis.verif.mutation.statements import Host, hosts, input_ports, shared_enumerators
 from triaxis.verif.mutation.syntax import SourceFile, read_source
+
+# Modules of the board of which every mutant is known to be killed, or shown to be equivalent. Those of the
+# others are played by `triaxis prove mutate --file 'board/*'`.
+SIGNED_OF_BOARD = frozenset({"triaxis_crc32.sv", "triaxis_receiver.sv", "triaxis_reset_sync.sv"})
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,13 @@ def _file_names(mutant: Mutant) -> tuple[str, ...]:
     return mutant.file.rpartition("/")[2], mutant.file, f"dut/{mutant.file}"
 
 
-def catalogue(dut: Path = DUT) -> Catalogue:
-    """Return all mutants of the RTL in a folder."""
-    paths = (path for path in mesh_files(dut) if path.suffix == ".sv")
-    # Those of the core come first: their numbers stay whatever is done above it.
-    sources = tuple(read_source(path, dut) for path in sorted(paths))
+def catalogue(dut: Path = DUT, whole: bool = False) -> Catalogue:
+    """Return all mutants of the RTL in a folder; of the board's those signed off, or ``whole``: all."""
+    below = sorted(mesh_files(dut))
+    # Those of the core come first, then the mesh engine: their numbers stay whatever is done above.
+    above = sorted(set(rtl_files(dut)) - set(below))
+    paths = [*below, *(path for path in above if whole or path.name in SIGNED_OF_BOARD)]
+    sources = tuple(read_source(path, dut) for path in paths if path.suffix == ".sv")
     ports = input_ports(sources)
     shared = shared_enumerators(sources)
     found = {source.name: tuple(hosts(source, ports, shared)) for source in sources}

@@ -21,6 +21,7 @@ from triaxis.verif.mutation.targets import (
     SMALLEST,
     TARGETS,
     AnyTarget,
+    BoardTarget,
     EngineTarget,
     Target,
 )
@@ -36,7 +37,8 @@ Steps = list[Callable[[], None]]
 def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
     """Try all mutants with the short tests: those of the core beside those of the mesh engine."""
     runtime, others = _split(hunt)
-    engines = [target for target in targets if isinstance(target, EngineTarget)]
+    boards = [target for target in targets if isinstance(target, BoardTarget)]
+    engines = [t for t in targets if isinstance(t, EngineTarget) and t not in boards]
     cores = [target for target in targets if not isinstance(target, EngineTarget)]
 
     def selected(target: AnyTarget) -> Callable[[], None]:
@@ -50,6 +52,7 @@ def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
     lanes: list[Steps] = [
         [*map(selected, cores), *map(built, (SMALLEST,) if of_core else ()), *map(built, cores)],
         [*map(selected, engines), *map(built, quick), *map(built, engines)],
+        [*map(selected, boards), *map(built, boards)],
     ]
     hunt.beside(lanes, len(lanes))
 
@@ -73,9 +76,9 @@ def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: 
     lanes: list[Steps] = [[step] for step in steps]
     # What volume shows in the first configuration of a block, where it is quick, is not asked in the others.
     runtime, others = _split(hunt, hunt.excused)
-    for kind in (Target, EngineTarget) if volume else ():
+    for kind in (Target, EngineTarget, BoardTarget) if volume else ():
         lane: Steps = []
-        for target in (target for target in targets if isinstance(target, kind)):
+        for target in (target for target in targets if type(target) is kind):
             stage = Stage(target, target.volume(hunt.seed), remark="volume", speed=MANY, number=len(steps))
             if stage.tests:
                 lane += [partial(hunt.selected, stage, runtime), partial(hunt.built, stage, others)]

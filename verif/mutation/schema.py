@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import mesh_files
+from triaxis.sim.build import rtl_files
 from triaxis.verif.mutation.builds import temporary
 from triaxis.verif.mutation.catalogue import Catalogue
 from triaxis.verif.mutation.mutant import Edit, Mutant, applied
@@ -161,7 +161,7 @@ def copy_rtl(
     dut: Path, folder: Path, mutant: Mutant | None = None, guard: tuple[str, str] = ("", "")
 ) -> None:
     """Copy all that elaborates, with a mutant where there is one, and a text replaced in all files."""
-    for source in mesh_files(dut):
+    for source in rtl_files(dut):
         place = folder / source.relative_to(dut)
         place.parent.mkdir(parents=True, exist_ok=True)
         text = source.read_text()

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
     CORE_SVA,
     MESH_SVA,
     assertions,
+    board_build,
     core_build,
     detector_build,
     mesh_build,
@@ -44,6 +46,12 @@ _MESH_VOLUME = {
     "MeshResetsTest": 2_000_000, "MeshStallsTest": 500_000,
     "MeshRandomTest": 100_000, "MeshAbortTest": 10_000,
 }  # fmt: skip
+
+_BOARD_TESTS = {
+    "BoardSmokeTest": 1, "BoardRefusalsTest": 1, "BoardFramesTest": 1, "BoardResetsTest": 40,
+    "BoardSilenceTest": 1, "BoardFullTest": 1, "BoardAbortTest": 1, "BoardGoTest": 1, "BoardMixedTest": 150,
+}  # fmt: skip
+_BOARD_VOLUME = 1000
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
@@ -125,11 +133,15 @@ class EngineTarget:
 
     def build(self, dut: Path) -> Build:
         """Return the build of the RTL in a folder, quickly made, without assertions."""
-        made = mesh_build(self.configuration, dut)
+        made = self.made(dut)
         sources = made.sources
         if self.exact_core:
             sources = tuple(EXACT_CORE / one.name if one.name == _DATAPATH else one for one in sources)
         return replace(made, sources=sources, speed=QUICK)
+
+    def made(self, dut: Path) -> Build:
+        """Return the usual build of the RTL in a folder."""
+        return mesh_build(self.configuration, dut)
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
@@ -144,6 +156,41 @@ class EngineTarget:
         depth = self.configuration.depth
         pairs = {test: full * depth**2 // _MESH_VOLUME_DEPTH**2 for test, full in _MESH_VOLUME.items()}
         return _runs(pairs, self.name, seed + 1)
+
+
+@dataclass(frozen=True)
+class BoardTarget(EngineTarget):
+    """The board in one configuration, with the checker of golden/ for the core's data path."""
+
+    configuration: BoardParameters  # pyright: ignore[reportIncompatibleVariableOverride]
+    exact_core: bool = True
+    chosen: tuple[str, ...] = tuple(_BOARD_TESTS)
+
+    @property
+    def name(self) -> str:
+        """Return its name, that of the configuration."""
+        return self.configuration.name
+
+    @property
+    def assertions(self) -> tuple[Path, ...]:
+        """Return none: whatever the board says is compared clock by clock."""
+        return ()
+
+    def made(self, dut: Path) -> Build:
+        """Return the usual build of the RTL in a folder."""
+        return board_build(self.configuration, dut)
+
+    def mutates(self, file: str) -> bool:
+        """Return whether this is where mutants of that file of dut/ are looked for."""
+        return file.startswith("board/")
+
+    def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
+        """Return the short tests, with so many times the replies."""
+        return _runs({test: times * _BOARD_TESTS[test] for test in self.chosen}, self.name, seed)
+
+    def volume(self, seed: int) -> tuple[RunSettings, ...]:
+        """Return the long test."""
+        return _runs({"BoardMixedTest": _BOARD_VOLUME}, self.name, seed + 1)
 
 
 AnyTarget = Target | EngineTarget
@@ -173,7 +220,16 @@ ENGINE_SINGLE = EngineTarget(MeshConfiguration(8, 0, depth=16, group=1, lanes=1,
 # One word of lanes in a group, one of groups in a mesh; margins narrower than coordinates, no operand gating.
 ENGINE_WORD = EngineTarget(MeshConfiguration(8, 3, depth=16, group=4, lanes=4, cycle_bits=8, gating=False))
 
-TARGETS: tuple[AnyTarget, ...] = (MAIN, PLAIN, WIDE, NARROW, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD)
+# Coordinates with bits above them in their bytes, and more near pairs than displays show; the widest, where
+# all poses fit, without margins.
+BOARD = BoardTarget(parse_board_configuration("board_w12_m5_d128_g8_l4"))
+BOARD_WIDE = BoardTarget(
+    parse_board_configuration("board_w32_m0_d16_g4_l2"), chosen=("BoardSmokeTest", "BoardRefusalsTest")
+)
+
+TARGETS: tuple[AnyTarget, ...] = (
+    MAIN, PLAIN, WIDE, NARROW, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD, BOARD, BOARD_WIDE,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -228,7 +284,10 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
             start = symbol.syntax.sourceRange.start
             if name == "GenerateBlock" and symbol.isUninstantiated:
                 return ast.VisitAction.Skip
-            blocks.add((_file(manager.getFileName(start), dut), start.offset))
+            place = Path(manager.getFileName(start)).resolve()
+            # What stands around the board's modules is of the part, and has no mutants.
+            if place.is_relative_to(dut.resolve()):
+                blocks.add((place.relative_to(dut.resolve()).as_posix(), start.offset))
         return ast.VisitAction.Advance
 
     for instance in compilation.getRoot().topInstances:
@@ -236,10 +295,6 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
     # Functions and constants of the package serve every target.
     blocks.update(_packages(build))
     return Elaborated(frozenset(block for block in blocks if target.mutates(block[0])))
-
-
-def _file(name: str, dut: Path) -> str:
-    return Path(name).resolve().relative_to(dut.resolve()).as_posix()
 
 
 def _packages(build: Build) -> list[tuple[str, int]]:

@@ -4,12 +4,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from triaxis.coverage.board_coverage import board_model
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import CoverageDatabase, load
 from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.html import write_page
 from triaxis.coverage.mesh_coverage import mesh_model
 from triaxis.coverage.report import ModelReport, report
+from triaxis.sim.board_parameters import is_board_configuration, parse_board_configuration
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration
 from triaxis.verif.mesh.sampling import mesh_build
@@ -20,6 +22,8 @@ _CORE = "core_"
 
 def model_of(config: str) -> CoverModel[Any]:
     """Return the model of a configuration; several of the core may share one. InputError for other names."""
+    if is_board_configuration(config):
+        return board_model(config, parse_board_configuration(config).width)
     if is_mesh_configuration(config):
         return mesh_model(mesh_build(parse_mesh_configuration(config)))
     return core_model(*parse_configuration(config).covered)

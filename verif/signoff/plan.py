@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from triaxis.sim.paths import BUILD
-from triaxis.verif.testbench.settings import BURST, PIN, RunSettings
+from triaxis.verif.testbench.settings import BURST, PIN, Block, RunSettings
 from triaxis.verif.testbench.simulation import run_settings
 from triaxis.verif.testbench.table import Entry, Runs, configurations, table
 
@@ -19,9 +19,12 @@ _VOLUME_JUDGED = 1 << 16
 
 def plan(seed: int, volume: int = VOLUME) -> list[RunSettings]:
     """Return every run of the sign-off, what fails soonest first; ``volume``: pairs of the volume runs."""
-    engine = [entry for entry in table().values() if entry.of_mesh_engine]
-    core = [entry for entry in table().values() if not entry.of_mesh_engine]
-    runs = [run for agent in (PIN, BURST) for run in _directed(engine, agent, seed)]
+    core, engine, board = (
+        [entry for entry in table().values() if entry.block is block]
+        for block in (Block.CORE, Block.MESH, Block.BOARD)
+    )
+    runs = list(_directed(board, BURST, seed))
+    runs += [run for agent in (PIN, BURST) for run in _directed(engine, agent, seed)]
     runs += [run for agent in (BURST, PIN) for run in _directed(core, agent, seed)]
     for entry in core:
         for share in entry.volume_runs(volume, _VOLUME_JUDGED):

@@ -24,7 +24,7 @@ from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.one_job import MOST_OF
 from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
-from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES, RunSettings
+from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES, Block, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for
 
 SOURCES = Sources(("triaxis.verif.signoff.simulation", *TEST_MODULES), TEST_DATA)
@@ -43,29 +43,31 @@ class SimulationResult:
     valid_for: Validity
     seconds: float
 
-    def _counts(self, of_mesh_engine: bool) -> list[dict[str, Any]]:
-        """Return what the scoreboards of the core's runs counted, or of the mesh engine's."""
-        return [
-            run.counts for run in self.runs if run.counts and run.settings.of_mesh_engine == of_mesh_engine
-        ]
+    def _counts(self, block: Block) -> list[dict[str, Any]]:
+        """Return what the scoreboards of a block's runs counted."""
+        return [run.counts for run in self.runs if run.counts and run.settings.block is block]
 
     @property
     def checked(self) -> int:
         """Return how many pairs of the core's runs were checked; those of scenes are not among them."""
-        return sum(int(counts["checked"]) for counts in self._counts(of_mesh_engine=False))
+        return sum(int(counts["checked"]) for counts in self._counts(Block.CORE))
 
     @property
     def judged(self) -> int:
         """Return how many of them the golden model judged as well."""
-        return sum(int(counts["judged_by_golden_model"]) for counts in self._counts(of_mesh_engine=False))
+        return sum(int(counts["judged_by_golden_model"]) for counts in self._counts(Block.CORE))
 
     @property
     def mesh_counts(self) -> dict[str, int]:
         """Return what the runs of the mesh engine counted in all."""
         names = ("runs", "complete_runs", "checked", "skipped_with_proof", "tested", "judged_by_golden_model")
-        return {
-            name: sum(int(counts[name]) for counts in self._counts(of_mesh_engine=True)) for name in names
-        }
+        return {name: sum(int(counts[name]) for counts in self._counts(Block.MESH)) for name in names}
+
+    @property
+    def board_counts(self) -> dict[str, int]:
+        """Return what the runs of the board counted in all: replies and clocks are checked ones."""
+        names = ("checked", "clocks", "runs", "gos", "resets")
+        return {name: sum(int(counts[name]) for counts in self._counts(Block.BOARD)) for name in names}
 
     @property
     def mismatches(self) -> int:
@@ -77,7 +79,7 @@ class SimulationResult:
         """Return, a line each, the claims of a configuration of which the golden model judged no pair."""
         judged: dict[str, set[int]] = defaultdict(set)
         for run in self.runs:
-            if not run.settings.of_mesh_engine:
+            if run.settings.block is Block.CORE:
                 judged[run.settings.config].update(run.counts["judged_axes"] if run.counts else ())
         kinds = {NO_AXIS: "near pair"} | {
             axis: f"pair that axis {axis} separates" for axis in range(NUM_AXES)
@@ -105,6 +107,8 @@ class SimulationResult:
                 found.append(f"scene {scene.name}: {scene.found}, expected {scene.expected}{doubt}")
         if not self.mesh_counts["checked"]:
             found.append("the mesh engine decided no pair of a scene")
+        if not self.board_counts["gos"]:
+            found.append("the board never said go")
         if not self.scenes:
             found.append("no scene was checked")
         if self.checked < self.least_pairs:
@@ -128,13 +132,15 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         "passed": not result.problems,
         "problems": result.problems,
         "summary": f"{result.checked:,} pairs checked, {result.judged:,} of them judged by the golden model; "
-        f"{result.mesh_counts['checked']:,} pairs of scenes decided by the mesh engine",
+        f"{result.mesh_counts['checked']:,} pairs of scenes decided by the mesh engine; "
+        f"{result.board_counts['checked']:,} replies of the board",
         "command": f"triaxis signoff --seed {seed} --pairs {volume}",
         "seconds": round(result.seconds, 1),
         "rtl_hash": result.valid_for.rtl_hash,
         "pairs_checked": result.checked,
         "pairs_judged_by_golden_model": result.judged,
         "mesh_engine": result.mesh_counts,
+        "board": result.board_counts,
         "mismatches": result.mismatches,
         "runs": [
             {

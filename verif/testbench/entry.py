@@ -5,15 +5,17 @@ from importlib import import_module
 import cocotb
 from pyuvm import uvm_root
 
-from triaxis.verif.testbench.settings import CORE_TESTS, MESH_TESTS, from_environment
+from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, MESH_TESTS, Block, from_environment
 from triaxis.verif.testbench.trials import judged, next_test
 
 _SETTINGS = from_environment()
 # By name: the tests' modules import this package, which must not import them. And only those that are needed:
 # each import takes time.
-_OF_MESH_ENGINE = (*MESH_TESTS, "triaxis.verif.mesh.sabotage_tests")
-_OF_CORE = (*CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests")
-_NAMES = _OF_MESH_ENGINE if _SETTINGS.of_mesh_engine else _OF_CORE
+_NAMES = {
+    Block.CORE: (*CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests"),
+    Block.MESH: (*MESH_TESTS, "triaxis.verif.mesh.sabotage_tests"),
+    Block.BOARD: (*BOARD_TESTS, "triaxis.verif.board.sabotage_tests"),
+}[_SETTINGS.block]
 _MODULES = [import_module(name) for name in _NAMES]
 _NAME = next_test(_SETTINGS).test
 

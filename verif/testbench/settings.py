@@ -3,8 +3,14 @@
 import json
 import os
 from dataclasses import asdict, dataclass
+from enum import StrEnum
 from pathlib import Path
 
+from triaxis.sim.board_parameters import (
+    BoardParameters,
+    is_board_configuration,
+    parse_board_configuration,
+)
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.mesh_configuration import (
     MeshConfiguration,
@@ -21,15 +27,33 @@ VERILATOR = "verilator"
 CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
 MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
 ENTRY = "triaxis.verif.testbench.entry"
-TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS)
-# What tests read: counterexamples that were kept, and clocks.
-TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json")
+BOARD_TESTS = ("triaxis.verif.board.uvm_tests",)
+TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS, *BOARD_TESTS)
+# What tests read: counterexamples that were kept, and clocks; and what is under test but not in dut/.
+TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json", "fpga/nexys4ddr_top.sv")
 
 
 def width_of(config: str) -> int:
-    """Return the coordinate bits of a configuration of the core or of the mesh engine."""
+    """Return the coordinate bits of a configuration of the core, the mesh engine or the board."""
+    if is_board_configuration(config):
+        return parse_board_configuration(config).width
     parse = parse_mesh_configuration if is_mesh_configuration(config) else parse_configuration
     return parse(config).width
+
+
+class Block(StrEnum):
+    """What is under test."""
+
+    CORE = "core"
+    MESH = "mesh engine"
+    BOARD = "board"
+
+
+def block_of(config: str) -> Block:
+    """Return what a configuration's name says is under test."""
+    if is_board_configuration(config):
+        return Block.BOARD
+    return Block.MESH if is_mesh_configuration(config) else Block.CORE
 
 
 @dataclass(frozen=True)
@@ -66,6 +90,8 @@ class RunSettings:
 
         Pin by pin, and where the golden model judges all, a pair takes up to a millisecond.
         """
+        if self.block is Block.BOARD:
+            return 600 + self.pairs
         slow = self.agent == PIN or self.judged_one_in == 1
         return 300 + self.pairs * (1.0 if self.four_state else 1e-2 if slow else 2e-4)
 
@@ -80,9 +106,14 @@ class RunSettings:
         return parse_configuration(self.config)
 
     @property
+    def block(self) -> Block:
+        """Return what is under test; ``pairs`` are those of scenes, or replies of the board."""
+        return block_of(self.config)
+
+    @property
     def of_mesh_engine(self) -> bool:
         """Return whether the mesh engine is under test, not the core; ``pairs`` are then those of scenes."""
-        return is_mesh_configuration(self.config)
+        return self.block is Block.MESH
 
     @property
     def width(self) -> int:
@@ -93,6 +124,11 @@ class RunSettings:
     def mesh_configuration(self) -> MeshConfiguration:
         """Return the parameters of the mesh engine under test."""
         return parse_mesh_configuration(self.config)
+
+    @property
+    def board_parameters(self) -> BoardParameters:
+        """Return the parameters of the board under test."""
+        return parse_board_configuration(self.config)
 
     @property
     def replay_command(self) -> str:

@@ -15,13 +15,22 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.models import asserted, bare_build, core_build, mesh_build, mesh_pin_build, pin_build
+from triaxis.sim.models import (
+    asserted,
+    bare_build,
+    board_build,
+    core_build,
+    mesh_build,
+    mesh_pin_build,
+    pin_build,
+)
 from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.simulators import compiled_for
 from triaxis.sim.verilate import FAST, LIGHT, VCD, Build, library, verilate
 from triaxis.verif.testbench.settings import (
     PIN,
     VERILATOR,
+    Block,
     RunSettings,
     coverage_file,
     failure_file,
@@ -122,6 +131,8 @@ def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:
     """Return the library that a run drives; None where it drives pins of the simulator itself."""
     if settings.agent == PIN:
         return None
+    if settings.block is Block.BOARD:
+        return board_build(settings.board_parameters, dut)
     of_mesh = settings.of_mesh_engine
     build = (
         mesh_build(settings.mesh_configuration, dut) if of_mesh else core_build(settings.configuration, dut)

@@ -11,8 +11,15 @@ from importlib import import_module
 from typing import TypeVar
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.mesh_configuration import is_mesh_configuration
-from triaxis.verif.testbench.settings import BURST, CORE_TESTS, MESH_TESTS, PIN
+from triaxis.verif.testbench.settings import (
+    BOARD_TESTS,
+    BURST,
+    CORE_TESTS,
+    MESH_TESTS,
+    PIN,
+    Block,
+    block_of,
+)
 
 # Repeats pairs that failed elsewhere: the one test that no plan runs.
 REPLAY = "ReplayTest"
@@ -62,9 +69,9 @@ class Entry:
     volume: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def of_mesh_engine(self) -> bool:
-        """Return whether it is a test of the mesh engine."""
-        return any(is_mesh_configuration(config) for runs in self.runs for config in runs.configs)
+    def block(self) -> Block:
+        """Return what it is a test of."""
+        return next((block_of(config) for runs in self.runs for config in runs.configs), Block.CORE)
 
     def volume_runs(self, pairs: int, judged: int) -> Iterator[Runs]:
         """Yield runs of that many pairs in all: to each configuration its share, in moderate pieces."""
@@ -93,20 +100,16 @@ def listed(
 
 @cache
 def table() -> Mapping[str, Entry]:
-    """Return all tests by name, as they stand: those of the core, then those of the mesh engine."""
-    classes = [one for module in (*CORE_TESTS, *MESH_TESTS) for one in vars(import_module(module)).values()]
+    """Return all tests by name, as they stand: those of the core, of the mesh engine, of the board."""
+    modules = (*CORE_TESTS, *MESH_TESTS, *BOARD_TESTS)
+    classes = [one for module in modules for one in vars(import_module(module)).values()]
     entries = [vars(one)["entry"] for one in classes if isinstance(one, type) and "entry" in vars(one)]
     return {entry.name: entry for entry in entries}
 
 
-def core_tests() -> list[str]:
-    """Return the names of the tests of the core."""
-    return [entry.name for entry in table().values() if not entry.of_mesh_engine]
-
-
-def mesh_tests() -> list[str]:
-    """Return the names of the tests of the mesh engine."""
-    return [entry.name for entry in table().values() if entry.of_mesh_engine]
+def names_of(block: Block) -> list[str]:
+    """Return the names of the tests of a block."""
+    return [entry.name for entry in table().values() if entry.block is block]
 
 
 def planned_tests() -> list[str]:
@@ -134,7 +137,11 @@ def check_test_name(name: str) -> None:
 
 def check_test_fits(name: str, config: str) -> None:
     """Raise InputError unless the test is one of what the configuration's name says is under test."""
-    of_mesh_engine = table()[name].of_mesh_engine
-    if of_mesh_engine != is_mesh_configuration(config):
-        wanted = "mesh_w16_m16_d64_g8_l8" if of_mesh_engine else "w16_m0"
+    block = table()[name].block
+    if block is not block_of(config):
+        wanted = {
+            Block.CORE: "w16_m0",
+            Block.MESH: "mesh_w16_m16_d64_g8_l8",
+            Block.BOARD: "board_w12_m5_d128_g8_l4",
+        }[block]
         raise InputError(f"test {name}: needs another --config than {config}, such as {wanted}")

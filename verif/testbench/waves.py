@@ -91,7 +91,7 @@ def view(of_mesh_engine: bool) -> dict[str, list[str]]:
 
 
 def finished(folder: Path, settings: RunSettings) -> Path | None:
-    """Write the views beside the waves of a run, converted where asked for; return the file, None without one.
+    """Write views beside the waves of a run; return the file, converted if asked for, None without one.
 
     A signal that this configuration does not have is left out.
     """

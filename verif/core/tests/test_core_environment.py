@@ -14,9 +14,9 @@ from triaxis.sim.models import core_build
 from triaxis.sim.verilate import library
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench import simulation
-from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.settings import BURST, PIN, Block
 from triaxis.verif.testbench.simulation import build_for, run, run_settings
-from triaxis.verif.testbench.table import REPLAY, core_tests
+from triaxis.verif.testbench.table import REPLAY, names_of
 
 pytestmark = pytest.mark.simulator
 
@@ -32,7 +32,7 @@ def burst(test, seed, pairs, folder, **options):
 @pytest.mark.parametrize(
     ("test", "agent"),
     [
-        *((name, BURST) for name in core_tests() if name not in (REPLAY, "SeedVectorsTest")),
+        *((name, BURST) for name in names_of(Block.CORE) if name not in (REPLAY, "SeedVectorsTest")),
         *((name, PIN) for name in ON_PINS),
     ],
 )

@@ -16,7 +16,7 @@ from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult
 from triaxis.verif.signoff.simulation import SOURCES, SimulationResult
-from triaxis.verif.testbench.settings import BURST, PIN, coverage_file
+from triaxis.verif.testbench.settings import BURST, PIN, Block, coverage_file
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 
 HERE = validity(SOURCES)
@@ -33,13 +33,18 @@ CORE = RunResult(run_settings("RandomTest", Configuration(), 1, 10), True, 1.0, 
 ENGINE = replace(
     CORE, settings=run_settings("MeshRandomTest", "mesh_w16_m16_d64_g8_l8", 1, 10), counts=MESH_COUNTS
 )
+BOARD = replace(
+    CORE,
+    settings=run_settings("BoardGoTest", "board_w12_m5_d128_g8_l4", 1, 10),
+    counts={"accepted": 100, "checked": 100, "clocks": 9000, "runs": 9, "gos": 5, "resets": 1, "failed": 0},
+)
 SCENE = SceneResult("scene", "near", "near", True, 10, 5, 5, 1)
 OTHER_SCENE = replace(SCENE, found="clear")
 ILLEGAL = IllegalHit("flags", 1, "never")
 
 
-def runs(core=CORE, engine=ENGINE):
-    return {"runs": [core, engine]}
+def runs(core=CORE, engine=ENGINE, board=BOARD):
+    return {"runs": [core, engine, board]}
 
 
 def counted(**changes):
@@ -52,7 +57,14 @@ def covered(**changes):
 
 
 GOOD = SimulationResult(
-    [CORE, ENGINE], [SCENE], None, DetectorResult(15, 3000, 0), covered()["coverage"], 200_000, HERE, 1.0
+    [CORE, ENGINE, BOARD],
+    [SCENE],
+    None,
+    DetectorResult(15, 3000, 0),
+    covered()["coverage"],
+    200_000,
+    HERE,
+    1.0,
 )
 
 
@@ -62,6 +74,7 @@ GOOD = SimulationResult(
         ({}, None),
         (runs(core=replace(CORE, passed=False)), "RandomTest in w16_m0 failed"),
         (runs(core=replace(CORE, counts=None)), "0 pairs checked"),
+        (runs(board=replace(BOARD, counts={**(BOARD.counts or {}), "gos": 0})), "never said go"),
         (runs(engine=replace(ENGINE, passed=False)), "MeshRandomTest in mesh_"),
         (runs(engine=replace(ENGINE, counts={**MESH_COUNTS, "checked": 0})), "no pair of a scene"),
         (counted(checked=199_999), "199999 pairs"),
@@ -88,7 +101,7 @@ def test_each_shortfall_is_a_problem(change, message):
 
 def test_plan_covers_widths_margins_and_builds():
     planned = plan(1)
-    configurations = {run.configuration for run in planned if not run.of_mesh_engine}
+    configurations = {run.configuration for run in planned if run.block is Block.CORE}
     assert {c.width for c in configurations} >= {8, 16, 24, 32}
     assert {c.margin_bits for c in configurations} >= {0, 8, 16, 24, 32}
     assert any(not c.edge_box for c in configurations)

@@ -1,0 +1,103 @@
+"""What the board must have been seen doing. A transaction is what happened: (item, bin), by name."""
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from triaxis.coverage.counts import Counts
+from triaxis.coverage.cover_model import Codes, CoverItem, CoverModel, Coverpoint
+
+Happened = tuple[str, str]
+View = Sequence[Happened]
+
+_HERE = Path(__file__).parent
+_SOURCES = tuple(_HERE / name for name in ("bins.cpp", "board_coverage.py", "cover_model.py"))
+
+COMMANDS = ("HELLO", "LOAD", "MOVE", "RUN", "RESULTS", "STATUS", "ABORT")
+GO, RUNNING, STOP = STATES = ("go", "run", "stop")
+LINE = (
+    "bad CRC", "too short", "too long", "bad stuffing", "END after ESC", "no stop bit", "frame still held",
+)  # fmt: skip
+MODES = ("FIRST", "ALL", "COUNT")
+
+
+def _done() -> Iterator[str]:
+    """Executed in a state, or sent again in it. What changes something is refused during a run."""
+    for command, state in product(COMMANDS, STATES):
+        if state != RUNNING or command not in ("LOAD", "MOVE", "RUN"):
+            yield f"{command}, {state}"
+        # The last command was another one where go is said, or a run goes on, but for these.
+        if state == STOP or command in ("RUN", "RESULTS", "STATUS"):
+            yield f"{command} again, {state}"
+
+
+def _refused(width: int) -> Iterator[str]:
+    for command in COMMANDS:
+        yield from (f"{code} of {command}" for code in ("LENGTH", "SESSION", "SEQUENCE"))
+    yield from (f"BUSY of {command}" for command in ("LOAD", "MOVE", "RUN"))
+    yield from (f"VALUE of {command}" for command in ("HELLO", "LOAD", "RUN", "RESULTS"))
+    if width < 32:
+        yield "VALUE of MOVE"
+    yield from ("UNKNOWN of another", "PLACE of LOAD", "OVERFULL of LOAD", "COUNTS of RUN", "EMPTY of RUN")
+
+
+def _ends() -> Iterator[str]:
+    what = ("HELLO", "LOAD", "MOVE", "RUN", "ABORT", "refusal", "line", "watchdog")
+    yield from (f"{one} ends {state}" for one, state in product(what, ("go", "a promise of go")))
+
+
+def _runs() -> Iterator[str]:
+    for mode in MODES:
+        yield from (
+            f"{mode}, clear, go",
+            f"{mode}, clear, no go",
+            f"{mode}, out of range",
+            f"{mode}, aborted",
+        )
+        yield f"{mode}, near"
+
+
+@cache
+def board_model(name: str, width: int) -> CoverModel[View]:
+    """Return the coverage model of a board."""
+    ring = (*product(("none", "some", "32"), ("run", "ended")),)
+    items = (
+        ("board_done", "commands executed, or sent again x what the outputs say", _done()),
+        ("board_refused", "codes of refusals x command", _refused(width)),
+        ("board_ends", "what ends go, or a run or its result that could still give it", _ends()),
+        ("board_runs", "mode x how a run ended", _runs()),
+        (
+            "board_line",
+            "what is wrong on the line x what the outputs say",
+            map(", ".join, product(LINE, STATES)),
+        ),
+        ("board_near", "near pairs in a reply x whether the run goes on", map(", ".join, ring)),
+    )
+    return CoverModel(name, tuple(_item(*item) for item in items), _SOURCES)
+
+
+def _item(name: str, meaning: str, bins: Iterator[str]) -> CoverItem[View]:
+    names = tuple(bins)
+    numbers = {(name, one): number for number, one in enumerate(names)}
+
+    def codes(view: View) -> Codes:
+        return np.array([numbers.get(one, len(names)) for one in view], np.uint8)
+
+    return CoverItem(name, meaning, (Coverpoint(name, names, codes, partial=True),))
+
+
+class BoardCoverage:
+    """Collects the coverage of a board."""
+
+    def __init__(self, name: str, width: int) -> None:
+        """Start with zero counts."""
+        self.model = board_model(name, width)
+        self.counts = Counts.empty(self.model)
+
+    def sample(self, happened: View) -> None:
+        """Count what happened."""
+        if happened:
+            self.counts.sample(self.model, happened)

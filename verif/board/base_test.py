@@ -1,0 +1,229 @@
+"""What all tests of the board share: its environment, a host that keeps to no rule but the test's."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+from pyuvm import uvm_env, uvm_subscriber
+
+from triaxis.coverage.board_coverage import BoardCoverage, Happened
+from triaxis.verif.board.line_agent import Act, BoardBfm, LineAgent, LineItem, Until
+from triaxis.verif.board.protocol import (
+    HEAD,
+    MOST_TRIANGLES,
+    Code,
+    Command,
+    Integers,
+    Mode,
+    Reply,
+    Status,
+    coordinate_bytes,
+    framed,
+    load_payload,
+)
+from triaxis.verif.board.scoreboard import BoardScoreboard
+from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create, settings_of
+from triaxis.verif.testbench.settings import coverage_file
+
+# Clocks after the last item in which anything too many would show.
+_SURPLUS_CYCLES = 6000
+# In which all digits are shown, and the number is in decimal.
+_DIGITS_CYCLES = 300
+SESSION = 0x11DBC022
+
+
+class BoardCoverageSubscriber(uvm_subscriber):
+    """Counts bins of the board's coverage model, and writes them at the end."""
+
+    def build_phase(self) -> None:
+        """Start with empty counts."""
+        parameters = settings_of(self).board_parameters
+        self.coverage = BoardCoverage(parameters.name, parameters.width)
+        self.happened: list[Happened] = []
+
+    def write(self, tt: Happened) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Take what happened."""
+        self.happened.append(tt)
+
+    def report_phase(self) -> None:
+        """Write the counts."""
+        self.coverage.sample(self.happened)
+        self.coverage.counts.save(coverage_file(Path(settings_of(self).folder)))
+
+
+class BoardEnv(uvm_env):
+    """Everything around the board."""
+
+    def build_phase(self) -> None:
+        """Make the parts."""
+        self.line = create(LineAgent, "line", self)
+        self.scoreboard = create(BoardScoreboard, "scoreboard", self)
+        self.coverage = create(BoardCoverageSubscriber, "coverage", self)
+
+    def connect_phase(self) -> None:
+        """Connect the monitor to the scoreboard, and that to coverage."""
+        self.line.monitor.ap.connect(self.scoreboard.seen_export)
+        self.scoreboard.checked_port.connect(self.coverage.analysis_export)
+
+
+class BoardTest(EnvironmentTest):
+    """Resets the board and runs `stimulus`; what it sends is all the same to the scoreboard."""
+
+    def build_phase(self) -> None:
+        """Make the environment."""
+        super().build_phase()
+        self.parameters = self.settings.board_parameters
+        self.env = create(BoardEnv, "env", self)
+        self.session, self.sequence = SESSION, 0
+
+    def fast_model(self) -> BoardBfm:
+        """Return the board's model."""
+        return BoardBfm()
+
+    async def traffic(self) -> None:
+        """Run `stimulus`; a reply too many would show after it."""
+        await self.stimulus()
+        await self.clocks(_SURPLUS_CYCLES)
+
+    @property
+    def unfinished(self) -> bool:
+        """Return whether fewer replies were checked than the test was asked for."""
+        return self.env.scoreboard.reference.replies < self.settings.pairs
+
+    # --- The line -----------------------------------------------------------------------------------------
+
+    async def line(
+        self,
+        data: bytes = b"",
+        until: Until = Until.ANSWERED,
+        gap: int = 0,
+        act: Act = Act.NONE,
+        clocks: int = 0,
+    ) -> list[bytes]:
+        """Put bytes on the line; return what the board said meanwhile."""
+        item = LineItem(data, until, gap, act, clocks)
+        await ItemsSequence([item]).start(self.env.line.sequencer)
+        return item.replies
+
+    async def silent(self, data: bytes = b"", act: Act = Act.NONE, clocks: int = 0, gap: int = 200) -> None:
+        """Put bytes on the line that nobody answers."""
+        await self.line(data, Until.SENT, gap + clocks, act, clocks)
+
+    def frame(self, command: int, payload: bytes = b"", ahead: int = 1, session: int | None = None) -> bytes:
+        """Return a frame's body; ``ahead``: of the number of the last command."""
+        whose = self.session if session is None else session
+        return HEAD.pack(command, (self.sequence + ahead) % 2**32, whose) + payload
+
+    async def ask(
+        self, command: int, payload: bytes = b"", ahead: int = 1, session: int | None = None, gap: int = 0
+    ) -> Reply | None:
+        """Send a command; return its reply. An executed one counts."""
+        body = self.frame(command, payload, ahead, session)
+        replies = await self.line(framed(body), gap=gap)
+        try:
+            reply = Reply.of(replies[0]) if replies else None
+        except (ValueError, struct.error):
+            return None
+        if reply and reply.code == Code.OK:
+            self.sequence = reply.sequence
+        return reply
+
+    async def again(self, command: int, payload: bytes = b"") -> None:
+        """Send the last command's frame again."""
+        await self.line(framed(self.frame(command, payload, 0)))
+
+    async def too_early(self) -> None:
+        """Send three frames without a pause: the third finds no place."""
+        frames = [framed(self.frame(Command.STATUS, ahead=ahead)) for ahead in (1, 2, 3)]
+        await self.line(b"".join(frames))
+        await self.line()
+        self.sequence += 2
+
+    async def digits(self) -> None:
+        """Look at the displays."""
+        await self.clocks(_DIGITS_CYCLES)
+        self.env.scoreboard.check_digits()
+
+    # --- Commands -----------------------------------------------------------------------------------------
+
+    async def hello(self) -> None:
+        """Take the board."""
+        await self.ask(Command.HELLO)
+
+    async def status(self) -> None:
+        """Ask for the status."""
+        await self.ask(Command.STATUS)
+
+    async def load(self, mesh: int, triangles: Integers) -> None:
+        """Replace a mesh by triangles (N, 3, 3)."""
+        step = min(MOST_TRIANGLES, 235 // (9 * coordinate_bytes(self.parameters.width)))
+        for first in range(0, len(triangles), step):
+            part = triangles[first : first + step]
+            await self.ask(Command.LOAD, load_payload(mesh, first, part, self.parameters.width))
+
+    async def scene(self, a: Integers, b: Integers) -> None:
+        """Replace both meshes."""
+        await self.load(0, a)
+        await self.load(1, b)
+
+    async def move(self, x: int = 0, y: int = 0, z: int = 0) -> None:
+        """Ask for a pose."""
+        await self.ask(Command.MOVE, struct.pack("<3i", x, y, z))
+
+    def asked(self, mode: int = Mode.ALL, margin: int = 0) -> bytes:
+        """Return the payload of a RUN on the meshes that the board holds."""
+        counts = (len(mesh) for mesh in self.env.scoreboard.reference.meshes)
+        return struct.pack("<BIHH", mode, margin, *counts)
+
+    async def start(self, mode: int = Mode.ALL, margin: int = 0) -> None:
+        """Start a run; its reply has come."""
+        await self.ask(Command.RUN, self.asked(mode, margin))
+
+    async def idle(self) -> None:
+        """Wait until no run goes on."""
+        await self.line(until=Until.IDLE)
+
+    async def run(self, mode: int = Mode.ALL, margin: int = 0) -> None:
+        """Run to the end, and ask how it ended."""
+        await self.start(mode, margin)
+        await self.idle()
+        await self.status()
+
+    async def results(self, first: int) -> Reply | None:
+        """Ask for near pairs."""
+        return await self.ask(Command.RESULTS, struct.pack("<I", first))
+
+    async def all_results(self) -> None:
+        """Take all near pairs of a run, from the first on."""
+        first = 0
+        while True:
+            reply = await self.results(first)
+            if reply is None or reply.code != Code.OK:
+                return
+            first += len(reply.pairs)
+            if not len(reply.pairs) and Status.unpack(reply.payload).state != 1:
+                return
+
+    # --- Scenes -------------------------------------------------------------------------------------------
+
+    def flat(self, z: int = 0, count: int = 1) -> Integers:
+        """Return ``count`` times the same triangle, of 10 by 10 at height ``z``."""
+        return np.tile(np.array([[0, 0, z], [10, 0, z], [0, 10, z]], np.int64), (count, 1, 1))
+
+    def corners(self, count: int) -> Integers:
+        """Return ``count`` triangles that the boxes of `flat`'s overlap, and that are not near them at 0."""
+        return np.tile(np.array([[10, 10, 0], [10, 6, 0], [6, 10, 0]], np.int64), (count, 1, 1))
+
+    def cloud(self, count: int, spread: int) -> Integers:
+        """Return ``count`` small triangles (count, 3, 3) anywhere within ``spread``."""
+        centres = self.rng.integers(-spread, spread + 1, (count, 1, 3))
+        size = max(2, spread // 3)
+        return np.asarray(centres + self.rng.integers(-size, size + 1, (count, 3, 3)), np.int64)
+
+    async def clear_scene(self) -> None:
+        """Load two triangles 5 apart."""
+        await self.scene(self.flat(), self.flat(5))
+
+    async def clear_run(self) -> None:
+        """Run to go: what is there is clear."""
+        await self.run()

@@ -1,0 +1,723 @@
+"""What the board must do, written from docs/board.md: from what goes over its lines, clock by clock.
+
+It is told of bytes to the board, of the beginnings of replies, of pins that change and of the reset button,
+and predicts pins and replies. Of the engine it knows what the exact answer to the scene says; how long a run
+takes it does not know, but that it ends. Clocks of latency are those that the headers of the RTL promise.
+"""
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
+from itertools import count
+
+import numpy as np
+
+from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.scene import SceneAnswer, scene_answer
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.verif.board.protocol import (
+    COUNTERS,
+    END,
+    ESC,
+    ESC_END,
+    ESC_ESC,
+    HEAD,
+    LONGEST,
+    MOST_ERRORS,
+    MOST_NEAR,
+    MOST_TRIANGLES,
+    REPLY,
+    RING,
+    SHORTEST,
+    VERSION,
+    Code,
+    Command,
+    Integers,
+    Mode,
+    Reply,
+    State,
+    Status,
+    checked,
+    coordinate_bytes,
+    loaded_triangles,
+)
+from triaxis.verif.board.protocol import End as RunEnd
+
+# A frame is answered, and a run ends, within so many clocks; a run, for each of its pairs.
+_ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
+# Clocks that the cycles of a run do not count: until the engine takes the run.
+_NOT_COUNTED = 1
+
+# Clocks from the end of a frame until it is executed: header, fields, verdict.
+_EXECUTED = 23
+
+_NO_MESH = np.empty((0, 3, 3), np.int64)
+_CLOCKS_PER_MS = 100_000
+_NO_COUNTERS = (0,) * len(COUNTERS)
+
+
+@dataclass(frozen=True)
+class Pins:
+    """The pins, as the board's outputs and LEDs say them."""
+
+    value: int
+
+    def _bit(self, number: int) -> bool:
+        return bool(self.value >> number & 1)
+
+    @property
+    def go(self) -> bool:
+        """Return whether go is said."""
+        return self._bit(0)
+
+    @property
+    def busy(self) -> bool:
+        """Return whether a run is going on."""
+        return self._bit(4)
+
+    @property
+    def waiting(self) -> bool:
+        """Return whether near pairs wait."""
+        return self._bit(6)
+
+    @property
+    def full(self) -> bool:
+        """Return whether their ring is full."""
+        return self._bit(7)
+
+    @property
+    def errors(self) -> int:
+        """Return the low bits of the count of errors."""
+        return self.value >> 10 & 0xFF
+
+
+@dataclass
+class Frame:
+    """A whole frame that the board holds, since ``end``; ``acted``: its effects were seen.
+
+    ``due``: the clock in which it is executed; 0 where it waits for the reply before to end.
+    """
+
+    command: int
+    sequence: int
+    session: int
+    payload: bytes
+    end: int
+    acted: bool = False
+    due: int = 0
+    busy: bool = False
+    state: str = ""
+
+
+@dataclass
+class Run:
+    """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0."""
+
+    number: int = 0
+    mode: int = 0
+    margin: int = 0
+    pose: tuple[int, int, int] = (0, 0, 0)
+    state: State = State.NEVER
+    start: int = 0
+    ended: int = 0
+    overflow: bool = False
+    maybe_aborted: bool = False
+    answer: SceneAnswer | None = None
+    pairs: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    freed: int = 0
+    written: int = 0
+
+    @property
+    def near(self) -> int:
+        """Return how many pairs are near."""
+        return int(self.answer.near.sum()) if self.answer else 0
+
+    @property
+    def offered(self) -> int:
+        """Return how many near pairs go to the ring at most."""
+        return 0 if self.mode == Mode.COUNT else min(self.near, 1) if self.mode == Mode.FIRST else self.near
+
+    @property
+    def end(self) -> RunEnd:
+        """Return how it ends where nothing ends it before."""
+        if self.overflow:
+            return RunEnd.OVERFLOW
+        return RunEnd.FIRST if self.mode == Mode.FIRST and self.near else RunEnd.COMPLETE
+
+
+@dataclass(frozen=True)
+class Due:
+    """A reply that is due. ``status``: that it must have; None: the payload stands in ``payload``."""
+
+    frame: Frame
+    code: Code
+    payload: bytes
+    status: Status | None
+    busy: bool
+    first_pair: int = 0
+
+
+class BoardReference:
+    """Follows a board; tells ``wrong`` of everything that must not be."""
+
+    def __init__(
+        self,
+        parameters: BoardParameters,
+        wrong: Callable[[str], None],
+        happened: Callable[[str, str], None] = lambda *_: None,
+    ) -> None:
+        """Begin with a board in reset. ``happened``: told of what happens, by item and bin of coverage."""
+        self.parameters, self._tell, self._happened = parameters, wrong, happened
+        self.replies = self.runs = self.gos = self.resets = 0
+        self._numbers = count()
+        self.pins = Pins(0b1010)
+        self.beat_level = False
+        # The clock, and the one in which the last ABORT was executed.
+        self.clock = self.aborted = 0
+        self._reset()
+
+    def _reset(self) -> None:
+        self._timers: list[tuple[int, int, Callable[[int], None]]] = []
+        self._frame = bytearray()
+        self._hunting, self._escaped, self._skipping = True, False, False
+        self.held: Frame | None = None
+        self._line = bytearray()
+        self._replying = False
+        self._due: Due | None = None
+        self.session = self.sequence = self.command = 0
+        self._forget()
+        self.go = self.armed = self.alive = self.expired = self.error = False
+        self.errors = 0
+        self._kicked = -1
+        self._alive_window = 0
+        self._beat_due, self._go_number = False, next(self._numbers)
+
+    def _forget(self) -> None:
+        self._near = 0
+        self.meshes = [_NO_MESH, _NO_MESH]
+        self.pose = (0, 0, 0)
+        self.run = Run()
+
+    def _wrong(self, what: str) -> None:
+        self._tell(f"clock {self.clock}: {what}")
+
+    def _at(self, clock: int, do: Callable[[int], None]) -> None:
+        heappush(self._timers, (clock, next(self._numbers), do))
+
+    # --- Time ---------------------------------------------------------------------------------------------
+
+    def pass_time(self, clock: int) -> None:
+        """Let everything before a clock happen; what was seen until then must be what is due."""
+        if clock > self.clock:
+            self._settle()
+        while self._timers and self._timers[0][0] < clock:
+            self.clock = self._timers[0][0]
+            self._now()
+            self._settle()
+        self.clock = max(self.clock, clock)
+        self._now()
+
+    def _now(self) -> None:
+        while self._timers and self._timers[0][0] <= self.clock:
+            heappop(self._timers)[2](self.clock)
+
+    def _settle(self) -> None:
+        """Compare the pins with what they must be at the end of this clock."""
+        pins, run = self.pins, self.run
+        if self.held and not self.held.acted and pins.value != self._expected() and self._early(self.held):
+            self._act(self.held)
+        expected = self._expected()
+        if pins.value != expected:
+            self._wrong(f"go, stop and LEDs are {pins.value:018b}, {expected:018b} is due")
+            # Not to be told again and again.
+            self.errors += pins.errors - self.errors & 0xFF
+            self.go = pins.go
+        if self.beat_level != self._beat_due:
+            self._wrong(f"the beat is {self.beat_level}, {self._beat_due} is due")
+            self._beat_due = self.beat_level
+        if pins.busy != (run.state == State.RUNNING):
+            self._wrong(f"a run is {'' if pins.busy else 'not '}going on")
+            run.state = State.RUNNING if pins.busy else State.DONE
+
+    def _expected(self) -> int:
+        """Return the pins that are due; of the ring, what they are while nobody can know."""
+        pins, run = self.pins, self.run
+        waiting, full = pins.waiting, pins.full
+        if run.state != State.RUNNING and not run.maybe_aborted and not (self.held and self.held.acted):
+            held = (run.offered if run.state == State.DONE and not run.overflow else 0) - run.freed
+            waiting, full = held > 0, held == RING
+        alive = bool(self.pins.value >> 5 & 1) if self.clock < self._alive_window else self.alive
+        said = int(self.go) | (not self.go) << 1
+        return (
+            said | said << 2 | pins.busy << 4 | alive << 5 | waiting << 6 | full << 7
+            | self.expired << 8 | self.error << 9 | (self.errors & 0xFF) << 10
+        )  # fmt: skip
+
+    # --- What is seen -------------------------------------------------------------------------------------
+
+    def pressed(self, down: bool) -> None:
+        """Take the reset button: while it is down nothing else is seen."""
+        self.pins = Pins(self.pins.value)
+        if down:
+            self.resets += 1
+            self._reset()
+
+    def see(self, value: int) -> None:
+        """Take new pins."""
+        was, self.pins = self.pins, Pins(value)
+        if was.busy and not self.pins.busy and self.run.state == State.RUNNING:
+            self._run_ended()
+
+    def _run_ended(self) -> None:
+        run = self.run
+        run.state, run.ended = State.DONE, self.clock
+        self.runs += 1
+        run.maybe_aborted = bool(self.held and self.held.command in (Command.ABORT, Command.HELLO))
+        clear = run.end == RunEnd.COMPLETE and not run.near
+        said = (
+            "out of range"
+            if run.overflow
+            else "near"
+            if run.near
+            else f"clear, {'' if self.armed else 'no '}go"
+        )
+        if not run.maybe_aborted:
+            self._happened("board_runs", f"{Mode(run.mode).name}, {said}")
+        if self.armed and clear and (not run.maybe_aborted or self.pins.go):
+            self._say_go()
+
+    def _say_go(self) -> None:
+        """Say go from this clock on; the beat begins with it."""
+        self.go = True
+        self.gos += 1
+        number = self._go_number = next(self._numbers)
+
+        def edge(now: int) -> None:
+            if number == self._go_number:
+                self._beat_due = not self._beat_due
+                self._at(now + self.parameters.beat_clocks, edge)
+
+        self._at(self.clock + self.parameters.beat_clocks, edge)
+
+    def _end_beat(self, _: int) -> None:
+        self._beat_due, self._go_number = False, next(self._numbers)
+
+    def byte(self, value: int) -> None:
+        """Take a byte that has come to the board."""
+        if value == END and not self._escaped:
+            self._frame_ended()
+        elif self._hunting:
+            return
+        elif self._escaped:
+            self._escaped = False
+            if value in (ESC_END, ESC_ESC):
+                self._add(END if value == ESC_END else ESC)
+            else:
+                self._drop("END after ESC" if value == END else "bad stuffing")
+                # An END after an ESC is wrong, and yet ends the frame.
+                self._hunting = value != END
+        elif value == ESC:
+            self._escaped = True
+        else:
+            self._add(value)
+
+    def _add(self, value: int) -> None:
+        if self._skipping:
+            return
+        if self.held or len(self._frame) == LONGEST:
+            self._frame.clear()
+            self._skipping = True
+            self._failed("frame still held" if self.held else "too long")
+            return
+        self._frame.append(value)
+
+    def _drop(self, what: str) -> None:
+        """Drop the frame under way: it is wrong."""
+        self._frame.clear()
+        self._skipping = self._escaped = False
+        self._hunting = True
+        self._failed(what)
+
+    def broken(self) -> None:
+        """Take a byte without a stop bit."""
+        self._drop("no stop bit")
+
+    def _frame_ended(self) -> None:
+        frame, skipped = bytes(self._frame), self._skipping
+        self._frame.clear()
+        self._hunting = self._skipping = False
+        if skipped or not frame:
+            return
+        if len(frame) < SHORTEST or checked(frame[:-4]) != frame:
+            self._failed("too short" if len(frame) < SHORTEST else "bad CRC")
+            return
+        command, sequence, session = HEAD.unpack(frame[:9])
+        self.held = Frame(command, sequence, session, frame[9:-4], self.clock, busy=self.pins.busy)
+        self._expect_answer(self.held)
+        if not self._replying:
+            self.held.due = self.clock + _EXECUTED
+            self._at(self.held.due, lambda _, frame=self.held: self._execute_lasting(frame))
+
+    def _execute_lasting(self, frame: Frame) -> None:
+        """Let what takes some time begin: a LOAD changes nothing before its end."""
+        if frame is self.held and frame.command != Command.LOAD and self._early(frame):
+            self._act(frame)
+
+    def _expect_answer(self, frame: Frame) -> None:
+        def late(clock: int) -> None:
+            if self.held is frame:
+                if not self._replying:
+                    self._wrong("a frame is not answered")
+                    self.held = None
+                else:
+                    self._at(clock + _ANSWERED, late)
+
+        self._at(self.clock + _ANSWERED, late)
+
+    @property
+    def _state(self) -> str:
+        return "go" if self.go else "run" if self.busy else "stop"
+
+    def _failed(self, what: str) -> None:
+        """Something is wrong on the line."""
+        self._happened("board_line", f"{what}, {self._state}")
+        self.errors = min(self.errors + 1, MOST_ERRORS)
+        self._fault("line")
+
+    def _fault(self, what: str) -> None:
+        self._disturb(what)
+        self.error = True
+
+    def _disturb(self, what: str) -> None:
+        if self.go or self.armed:
+            self._happened("board_ends", f"{what} ends {'go' if self.go else 'a promise of go'}")
+        if self.go:
+            self._at(self.clock + 1, self._end_beat)
+        self.go = self.armed = False
+
+    # --- What a frame does --------------------------------------------------------------------------------
+
+    @property
+    def busy(self) -> bool:
+        """Return whether a run is going on."""
+        return self.run.state == State.RUNNING
+
+    def _repeats(self, frame: Frame) -> bool:
+        return (frame.session, frame.sequence, frame.command) == (self.session, self.sequence, self.command)
+
+    def judge(self, frame: Frame) -> Code:
+        """Return the code of the answer to a frame, as things stand."""
+        command, payload = frame.command, frame.payload
+        hello, mine = command == Command.HELLO, frame.session == self.session != 0
+        if hello and not frame.session:
+            return Code.VALUE
+        if not mine and (not hello or self.alive):
+            return Code.SESSION
+        if command not in list(Command):
+            return Code.UNKNOWN
+        if mine and frame.sequence != (self.sequence + 1) % 2**32 and not self._repeats(frame):
+            return Code.SEQUENCE
+        if len(payload) != self._length(command, payload):
+            return Code.LENGTH
+        if command == Command.RESULTS:
+            (first,) = struct.unpack("<I", payload)
+            return Code.OK if self.run.freed <= first <= self._last_pair() else Code.VALUE
+        if hello or self._repeats(frame):
+            return Code.OK
+        if command in (Command.LOAD, Command.MOVE, Command.RUN):
+            return Code.BUSY if self.busy else self._command_code(command, payload)
+        return Code.OK
+
+    def _last_pair(self) -> int:
+        run = self.run
+        certain = run.state == State.DONE and not run.maybe_aborted
+        return 0 if run.overflow else run.offered if certain else run.written
+
+    def _length(self, command: int, payload: bytes) -> int:
+        if command == Command.LOAD:
+            triangles = payload[3] if len(payload) > 3 else 0
+            return 4 + triangles * 9 * coordinate_bytes(self.parameters.width)
+        return {Command.MOVE: 12, Command.RUN: 9, Command.RESULTS: 4}.get(Command(command), 0)
+
+    def _command_code(self, command: int, payload: bytes) -> Code:
+        if command == Command.LOAD:
+            return self._load_code(payload)
+        if command == Command.MOVE:
+            reach = 1 << self.parameters.width
+            return Code.OK if all(-reach <= v < reach for v in struct.unpack("<3i", payload)) else Code.VALUE
+        mode, margin, *counts = struct.unpack("<BIHH", payload)
+        if mode > Mode.COUNT or margin > self.parameters.max_margin:
+            return Code.VALUE
+        if counts != [len(mesh) for mesh in self.meshes]:
+            return Code.COUNTS
+        return Code.OK if all(counts) else Code.EMPTY
+
+    def _load_code(self, payload: bytes) -> Code:
+        mesh, first, triangles = struct.unpack_from("<BHB", payload)
+        if mesh > 1 or not 1 <= triangles <= MOST_TRIANGLES:
+            return Code.VALUE
+        if first not in (0, len(self.meshes[mesh])):
+            return Code.PLACE
+        if first + triangles > self.parameters.depth:
+            return Code.OVERFULL
+        low, high = coordinate_range(self.parameters.width)
+        given = loaded_triangles(payload, self.parameters.width)
+        return Code.OK if given.min() >= low and given.max() <= high else Code.VALUE
+
+    def _early(self, frame: Frame) -> bool:
+        """Return whether a frame's effects may be seen some clocks before its answer begins."""
+        lasting = frame.command in (Command.HELLO, Command.LOAD, Command.ABORT)
+        return lasting and self.judge(frame) == Code.OK and not self._repeats(frame)
+
+    def _act(self, frame: Frame) -> None:
+        """Let a frame that is executed have the effects that come first."""
+        frame.acted, frame.state = True, self._state
+        if frame.command == Command.ABORT:
+            self.aborted = self.clock
+        if frame.command not in (Command.RESULTS, Command.STATUS):
+            self._disturb(Command(frame.command).name)
+        if frame.command in (Command.HELLO, Command.RUN):
+            self.expired = self.error = False
+        if frame.command == Command.HELLO:
+            self.session, self.sequence, self.command = frame.session, frame.sequence, frame.command
+            self._kick(self.clock)
+
+    def _kick(self, clock: int) -> None:
+        self.alive, self._kicked = True, clock
+
+        def out(now: int) -> None:
+            if self._kicked != clock:
+                return
+            self.alive, self.expired = False, True
+            self._at(now + 1, lambda _: self._disturb("watchdog"))
+
+        self._at(clock + self.parameters.watchdog_clocks, out)
+
+    def begin(self) -> None:
+        """Take the beginning of a reply: two clocks before its first bit its frame has been executed."""
+        frame, self.held = self.held, None
+        self._replying, self._line = True, bytearray()
+        if frame is None:
+            self._wrong("a reply that nothing asked for")
+            return
+        alive = self.alive
+        lasting = frame.acted or frame.command == Command.LOAD
+        if frame.due and not lasting and self.clock != frame.due:
+            self._wrong(f"a reply begins, due at {frame.due}")
+        # HELLO of a new session has taken the board already where its effects were seen.
+        code = Code.OK if frame.acted else self.judge(frame)
+        repeats = not frame.acted and self._repeats(frame)
+        name = Command(frame.command).name if frame.command in list(Command) else "another"
+        if code == Code.OK:
+            state = frame.state if frame.acted else self._state
+            self._happened("board_done", f"{name}{' again' if repeats else ''}, {state}")
+        else:
+            self._happened("board_refused", f"{code.name} of {name}")
+        if code == Code.OK and not repeats:
+            self._execute(frame, alive)
+        elif code != Code.OK:
+            self._at(self.clock + 1, lambda _: self._refuse(code))
+        # After the pins of this clock.
+        self._pending = lambda: self._answer(frame, code)
+
+    def _refuse(self, code: Code) -> None:
+        if code == Code.SESSION:
+            self.errors = min(self.errors + 1, MOST_ERRORS)
+        self._fault("refusal")
+
+    def _execute(self, frame: Frame, alive: bool) -> None:
+        command, payload = frame.command, frame.payload
+        if command == Command.HELLO and not frame.acted:
+            # The engine's meshes are emptied between: three clocks, where no run has to end first.
+            self._act(frame)
+            if not frame.busy:
+                self._kick(self.clock - 3)
+        elif not frame.acted:
+            self._act(frame)
+        self.session, self.sequence, self.command = frame.session, frame.sequence, command
+        if command == Command.HELLO:
+            self._forget()
+            return
+        self._at(self.clock + 1, self._kick)
+        if command == Command.LOAD:
+            mesh, first = payload[0], struct.unpack_from("<H", payload, 1)[0]
+            given = loaded_triangles(payload, self.parameters.width)
+            self.meshes[mesh] = np.concatenate([self.meshes[mesh], given]) if first else given
+        elif command == Command.MOVE:
+            self.pose = struct.unpack("<3i", payload)
+        elif command == Command.RUN:
+            self._start(*struct.unpack_from("<BI", payload))
+            self.armed = alive
+        elif command == Command.RESULTS:
+            (self.run.freed,) = struct.unpack("<I", payload)
+            self._expect_end(self.run)
+
+    def _start(self, mode: int, margin: int) -> None:
+        a, b = self.meshes
+        run = Run((self.run.number + 1) % 256, mode, margin, self.pose, State.RUNNING, self.clock)
+        moved = a + np.array(self.pose, np.int64)
+        low, high = coordinate_range(self.parameters.width)
+        run.overflow = bool(moved.min() < low or moved.max() > high)
+        if not run.overflow:
+            run.answer = scene_answer(moved, b, margin, self.parameters.group)
+            run.pairs = run.answer.near_pairs
+        self.run = run
+        self._expect_end(run)
+
+    def _expect_end(self, run: Run) -> None:
+        """A run ends in time, but where it waits for near pairs to be taken."""
+        freed = run.freed
+
+        def late(_: int) -> None:
+            if self.run is run and run.state == State.RUNNING and run.freed == freed and not self.pins.full:
+                self._wrong("a run does not end")
+
+        self._at(self.clock + _RUN_ENDS + _PAIR * len(self.meshes[0]) * len(self.meshes[1]), late)
+
+    # --- Replies ------------------------------------------------------------------------------------------
+
+    def clock_ends(self) -> None:
+        """Take the end of a clock: what is answered in it is so now."""
+        if self._pending:
+            pending, self._pending = self._pending, None
+            pending()
+
+    _pending: Callable[[], None] | None = None
+
+    def _answer(self, frame: Frame, code: Code) -> None:
+        """Make out what the reply must be, from the state as it is."""
+        command, status, payload = frame.command, None, b""
+        if code == Code.PLACE or (code == Code.OK and command == Command.LOAD):
+            payload = struct.pack("<H", len(self.meshes[frame.payload[0] & 1]))
+        elif code == Code.SEQUENCE:
+            payload = struct.pack("<I", (self.sequence + 1) % 2**32)
+        elif code == Code.OK:
+            if command == Command.HELLO:
+                payload = self._description()
+            elif command == Command.MOVE:
+                payload = struct.pack("<3i", *self.pose)
+            elif command == Command.RUN:
+                payload = bytes([self.run.number])
+            else:
+                status = self._status()
+        first = struct.unpack("<I", frame.payload)[0] if command == Command.RESULTS and status else 0
+        self._due = Due(frame, code, payload, status, self.busy, first)
+
+    @property
+    def shown(self) -> str:
+        """Return what the displays must show while nothing changes: a word, and the near pairs."""
+        word = (
+            "  Go" if self.go else " run" if self.busy else " Err" if self.error or self.expired else "StoP"
+        )
+        near = self._near if self.run.state == State.DONE else 0
+        return word + (f"{near:04}" if near < 10_000 else "----")
+
+    def _description(self) -> bytes:
+        p = self.parameters
+        return struct.pack(
+            "<BBBHBBIH", VERSION, p.width, p.margin_bits, p.depth, p.group, p.lanes, p.build_id,
+            -(-p.watchdog_clocks // _CLOCKS_PER_MS),
+        )  # fmt: skip
+
+    def _status(self) -> Status:
+        """Return the status; counters as they are due where the run has ended by itself."""
+        run = self.run
+        flags = self.pins.go | self.pins.waiting << 1 | self.expired << 2
+        counters, end = _NO_COUNTERS, RunEnd.NONE
+        if run.state == State.DONE:
+            end = run.end
+            cycles = run.ended - run.start - _NOT_COUNTED
+            counters = (cycles, 0, 0, 0, 0, 0)
+            if run.answer:
+                answer = run.answer
+                skipped, opened = answer.group_pairs_skipped, answer.group_pairs_opened
+                counters = (cycles, skipped, opened, answer.pairs_skipped, answer.tested, run.near)
+        fields = (
+            run.number, run.state, end, flags, run.mode, *run.pose, run.margin, *counters, self.errors,
+            *(len(mesh) for mesh in self.meshes),
+        )  # fmt: skip
+        return Status._make(fields)
+
+    def spoken(self, value: int) -> None:
+        """Take a byte of the board's."""
+        if value != END:
+            self._line.append(value)
+        elif self._line:
+            self._replying = False
+            due, self._due = self._due, None
+            if due is None:
+                return
+            try:
+                reply = Reply.of(bytes(self._line))
+            except ValueError as error:
+                self._wrong(str(error))
+                return
+            self._compare(due, reply)
+
+    def _compare(self, due: Due, reply: Reply) -> None:
+        frame = due.frame
+        head = (frame.command | REPLY, frame.sequence, frame.session, due.code)
+        found = (reply.command, reply.sequence, reply.session, reply.code)
+        if found != head:
+            self._wrong(f"a reply begins {found}, {head} is due")
+            return
+        if due.status is None:
+            if reply.payload != due.payload or len(reply.pairs):
+                self._wrong(
+                    f"a reply to {frame.command} says {reply.payload.hex()}, {due.payload.hex()} is due"
+                )
+        else:
+            self._compare_status(due, reply)
+        self.replies += 1
+
+    def _compare_status(self, due: Due, reply: Reply) -> None:
+        assert due.status is not None
+        rest = 5 if due.frame.command == Command.RESULTS else 0
+        if len(reply.payload) != Status.SIZE + rest:
+            self._wrong(f"a status of {len(reply.payload)} bytes")
+            return
+        status, run = Status.unpack(reply.payload), self.run
+        expected = due.status
+        if run.state == State.DONE and expected.state == State.DONE and not self._ended_as(run, status):
+            expected = expected._replace(end=RunEnd.ABORTED)
+            if due.frame.command == Command.ABORT:
+                self._happened("board_runs", f"{Mode(run.mode).name}, aborted")
+            run.maybe_aborted = True
+        if run.maybe_aborted or expected.end == RunEnd.FIRST:
+            # How far it came nobody knows; not too far.
+            for name in COUNTERS[1:]:
+                if getattr(status, name) <= getattr(expected, name):
+                    expected = expected._replace(**{name: getattr(status, name)})
+            if expected.end == RunEnd.FIRST:
+                expected = expected._replace(near=1)
+        if status.state == State.DONE:
+            self._near = status.near
+        if status != expected:
+            self._wrong(f"{status}, {expected} is due")
+        if rest:
+            self._compare_pairs(due, reply)
+
+    def _ended_as(self, run: Run, status: Status) -> bool:
+        """Return whether a run ended by itself; only an abort that came in time ends it else."""
+        if run.maybe_aborted and status.end == RunEnd.ABORTED:
+            return False
+        if run.maybe_aborted and status.end == run.end:
+            run.maybe_aborted = False
+        return True
+
+    def _compare_pairs(self, due: Due, reply: Reply) -> None:
+        run = self.run
+        first, number = struct.unpack_from("<IB", reply.payload, Status.SIZE)
+        if (first, number) != (due.first_pair, len(reply.pairs)) or number > MOST_NEAR:
+            self._wrong(f"near pairs from {first}, {number} of them, {len(reply.pairs)} were sent")
+            return
+        seen = first + number
+        if seen > run.offered or (reply.pairs != run.pairs[first:seen]).any():
+            self._wrong(f"near pairs from {first} are not those of the scene: {reply.pairs.tolist()}")
+        certain = due.status is not None and due.status.state == State.DONE and not run.maybe_aborted
+        if number != (min(MOST_NEAR, run.offered - first) if certain and not run.overflow else number):
+            self._wrong(f"{number} near pairs from {first} of {run.offered}")
+        run.written = max(run.written, seen)
+        how_many = "32" if number == MOST_NEAR else "some" if number else "none"
+        self._happened("board_near", f"{how_many}, {'run' if due.busy else 'ended'}")

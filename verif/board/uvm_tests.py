@@ -1,0 +1,676 @@
+"""The board's tests by name. Each says what comes over the line; the environment checks everything."""
+
+import struct
+from collections.abc import Awaitable, Callable
+
+import numpy as np
+
+from triaxis.golden.pairs import coordinate_range
+from triaxis.verif.board.base_test import SESSION, BoardTest
+from triaxis.verif.board.line_agent import Act, Until
+from triaxis.verif.board.protocol import (
+    LONGEST,
+    MOST_TRIANGLES,
+    RING,
+    Command,
+    Mode,
+    checked,
+    coordinate_bytes,
+    framed,
+    load_payload,
+    stuffed,
+)
+from triaxis.verif.testbench.table import Runs, listed
+
+# Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
+BOARD = "board_w12_m5_d128_g8_l4"
+
+_SHORT, _BYTE = 200, 40
+_ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
+
+
+@listed(
+    "V1",
+    Runs((BOARD,), 20, seeds=1, smoke=(BOARD,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardSmokeTest(BoardTest):
+    """Sessions from HELLO to go in each mode, each command once and once again; what the displays say."""
+
+    async def stimulus(self) -> None:
+        """Do the usual things."""
+        await self.digits()
+        await self.hello()
+        await self.again(Command.HELLO)
+        await self.scene(self.flat(), self.flat(5))
+        await self.move(1, -2, 3)
+        await self.again(Command.MOVE, struct.pack("<3i", 1, -2, 3))
+        for mode in Mode:
+            payload = self.asked(mode)
+            await self.start(mode)
+            await self.again(Command.RUN, payload)
+            await self.idle()
+            await self.status()
+            await self.digits()
+        await self.again(Command.STATUS)
+        await self.results(0)
+        await self.again(Command.RESULTS, bytes(4))
+        await self.move(0, 0, 5)
+        payload = self.asked()
+        await self.start()
+        await self.idle()
+        await self.again(Command.RUN, payload)
+        await self.status()
+        await self.digits()
+        await self.all_results()
+        await self.again(Command.RESULTS, struct.pack("<I", 1))
+        await self.ask(Command.ABORT)
+        await self.again(Command.ABORT)
+        await self.load(0, self.flat(0, 2))
+        width = self.parameters.width
+        await self.again(Command.LOAD, load_payload(0, 0, self.flat(0, 2), width))
+        await self.ask(Command.LOAD, load_payload(0, 2, self.flat(9), width))
+        await self.run()
+        await self.hello()
+        await self.status()
+
+
+@listed(
+    "V1",
+    Runs((BOARD,), 300, seeds=3, smoke=(BOARD,)),
+    why_seeds="Three: it takes other moments of a run with each.",
+)
+class BoardGoTest(BoardTest):
+    """Everything that ends go, while it is said and while a run goes on; a later clear run brings it back."""
+
+    async def stimulus(self) -> None:
+        """End go in every way."""
+        await self.hello()
+        for _, end in sorted(self.ends.items()):
+            await self.needed(1)
+            await self.clear_run()
+            await end()
+            await self.status()
+            await self.digits()
+            await self.results(0)
+        await self.in_runs()
+
+    async def in_runs(self) -> None:
+        """Begin a clear run that takes some time, and have it spoiled."""
+        count = min(64, self.parameters.depth)
+        for name, end in sorted(self.ends.items()):
+            if name in ("load", "move", "silence"):
+                continue
+            await self.needed(count)
+            await self.line(framed(self.frame(Command.RUN, self.asked())), Until.SENT)
+            self.sequence += 1
+            await self.line(until=Until.ANSWERED, gap=int(self.rng.integers(1, 400)))
+            await end()
+            await self.idle()
+            await self.status()
+
+    async def needed(self, count: int) -> None:
+        """Load a clear scene of so many triangles, where it is not there any more."""
+        a, b = self.env.scoreboard.reference.meshes
+        if self.env.scoreboard.reference.pose != (0, 0, 0):
+            await self.move()
+        if (len(a), len(b)) != (count, count):
+            await self.scene(self.flat(0, count), self.corners(count))
+
+    @property
+    def ends(self) -> dict[str, Callable[[], Awaitable[object]]]:
+        """Return them by name."""
+        line, ask = self.silent, self.ask
+        return {
+            "load": lambda: self.load(0, self.flat()),
+            "move": self.move,
+            "abort": lambda: ask(Command.ABORT),
+            "hello": self.hello,
+            "reset": self.pressed,
+            "bad CRC": lambda: line(
+                b"\xc0" + stuffed(b"\1" + checked(self.frame(Command.STATUS))[1:]) + b"\xc0"
+            ),
+            "bad stuffing": lambda: line(b"\xc0\x06\xdb\x06\xc0"),
+            "stuffing at the end": lambda: line(b"\xc0\x06\xdb\xc0"),
+            "too short": lambda: line(b"\xc0\x06\xc0"),
+            "too long": lambda: line(b"\xc0" + bytes(LONGEST + 1) + b"\xc0"),
+            "break": lambda: line(act=Act.BREAK, clocks=100),
+            "noise": self.noise,
+            "too early": self.too_early,
+            "unknown": lambda: ask(0x20),
+            "length": lambda: ask(Command.STATUS, b"\0"),
+            "session": lambda: ask(Command.STATUS, session=1),
+            "sequence": lambda: ask(Command.STATUS, ahead=2),
+            "value": lambda: ask(Command.RUN, struct.pack("<BIHH", 3, 0, 1, 1)),
+            "counts": lambda: ask(Command.RUN, struct.pack("<BIHH", 0, 0, 9, 9)),
+            "place": lambda: ask(Command.LOAD, load_payload(0, 99, self.flat(), self.parameters.width)),
+            "silence": lambda: self.clocks(self.parameters.watchdog_clocks),
+        }
+
+    async def pressed(self) -> None:
+        """Press the button; take the board again."""
+        await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 9)), until=Until.NOW)
+        await self.hello()
+
+    async def noise(self) -> None:
+        """Have a level on the line long enough for a start bit; the frame after it ends what begins so."""
+        await self.silent(act=Act.GLITCH, clocks=self.parameters.clocks_per_bit)
+        await self.status()
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 200, seeds=1, smoke=(BOARD,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardFramesTest(BoardTest):
+    """Frames of every length, damaged in every way, truncated, stuffed; breaks, noise and floods."""
+
+    async def stimulus(self) -> None:
+        """Send them, between commands that show what the board thinks of them."""
+        # Before the first END nothing is a frame, nor is it after a reset.
+        await self.silent(framed(self.frame(Command.HELLO))[3:])
+        await self.silent(b"\x55\xdb\x55")
+        self.session = 0xC0DBDCDD
+        await self.hello()
+        await self.clear_scene()
+        await self.clear_run()
+        for length in range(9):
+            await self.silent(framed(bytes(range(length))))
+        await self.lengths()
+        await self.damaged()
+        await self.cut_off()
+        await self.levels()
+        await self.move()
+        await self.too_early()
+        await self.clear_run()
+
+    async def lengths(self) -> None:
+        """Send the longest frame, and longer ones; a good one after each."""
+        most = LONGEST - len(self.frame(0)) - 4
+        for command, length in ((Command.STATUS, most), (0x55, most)):
+            await self.ask(command, bytes(length))
+        for length in (most + 1, most + 40):
+            await self.silent(framed(self.frame(Command.STATUS, bytes(length))))
+            await self.status()
+
+    async def damaged(self) -> None:
+        """Flip a bit of each byte; what the framing means anywhere."""
+        for place in range(17):
+            frame = bytearray(checked(self.frame(Command.ABORT)))
+            frame[place % len(frame)] ^= 1 << int(self.rng.integers(8))
+            await self.silent(b"\xc0" + stuffed(bytes(frame)) + b"\xc0")
+        await self.status()
+        for noise in (
+            b"\xc0\x01\xdb\x01\x02\x03\xc0", b"\xc0\x01\xdb\xdb\x01\xdc\xc0", b"\xc0\xdb\xc0", b"\xdb\xc0",
+            b"\xc0\x01\xdb\x01\xdb\xdc\xdb\x02\xc0", b"\xc0\xdc\xdd\xc0", b"\xc0\xc0\xc0",
+        ):  # fmt: skip
+            await self.silent(noise)
+            await self.status()
+        # A wrong escape drops the frame up to its end; a good frame's bytes in it are none.
+        await self.silent(b"\xc0\xdb\x01" + framed(self.frame(Command.ABORT))[1:])
+        await self.status()
+        # An END after an ESC is wrong, and yet ends the frame: the next may begin with it.
+        await self.line(b"\xc0\x01\xdb" + framed(self.frame(Command.STATUS)))
+        self.sequence += 1
+        await self.status()
+
+    async def cut_off(self) -> None:
+        """Cut a frame off, anywhere: the next one's beginning ends it; so does a break."""
+        whole = framed(self.frame(Command.ABORT))
+        for cut in range(2, len(whole) - 1, 3):
+            await self.silent(whole[:cut])
+            await self.status()
+        await self.silent(whole[:7], gap=0)
+        await self.line(until=Until.NOW, act=Act.UNPLUG, gap=_SHORT)
+        await self.status()
+        await self.line(whole[:12], Until.NOW, gap=5 * _BYTE)
+        await self.silent(act=Act.BREAK, clocks=10 * _BYTE, gap=10 * _BYTE)
+        await self.status()
+
+    async def levels(self) -> None:
+        """Levels for every number of clocks, low on the idle line, and high within a frame."""
+        for clocks in (1, 2, 3, 4, 5, 30, 36, 37, 40, 45):
+            await self.silent(act=Act.GLITCH, clocks=clocks, gap=3 * _BYTE)
+            await self.status()
+        for clocks in (1, 2, 4, 9):
+            await self.line(
+                framed(self.frame(Command.STATUS)), Until.NOW, gap=int(self.rng.integers(99, 400))
+            )
+            await self.line(until=Until.ANSWERED, act=Act.GLITCH, clocks=clocks)
+            await self.resumed()
+
+    async def resumed(self) -> None:
+        """Go on with the number that is due, whether or not the last frame was executed."""
+        self.sequence = self.env.scoreboard.reference.sequence
+        await self.silent(b"\xc0")
+        await self.status()
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 200, seeds=1, smoke=(BOARD,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardRefusalsTest(BoardTest):
+    """Every refusal at the ends of what is allowed: codes, payloads, and that nothing changes by it."""
+
+    async def stimulus(self) -> None:
+        """Ask for what must be refused, and for what must just not be."""
+        await self.sessions()
+        await self.scene(self.flat(0, 3), self.flat(5, 2))
+        await self.lengths()
+        await self.loads()
+        await self.moves()
+        await self.runs()
+        await self.clear_scene()
+        await self.clear_run()
+
+    async def sessions(self) -> None:
+        """Ask without a session, of no session, of another; with numbers that are not due."""
+        for command in range(2, 8):
+            await self.ask(command)
+        for command in (Command.STATUS, Command.HELLO):
+            await self.ask(command, session=0)
+        self.sequence = 2**32 - 4
+        await self.hello()
+        for command in range(1, 8):
+            await self.ask(command, session=SESSION + 1)
+            await self.ask(command, session=SESSION ^ 1 << 31)
+        for ahead in (2, 3, 128, 256, 257, 1 << 16, 1 << 24, 1 << 31, -1, 0):
+            # 0 is the number of the last command, but of another one.
+            await self.ask(Command.ABORT, ahead=ahead)
+            await self.status()
+        await self.ask(Command.MOVE, bytes(12), ahead=2)
+        await self.ask(Command.HELLO, ahead=-5)
+        for command in (0, 8, 0x0F, 0x7F, 0x81, 0xFF):
+            await self.ask(command)
+        await self.status()
+
+    async def lengths(self) -> None:
+        """Ask with payloads of other lengths than there are."""
+        right = {Command.HELLO: 0, Command.MOVE: 12, Command.RUN: 9, Command.RESULTS: 4, Command.STATUS: 0}
+        for command, length in {**right, Command.ABORT: 0}.items():
+            for wrong in sorted({0, 1, length - 1, length + 1, 100} - {length, -1}):
+                await self.ask(command, bytes(wrong))
+        two = load_payload(0, 0, self.flat(0, 2), self.parameters.width)
+        for payload in (b"", two[:3], two[:4], two[:-1], two + b"\0", two[:3] + b"\xff" + two[4:]):
+            await self.ask(Command.LOAD, payload)
+        # Repeats, too, are of the right length.
+        await self.status()
+        await self.ask(Command.STATUS, b"\0", ahead=0)
+        await self.status()
+
+    async def loads(self) -> None:
+        """Load out of place, too much, nothing, nowhere, and coordinates of one bit too many."""
+        width, depth = self.parameters.width, self.parameters.depth
+        low, high = coordinate_range(width)
+        one = load_payload(0, 0, self.flat(), width)
+        for mesh, first, count in (
+            (0, 1, 1), (0, 2, 1), (0, 4, 1), (1, 3, 1), (0, 65535, 1), (2, 0, 1), (128, 0, 1), (255, 0, 1),
+            (0, 0, 0), (1, depth, 1),
+        ):  # fmt: skip
+            payload = struct.pack("<BHB", mesh, first, count) + one[4:] * count
+            await self.ask(Command.LOAD, payload)
+        if 235 // len(one[4:]) > MOST_TRIANGLES:
+            await self.ask(
+                Command.LOAD, one[:3] + bytes([MOST_TRIANGLES + 1]) + one[4:] * (MOST_TRIANGLES + 1)
+            )
+        ends = self.flat(0, 2)
+        ends[0, 0], ends[1, 2] = (low, high, 0), (high, low, low)
+        await self.load(1, ends)
+        if width % 8:
+            for place in range(9):
+                for wrong in (low - 1, high + 1, (1 << 8 * coordinate_bytes(width) - 1) - 1):
+                    bad = self.flat(1, 3)
+                    bad[int(self.rng.integers(3))].reshape(-1)[place] = wrong
+                    await self.ask(Command.LOAD, load_payload(0, 0, bad, width))
+        await self.status()
+        # A repeat of a load that was refused is refused again.
+        await self.load(0, ends)
+        await self.run(Mode.COUNT)
+        await self.status()
+
+    async def moves(self) -> None:
+        """Move to the ends of the range, and a step beyond."""
+        reach = 1 << self.parameters.width
+        for place in range(3):
+            for value in (reach, -reach - 1, 2**31 - 1, -(2**31)):
+                if -(2**31) <= value < 2**31:
+                    await self.ask(Command.MOVE, struct.pack("<3i", *np.roll([value, 0, 0], place).tolist()))
+            ends = np.roll([min(reach, 2**31) - 1, -min(reach, 2**31), 0], place).tolist()
+            await self.move(*ends)
+            await self.run(Mode(place))
+        await self.move()
+
+    async def runs(self) -> None:
+        """Run in modes and with margins that there are not, of other counts, of nothing."""
+        await self.scene(self.flat(0, 3), self.flat(5, 2))
+        most = self.parameters.max_margin
+        for mode, margin, a, b in (
+            (3, 0, 3, 2), (4, 0, 3, 2), (255, 0, 3, 2), (1, most + 1, 3, 2), (1, 1 << 31, 3, 2), (1, 0, 2, 2),
+            (1, 0, 3, 3), (1, 0, 2, 3), (1, 0, 3 + 256, 2), (1, 0, 3, 2 + 256), (1, 0, 0, 0),
+        ):  # fmt: skip
+            await self.ask(Command.RUN, struct.pack("<BIHH", mode, margin, a, b))
+        for margin in sorted({0, min(4, most), min(5, most), most}):
+            await self.run(Mode.ALL, margin)
+        await self.all_results()
+        await self.results(7)
+        await self.hello()
+        await self.start()
+        await self.load(1, self.flat())
+        await self.start()
+        await self.hello()
+        await self.load(0, self.flat())
+        await self.start()
+        await self.results(1)
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 60, seeds=1, smoke=(BOARD,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardSilenceTest(BoardTest):
+    """Silence just short of the watchdog's time and beyond; who repeats himself, or is refused, is silent."""
+
+    async def stimulus(self) -> None:
+        """Be silent."""
+        await self.hello()
+        await self.clear_scene()
+        await self.clear_run()
+        await self.kept_alive()
+        await self.clocks(self.parameters.watchdog_clocks)
+        await self.digits()
+        # A run that is itself the first sign of life gives no go; the next one does.
+        for mode in Mode:
+            await self.start(mode)
+            await self.idle()
+            await self.status()
+            await self.clocks(self.parameters.watchdog_clocks)
+        await self.status()
+        await self.clear_run()
+        await self.digits()
+        await self.not_executed()
+        await self.others()
+
+    async def kept_alive(self) -> None:
+        """Speak just in time, by every command that changes nothing."""
+        for command, payload in ((Command.STATUS, b""), (Command.RESULTS, bytes(4)), (Command.STATUS, b"")):
+            await self.clocks(self.parameters.watchdog_clocks - 7000)
+            await self.ask(command, payload)
+        # What means nothing ends nothing.
+        await self.silent(b"\xc0\xc0")
+        await self.silent(act=Act.GLITCH, clocks=1)
+
+    async def not_executed(self) -> None:
+        """Send again and again what is not executed."""
+        old = framed(self.frame(Command.STATUS, ahead=0))
+        for frame in (old, framed(self.frame(Command.STATUS, ahead=7)), framed(self.frame(0x30))):
+            await self.clear_run()
+            for _ in range(3):
+                await self.clocks(self.parameters.watchdog_clocks // 2)
+                await self.line(frame)
+            await self.status()
+
+    async def others(self) -> None:
+        """Let another master try, while the board has one and when it has none."""
+        master, self.session = self.session, 99
+        kept, self.sequence = self.sequence, 0x01020304
+        await self.hello()
+        await self.clocks(self.parameters.watchdog_clocks)
+        # HELLO alone is one sign of life, and the same number from another master is no repeat of it.
+        self.session, self.sequence = master, kept
+        await self.hello()
+        await self.clocks(self.parameters.watchdog_clocks)
+        self.session = 99
+        await self.ask(Command.HELLO, ahead=0)
+        await self.status()
+        await self.clocks(self.parameters.watchdog_clocks)
+        self.session, self.sequence = 98, 0
+        # Dead, and yet of the right length.
+        await self.ask(Command.HELLO, b"\0")
+        await self.hello()
+        await self.status()
+        self.session = master
+        await self.ask(Command.STATUS)
+        self.session = 98
+        await self.clear_scene()
+        await self.clear_run()
+        self.session, self.sequence = master, kept
+        await self.clocks(self.parameters.watchdog_clocks)
+        await self.line(act=Act.RESET, clocks=5, until=Until.NOW, gap=_SHORT)
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 100, seeds=3, smoke=(BOARD,)),
+    why_seeds="Three: each takes other scenes and clocks.",
+)
+class BoardAbortTest(BoardTest):
+    """ABORT and HELLO at clocks all over runs, also of ones that wait; the next run is whole."""
+
+    async def stimulus(self) -> None:
+        """Abort runs."""
+        await self.hello()
+        await self.ask(Command.ABORT)
+        count = 56
+        await self.scene(self.flat(0, count), self.corners(count))
+        for command in (Command.ABORT, Command.ABORT, Command.HELLO):
+            for _ in range(6):
+                await self.ended_by(
+                    command, Mode(int(self.rng.integers(3))), int(self.rng.integers(200, 3000))
+                )
+                if command == Command.HELLO:
+                    await self.status()
+                    await self.scene(self.flat(0, count), self.corners(count))
+        await self.at_the_end()
+        await self.clear_run()
+        await self.scene(self.cloud(count, 20), self.cloud(count, 20))
+        for _ in range(4):
+            await self.ended_by(Command.ABORT, Mode.ALL, int(self.rng.integers(200, 1500)))
+            await self.results(0)
+        await self.run(Mode.ALL)
+        await self.all_results()
+
+    async def at_the_end(self) -> None:
+        """Abort a clear run at each clock around its end: it gives no go that lasts."""
+        await self.scene(self.flat(0, 32), self.corners(32))
+        reference, wait, first = self.env.scoreboard.reference, 200, 0
+        await self.clear_run()
+        length = reference.run.ended - reference.run.start
+        for number in range(12):
+            await self.ended_by(Command.ABORT, Mode.COUNT, wait)
+            # How long after the run's beginning the abort was executed says how long to wait for its end.
+            first = first or length - 6 - (reference.aborted - reference.run.start)
+            wait = 200 + first + number
+
+    async def ended_by(self, command: int, mode: int, wait: int) -> None:
+        """Begin a run and end it so many clocks after its beginning."""
+        ended = framed(self.frame(command, ahead=2))
+        frame = framed(self.frame(Command.RUN, self.asked(mode)))
+        # The last byte of the one and the whole other come while the run goes on.
+        await self.line(frame[:-1], Until.SENT)
+        await self.line(frame[-1:] + ended[:-1], Until.SENT, gap=wait)
+        await self.line(ended[-1:], gap=_SHORT)
+        await self.line(gap=_SHORT)
+        self.sequence += 2
+        await self.idle()
+        await self.status()
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 60, seeds=1, smoke=(BOARD,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardFullTest(BoardTest):
+    """Full meshes, a full ring that makes the engine wait and loses nothing, more pairs than are shown."""
+
+    async def stimulus(self) -> None:
+        """Fill everything."""
+        depth = self.parameters.depth
+        await self.hello()
+        await self.scene(self.flat(0, depth), self.flat(0, depth))
+        for first in (depth, 0):
+            await self.ask(Command.LOAD, load_payload(0, first, self.flat(), self.parameters.width))
+        await self.load(0, self.flat(0, depth))
+        await self.run(Mode.COUNT)
+        await self.digits()
+        await self.run(Mode.FIRST)
+        await self.all_results()
+        payload = self.asked()
+        await self.start(Mode.ALL)
+        await self.clocks(8000)
+        await self.again(Command.RUN, payload)
+        await self.busy()
+        await self.read_again()
+        await self.ask(Command.ABORT)
+        await self.results(7 + 1)
+        await self.start(Mode.ALL)
+        await self.clocks(8000)
+        await self.hello()
+        await self.status()
+        await self.just_full()
+        await self.numbers()
+        await self.meanwhile()
+
+    async def busy(self) -> None:
+        """Ask for what would disturb a run that goes on."""
+        await self.load(0, self.flat())
+        await self.move(1, 1, 1)
+        await self.start()
+        await self.status()
+        await self.again(Command.STATUS)
+        await self.digits()
+        await self.silent(b"\xc0" + bytes(LONGEST + 1) + b"\xc0")
+
+    async def read_again(self) -> None:
+        """Read near pairs again while the run goes on, and free some."""
+        for first in (0, 0, 7, 8):
+            await self.results(first)
+        await self.again(Command.RESULTS, struct.pack("<I", 8))
+        await self.results(7)
+
+    async def just_full(self) -> None:
+        """As many near pairs as the ring holds."""
+        side = int(RING**0.5)
+        await self.scene(self.flat(0, side), self.flat(0, side))
+        await self.run(Mode.ALL)
+        await self.digits()
+        await self.all_results()
+        await self.results(RING + 1)
+        await self.run(Mode.ALL)
+        await self.run(Mode.FIRST)
+        await self.all_results()
+
+    async def meanwhile(self) -> None:
+        """Ask for near pairs while a long run goes on that has none, and while one goes on that has a few."""
+        await self.move()
+        for b in (self.corners(64), np.concatenate([self.corners(63), self.flat(0)])):
+            await self.scene(self.flat(0, 64), b)
+            await self.start(Mode.ALL)
+            await self.all_results()
+
+    async def numbers(self) -> None:
+        """Show numbers with all digits, and count more than fit into them."""
+        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86)):
+            await self.scene(self.flat(0, count_a), self.flat(0, count_b))
+            await self.run(Mode.COUNT)
+            await self.digits()
+        await self.move(0, 0, 9)
+        await self.clear_run()
+        await self.digits()
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 60, seeds=3, smoke=(BOARD,)),
+    why_seeds="Three: each takes other moments.",
+)
+class BoardResetsTest(BoardTest):
+    """The reset button at any moment: of a frame, a load, a run, a reply, and of go."""
+
+    async def stimulus(self) -> None:
+        """Press it."""
+        while self.unfinished:
+            await self.hello()
+            await self.scene(self.flat(0, 4), self.flat(5, 4))
+            await self.clear_run()
+            kind = int(self.rng.integers(4))
+            if kind == 0:
+                frame = framed(self.frame(Command.RUN, self.asked()))
+            elif kind == 1:
+                frame = framed(
+                    self.frame(Command.LOAD, load_payload(0, 0, self.flat(), self.parameters.width))
+                )
+            else:
+                frame = framed(self.frame(Command.STATUS)) if kind == 2 else b""
+            await self.line(frame, Until.NOW, gap=int(self.rng.integers(1, 40 * len(frame) + 600)))
+            await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 6)), until=Until.NOW, gap=_SHORT)
+            # What was queued is what it is: the rest of a frame.
+            await self.silent(b"\xc0", gap=6000)
+            # The board is nobody's.
+            for session in (self.session, 0xFFFFFFFF):
+                await self.ask(Command.STATUS, session=session)
+            self.sequence = int(self.rng.integers(2**32))
+
+
+@listed(
+    "V1",
+    Runs((BOARD,), 400, seeds=8, smoke=(BOARD,)),
+    why_seeds="Eight: each is another talk.",
+)
+class BoardMixedTest(BoardTest):
+    """A host that does anything in any order: scenes, runs, repeats, refusals, damage, silence, resets."""
+
+    async def stimulus(self) -> None:
+        """Go on until enough was answered."""
+        await self.hello()
+        while self.unfinished:
+            await self.some_scene()
+            for _ in range(int(self.rng.integers(1, 8))):
+                kinds = (self.some_run, self.some_run, self.some_talk, self.some_damage, self.some_move)
+                await kinds[int(self.rng.integers(len(kinds)))]()
+            if not self.rng.integers(6):
+                await self.clocks(self.parameters.watchdog_clocks + int(self.rng.integers(-3000, 3000)))
+            if not self.rng.integers(8):
+                await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 9)), until=Until.NOW)
+                await self.hello()
+
+    async def some_scene(self) -> None:
+        """Load one or both meshes."""
+        spread = int(self.rng.choice([10, 100, 600]))
+        counts = self.rng.integers(1, min(20, self.parameters.depth), 2).tolist()
+        for mesh in (0, 1):
+            await self.load(mesh, self.cloud(counts[mesh], spread))
+
+    async def some_run(self) -> None:
+        """Run in some mode at some margin, and read what is near."""
+        await self.start(int(self.rng.integers(3)), int(self.rng.choice([0, 0, self.parameters.max_margin])))
+        if self.rng.integers(2):
+            await self.idle()
+        await self.all_results()
+        await self.status()
+
+    async def some_move(self) -> None:
+        """Move far away, or near."""
+        reach = int(self.rng.choice([20, 700, 1 << self.parameters.width - 1]))
+        await self.move(*self.rng.integers(-reach, reach, 3).tolist())
+        await self.run()
+
+    async def some_talk(self) -> None:
+        """Send what changes nothing, twice, or at another number."""
+        await self.ask(Command.STATUS, gap=int(self.rng.integers(1, 900)))
+        await self.again(Command.STATUS)
+        if not self.rng.integers(3):
+            await self.ask(int(self.rng.integers(9)), ahead=int(self.rng.integers(-1, 3)))
+            self.sequence = self.env.scoreboard.reference.sequence
+
+    async def some_damage(self) -> None:
+        """Damage a frame."""
+        frame = bytearray(framed(self.frame(Command.STATUS)))
+        for _ in range(int(self.rng.integers(1, 3))):
+            frame[int(self.rng.integers(1, len(frame) - 1))] ^= 1 << int(self.rng.integers(8))
+        await self.silent(bytes(frame) + b"\xc0", gap=6000)
+        self.sequence = self.env.scoreboard.reference.sequence
