@@ -85,6 +85,13 @@ def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
             beside["four_state"],
             lambda found: str(found["summary"]),
         ),
+        _checked(
+            "RTL to netlist",
+            "the cells that yosys leaves answer as the RTL; modules proved equal, or named with the reason",
+            "yosys, Verilator; SymbiYosys with yices",
+            beside["netlist"],
+            lambda found: str(found["summary"]),
+        ),
         Link(
             "netlist to bitstream",
             "Vivado's own synthesis, placement and routing, and the timing of the part",

@@ -27,6 +27,7 @@ from triaxis.verif.mutation.result import (
     write_result,
 )
 from triaxis.verif.mutation.run import mutate
+from triaxis.verif.netlist import result as netlist
 from triaxis.verif.regress import four_state
 from triaxis.verif.signoff.plan import FOLDER
 
@@ -35,7 +36,10 @@ GRID = 3
 
 # Results of commands of their own, which a sign-off shows where they are of its RTL and environment: where
 # each is, what it comes from, which command makes it.
-_BESIDE = {"four_state": (four_state.RESULT, four_state.SOURCES, "make four-state")}
+_BESIDE = {
+    "four_state": (four_state.RESULT, four_state.SOURCES, "make four-state"),
+    "netlist": (netlist.RESULT, netlist.SOURCES, "make netlist"),
+}
 
 Progress = Callable[[int], None]
 Evidence = dict[str, Any]

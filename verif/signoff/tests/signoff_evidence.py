@@ -92,7 +92,7 @@ def good_parts():
 
 
 def good_beside():
-    return {"four_state": Part(evidence(summary="15,741 pairs, 0 unknown"))}
+    return {name: Part(evidence(summary="0 differences")) for name in ("four_state", "netlist")}
 
 
 def signed(parts=None, beside=None):
