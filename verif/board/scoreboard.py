@@ -12,6 +12,7 @@ from triaxis.verif.board.line_agent import Seen
 from triaxis.verif.board.reference import BoardReference
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
 from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.reports import ERROR, report
 
 # How many failures are described in full.
 _DESCRIBED = 10
@@ -135,7 +136,7 @@ class BoardScoreboard(CountingScoreboard):
         }
         self.write_counts(counts)
         for message in self.failures:
-            self.logger.error(message)
+            report(ERROR, message, "SCOREBOARD")
         if self.failed:
             raise AssertionError(f"{self.failed} failures, first: {self.failures[0]}")
         if not reference.replies or not reference.gos:

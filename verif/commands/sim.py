@@ -19,7 +19,7 @@ from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
-from triaxis.verif.testbench.settings import BURST, PIN, VERILATOR, Block
+from triaxis.verif.testbench.settings import BURST, PIN, VERBOSITIES, VERILATOR, Block
 from triaxis.verif.testbench.simulation import RunResult, run_settings
 from triaxis.verif.testbench.table import (
     REPLAY,
@@ -91,6 +91,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--replay", type=Path, metavar="FILE.npz", help=f"failing pairs, for {REPLAY}")
     parser.add_argument(
+        "--verbosity", choices=VERBOSITIES, default="medium",
+        help="of the log, in UVM's terms: low, what runs; high, each item; debug, also cocotb's own (medium)",
+    )  # fmt: skip
+    parser.add_argument(
         "--waves", nargs="?", choices=WAVES, const=WAVES[0], default="",
         help="keep all values of a run on the pins, with a view for GTKWave and one for Surfer; fst is "
         "written by vcd2fst, which comes with GTKWave (vcd)",
@@ -134,6 +138,7 @@ def run(options: argparse.Namespace) -> int:
         soak=options.soak,
         simulator=options.simulator,
         waves=options.waves,
+        verbosity=options.verbosity,
     )
     result = run_and_explain(settings, dut)
     _print_waves(result)
@@ -185,6 +190,7 @@ def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
         judged_one_in=options.judged,
         simulator=options.simulator,
         waves=options.waves,
+        verbosity=options.verbosity,
     )
     result = run_and_explain(settings, dut)
     _print_waves(result)

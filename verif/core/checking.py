@@ -66,7 +66,9 @@ class Checker:
         self.judged = 0
         # Claims, NO_AXIS among them, of which the golden model has judged a pair.
         self.judged_axes: set[int] = set()
+        # Pairs that failed, however often; and those of the batch that is being checked, by their places.
         self.failed = 0
+        self._failing: set[int] = set()
         self.failures: list[Failure] = []
         # Pairs up to and including the first that failed; None: none did.
         self.until_failure: int | None = None
@@ -79,9 +81,11 @@ class Checker:
     def check(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Check results against the pairs that they answer, one to one."""
         facts = bulk_facts(pairs.pairs, pairs.margins)
+        self._failing = set()
         self._compare(pairs, results, facts)
         self._recheck_claims(pairs, results)
         self._judge(pairs, facts)
+        self.failed += len(self._failing)
         self.checked += len(pairs)
         self._before = self._until(pairs, len(pairs))
         self._on_checked(CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits))
@@ -125,15 +129,18 @@ class Checker:
             self._fail("bulk checker and golden model disagree", pairs, i, Blame.JUDGES)
 
     def _fail(self, message: str, pairs: PairBatch, i: int, blame: Blame = Blame.DESIGN) -> None:
-        self.failed += 1
         # Each batch is gone through several times.
+        self._failing.add(i)
         until = self.checked + i + 1
         self.until_failure = min(self.until_failure or until, until)
         found(message, until)
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)
-        self.failures.append(Failure(message, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame))
+        numbered = f"result {until}: {message}"
+        self.failures.append(
+            Failure(numbered, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame)
+        )
 
     def _until(self, pairs: PairBatch, i: int) -> tuple[Integers, Integers]:
         """Return the last pairs and margins before pair ``i`` of a batch, also of the batch before it."""

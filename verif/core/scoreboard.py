@@ -16,6 +16,7 @@ from triaxis.verif.core.failing_pairs import write_failing_pairs
 from triaxis.verif.core.items import PairBatch, ResetSeen, ResultBatch
 from triaxis.verif.testbench.environment import WORKER, CountingScoreboard, Export, settings_of
 from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.reports import ERROR, report
 from triaxis.verif.testbench.settings import failure_file
 
 
@@ -205,7 +206,7 @@ class Scoreboard(CountingScoreboard):
         self.write_counts(counts)
         for failure in failures:
             at = "" if failure.pair is None else f": margin {failure.margin}, {failure.pair.tolist()}"
-            self.logger.error(f"{failure.message}{at}")
+            report(ERROR, f"{failure.message}{at}", "SCOREBOARD")
         about_pairs = [failure for failure in failures if failure.pair is not None]
         if about_pairs:
             write_failing_pairs(failure_file(folder), about_pairs)

@@ -19,6 +19,7 @@ from triaxis.verif.mesh.items import (
 )
 from triaxis.verif.testbench.environment import CountingScoreboard, Export, settings_of
 from triaxis.verif.testbench.failures import Blame, found
+from triaxis.verif.testbench.reports import ERROR, report
 
 _EMPTY = np.empty((0, 3, 3), np.int64)
 
@@ -170,7 +171,7 @@ class MeshScoreboard(CountingScoreboard):
         self.write_counts(counts)
         messages = [*map(_described, checker.failures), *matcher.stray[:_SHOWN]]
         for message in messages:
-            self.logger.error(message)
+            report(ERROR, message, "SCOREBOARD")
         if failed:
             raise AssertionError(f"{failed} failures, first: {messages[0]}")
         if matcher.unfinished:

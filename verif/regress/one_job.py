@@ -8,6 +8,7 @@ import argparse
 import re
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from filelock import FileLock
@@ -27,6 +28,7 @@ from triaxis.verif.regress.records import (
 )
 from triaxis.verif.testbench.settings import BURST, PIN, TEST_DATA, TEST_MODULES
 from triaxis.verif.testbench.simulation import build_for, run_settings
+from triaxis.verif.testbench.waves import WAVES
 
 SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), TEST_DATA)
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
@@ -62,11 +64,11 @@ def _build(options: argparse.Namespace) -> int:
     return 0
 
 
-def _perform(run: PlannedRun, folder: Path, sources: str) -> RunRecord:
+def _perform(run: PlannedRun, folder: Path, sources: str, waves: str) -> RunRecord:
     """Run the simulation; whatever hinders it makes a failed run."""
     started = time.time()
     try:
-        result = run_and_explain(run.settings(folder))
+        result = run_and_explain(replace(run.settings(folder), waves=waves))
     except InputError as error:
         return record_of(run, folder, sources, started, (f"ERROR {error}",), silent=True)
     errors, counts = result.errors, result.counts
@@ -93,7 +95,8 @@ def _run(options: argparse.Namespace) -> int:
     with FileLock(path.with_name(f"{run.key}.lock")):
         record = read_record(path)
         if record is None or not record.passed or record.identity != sources:
-            record = _perform(run, options.folder, sources)
+            waves = "" if options.waves == "none" or run.agent != PIN else options.waves
+            record = _perform(run, options.folder, sources, waves)
             # First, so that no kill comes between a result and its being kept.
             FailingSeeds(options.failing).note(record)
             write_record(options.folder, record)
@@ -128,6 +131,7 @@ def main() -> int:
     run.add_argument("--pairs", type=int, required=True)
     run.add_argument("--agent", choices=(PIN, BURST), default=BURST)
     run.add_argument("--judged", type=int, default=1)
+    run.add_argument("--waves", choices=("none", *WAVES), default="none", help="of a run on the pins")
     run.set_defaults(do=_run)
     options = parser.parse_args()
     return options.do(options)

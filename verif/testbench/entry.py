@@ -5,6 +5,7 @@ from importlib import import_module
 import cocotb
 from pyuvm import uvm_root
 
+from triaxis.verif.testbench.reports import reporting
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, MESH_TESTS, Block, from_environment
 from triaxis.verif.testbench.trials import judged, next_test
 
@@ -25,5 +26,5 @@ _NAME = next_test(_SETTINGS).test
 async def selected(_: object) -> None:
     """Run the test."""
     test = next(vars(module)[_NAME] for module in _MODULES if _NAME in vars(module))
-    with judged():
+    with judged(), reporting(_SETTINGS):
         await uvm_root().run_test(test)

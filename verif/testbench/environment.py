@@ -7,6 +7,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, cast
 
@@ -16,6 +17,7 @@ from cocotb.clock import Clock
 from cocotb.handle import LogicArrayObject, LogicObject
 from cocotb.triggers import RisingEdge, Timer
 from pyuvm import (
+    UVM_HIGH,
     ConfigDB,
     uvm_agent,
     uvm_analysis_export,
@@ -32,6 +34,7 @@ from pyuvm import (
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.verif.testbench.fast_model import FastModel
+from triaxis.verif.testbench.reports import INFO, report
 from triaxis.verif.testbench.settings import (
     PIN,
     RunSettings,
@@ -47,6 +50,7 @@ Component = TypeVar("Component", bound=uvm_component)
 
 _SETTINGS, _DUT, _BFM = "SETTINGS", "DUT", "BFM"
 _RESET_CYCLES = 3
+_NUMBERS = count()
 
 # The one thread beside the simulation, in the simulator's process: it makes stimulus and checks results. One
 # and not several: between two such threads Python's lock would change hands at every array operation, which
@@ -94,6 +98,7 @@ class ItemsSequence(uvm_sequence):
     async def body(self) -> None:
         """Send them."""
         for item in self.items:
+            report(INFO, f"{item.get_name()} {next(_NUMBERS)}", "ITEM", UVM_HIGH)
             await self.start_item(item)
             await self.finish_item(item)
 

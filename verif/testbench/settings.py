@@ -23,6 +23,7 @@ _VARIABLE = "TRIAXIS_RUN"
 _LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
 PIN, BURST = "pin", "burst"
 VERILATOR = "verilator"
+VERBOSITIES = ("none", "low", "medium", "high", "full", "debug")
 # Where the tests stand; the simulator's process loads them by name, which no import shows.
 CORE_TESTS = ("triaxis.verif.core.uvm_tests", "triaxis.verif.core.solid_tests")
 MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
@@ -64,7 +65,7 @@ class RunSettings:
     beside the bulk checker; 1: all. ``soak``: no assertions, coverage samples a part of
     the batches, and the golden model takes new kinds of situations one a batch. ``simulator``: of the
     pins, Verilator or one of sim/simulators.py; a library is always Verilator's. ``waves``: "vcd" or "fst", a
-    file of all values; "": none.
+    file of all values; "": none. ``verbosity``: of reports, in UVM's terms.
     """
 
     test: str
@@ -78,6 +79,7 @@ class RunSettings:
     soak: bool = False
     simulator: str = VERILATOR
     waves: str = ""
+    verbosity: str = "medium"
 
     @property
     def four_state(self) -> bool:

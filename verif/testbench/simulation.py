@@ -101,6 +101,7 @@ def run_settings(
     soak: bool = False,
     simulator: str = VERILATOR,
     waves: str = "",
+    verbosity: str = "medium",
 ) -> RunSettings:
     """Return the settings of a run, in its usual folder unless another is named.
 
@@ -110,7 +111,18 @@ def run_settings(
     on = agent if simulator == VERILATOR else simulator
     usual = BUILD / "runs" / f"{test}-{config}-{on}-{seed}"
     return RunSettings(
-        test, seed, config, pairs, str(folder or usual), replay, agent, judged_one_in, soak, simulator, waves
+        test,
+        seed,
+        config,
+        pairs,
+        str(folder or usual),
+        replay,
+        agent,
+        judged_one_in,
+        soak,
+        simulator,
+        waves,
+        verbosity,
     )
 
 
@@ -227,7 +239,9 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
             extra_env={
                 **environment,
                 "COCOTB_ANSI_OUTPUT": "0",
-                "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+                "COCOTB_LOG_LEVEL": os.environ.get(
+                    "COCOTB_LOG_LEVEL", "DEBUG" if settings.verbosity == "debug" else "WARNING"
+                ),
                 # What the environment asserts is never left out.
                 "PYTHONOPTIMIZE": "",
                 # A crash must end the process: the solver's loader would fork a debugger, which hangs.

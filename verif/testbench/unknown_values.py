@@ -10,6 +10,7 @@ from cocotb.types import LogicArray
 from pyuvm import uvm_monitor
 
 from triaxis.golden.outputs import write_whole
+from triaxis.verif.testbench.reports import ERROR, report
 from triaxis.verif.testbench.settings import RunSettings
 
 # Messages a run gives of its unknown values.
@@ -61,7 +62,7 @@ class UnknownMonitor(uvm_monitor):
     def _found(self, name: str, value: str) -> None:
         self.unknown += 1
         if self.unknown <= _SHOWN:
-            self.logger.error(f"{name} is unknown out of reset: {value}")
+            report(ERROR, f"{name} is unknown out of reset: {value}", "UNKNOWN")
         # At once: what reads such a value as a number ends the run.
         self._write()
 
