@@ -77,7 +77,7 @@ class BoardSmokeTest(BoardTest):
 
 @listed(
     "V1",
-    Runs((BOARD,), 300, seeds=3, smoke=(BOARD,)),
+    Runs((BOARD,), 180, seeds=3, smoke=(BOARD,)),
     why_seeds="Three: it takes other moments of a run with each.",
 )
 class BoardGoTest(BoardTest):
@@ -160,7 +160,7 @@ class BoardGoTest(BoardTest):
 
 @listed(
     "V2",
-    Runs((BOARD,), 200, seeds=1, smoke=(BOARD,)),
+    Runs((BOARD,), 45, seeds=1, smoke=(BOARD,)),
     why_seeds=_ONE_SEED,
 )
 class BoardFramesTest(BoardTest):
@@ -249,7 +249,7 @@ class BoardFramesTest(BoardTest):
 
 @listed(
     "V2",
-    Runs((BOARD,), 200, seeds=1, smoke=(BOARD,)),
+    Runs((BOARD,), 185, seeds=1, smoke=(BOARD,)),
     why_seeds=_ONE_SEED,
 )
 class BoardRefusalsTest(BoardTest):
@@ -281,7 +281,8 @@ class BoardRefusalsTest(BoardTest):
             # 0 is the number of the last command, but of another one.
             await self.ask(Command.ABORT, ahead=ahead)
             await self.status()
-        await self.ask(Command.MOVE, bytes(12), ahead=2)
+        for command in (Command.LOAD, Command.MOVE, Command.RUN, Command.RESULTS):
+            await self.ask(command, ahead=2)
         await self.ask(Command.HELLO, ahead=-5)
         for command in (0, 8, 0x0F, 0x7F, 0x81, 0xFF):
             await self.ask(command)
@@ -368,7 +369,7 @@ class BoardRefusalsTest(BoardTest):
 
 @listed(
     "V2",
-    Runs((BOARD,), 60, seeds=1, smoke=(BOARD,)),
+    Runs((BOARD,), 45, seeds=1, smoke=(BOARD,)),
     why_seeds=_ONE_SEED,
 )
 class BoardSilenceTest(BoardTest):
@@ -527,6 +528,11 @@ class BoardFullTest(BoardTest):
         await self.read_again()
         await self.ask(Command.ABORT)
         await self.results(7 + 1)
+        # Silence while a run waits, which could have ended well.
+        await self.start(Mode.ALL)
+        await self.clocks(self.parameters.watchdog_clocks)
+        await self.status()
+        await self.ask(Command.ABORT)
         await self.start(Mode.ALL)
         await self.clocks(8000)
         await self.hello()
