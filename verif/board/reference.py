@@ -2,47 +2,41 @@
 
 It is told of bytes to the board, of the beginnings of replies, of pins that change and of the reset button,
 and predicts pins and replies. Of the engine it knows what the exact answer to the scene says; how long a run
-takes it does not know, but that it ends. Clocks of latency are those that the headers of the RTL promise.
+takes it does not know, but that it ends. Clocks of latency are of the RTL's headers, or were measured on it:
+they pin today's timing, and are no word on whether it is right.
 """
 
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
 
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
-from triaxis.golden.scene import SceneAnswer, scene_answer
+from triaxis.golden.scene import scene_answer
 from triaxis.sim.board_parameters import BoardParameters
+from triaxis.verif.board.board_state import Due, Frame, Pins, Run
+from triaxis.verif.board.frame_receiver import FrameReceiver
 from triaxis.verif.board.protocol import (
     COUNTERS,
     END,
-    ESC,
-    ESC_END,
-    ESC_ESC,
     HEAD,
-    LONGEST,
     MOST_ERRORS,
-    MOST_NEAR,
     MOST_TRIANGLES,
-    REPLY,
     RING,
-    SHORTEST,
     VERSION,
     Code,
     Command,
-    Integers,
     Mode,
     Reply,
     State,
     Status,
-    checked,
     coordinate_bytes,
     loaded_triangles,
 )
 from triaxis.verif.board.protocol import End as RunEnd
+from triaxis.verif.board.reply_check import ReplyCheck
 
 # A frame is answered, and a run ends, within so many clocks; a run, for each of its pairs.
 _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
@@ -57,107 +51,6 @@ _CLOCKS_PER_MS = 100_000
 _NO_COUNTERS = (0,) * len(COUNTERS)
 
 
-@dataclass(frozen=True)
-class Pins:
-    """The pins, as the board's outputs and LEDs say them."""
-
-    value: int
-
-    def _bit(self, number: int) -> bool:
-        return bool(self.value >> number & 1)
-
-    @property
-    def go(self) -> bool:
-        """Return whether go is said."""
-        return self._bit(0)
-
-    @property
-    def busy(self) -> bool:
-        """Return whether a run is going on."""
-        return self._bit(4)
-
-    @property
-    def waiting(self) -> bool:
-        """Return whether near pairs wait."""
-        return self._bit(6)
-
-    @property
-    def full(self) -> bool:
-        """Return whether their ring is full."""
-        return self._bit(7)
-
-    @property
-    def errors(self) -> int:
-        """Return the low bits of the count of errors."""
-        return self.value >> 10 & 0xFF
-
-
-@dataclass
-class Frame:
-    """A whole frame that the board holds, since ``end``; ``acted``: its effects were seen.
-
-    ``due``: the clock in which it is executed; 0 where it waits for the reply before to end.
-    """
-
-    command: int
-    sequence: int
-    session: int
-    payload: bytes
-    end: int
-    acted: bool = False
-    due: int = 0
-    busy: bool = False
-    state: str = ""
-
-
-@dataclass
-class Run:
-    """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0."""
-
-    number: int = 0
-    mode: int = 0
-    margin: int = 0
-    pose: tuple[int, int, int] = (0, 0, 0)
-    state: State = State.NEVER
-    start: int = 0
-    ended: int = 0
-    overflow: bool = False
-    maybe_aborted: bool = False
-    answer: SceneAnswer | None = None
-    pairs: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
-    freed: int = 0
-    written: int = 0
-
-    @property
-    def near(self) -> int:
-        """Return how many pairs are near."""
-        return int(self.answer.near.sum()) if self.answer else 0
-
-    @property
-    def offered(self) -> int:
-        """Return how many near pairs go to the ring at most."""
-        return 0 if self.mode == Mode.COUNT else min(self.near, 1) if self.mode == Mode.FIRST else self.near
-
-    @property
-    def end(self) -> RunEnd:
-        """Return how it ends where nothing ends it before."""
-        if self.overflow:
-            return RunEnd.OVERFLOW
-        return RunEnd.FIRST if self.mode == Mode.FIRST and self.near else RunEnd.COMPLETE
-
-
-@dataclass(frozen=True)
-class Due:
-    """A reply that is due. ``status``: that it must have; None: the payload stands in ``payload``."""
-
-    frame: Frame
-    code: Code
-    payload: bytes
-    status: Status | None
-    busy: bool
-    first_pair: int = 0
-
-
 class BoardReference:
     """Follows a board; tells ``wrong`` of everything that must not be."""
 
@@ -169,7 +62,8 @@ class BoardReference:
     ) -> None:
         """Begin with a board in reset. ``happened``: told of what happens, by item and bin of coverage."""
         self.parameters, self._tell, self._happened = parameters, wrong, happened
-        self.replies = self.runs = self.gos = self.resets = 0
+        self.reply_check = ReplyCheck(self._wrong, happened)
+        self.runs = self.gos = self.resets = 0
         self._numbers = count()
         self.pins = Pins(0b1010)
         self.beat_level = False
@@ -179,8 +73,7 @@ class BoardReference:
 
     def _reset(self) -> None:
         self._timers: list[tuple[int, int, Callable[[int], None]]] = []
-        self._frame = bytearray()
-        self._hunting, self._escaped, self._skipping = True, False, False
+        self._receiver = FrameReceiver(self._failed)
         self.held: Frame | None = None
         self._line = bytearray()
         self._replying = False
@@ -193,8 +86,13 @@ class BoardReference:
         self._alive_window = 0
         self._beat_due, self._go_number = False, next(self._numbers)
 
+    @property
+    def replies(self) -> int:
+        """Return how many replies were checked."""
+        return self.reply_check.checked
+
     def _forget(self) -> None:
-        self._near = 0
+        self.reply_check.near = 0
         self.meshes = [_NO_MESH, _NO_MESH]
         self.pose = (0, 0, 0)
         self.run = Run()
@@ -305,52 +203,8 @@ class BoardReference:
 
     def byte(self, value: int) -> None:
         """Take a byte that has come to the board."""
-        if value == END and not self._escaped:
-            self._frame_ended()
-        elif self._hunting:
-            return
-        elif self._escaped:
-            self._escaped = False
-            if value in (ESC_END, ESC_ESC):
-                self._add(END if value == ESC_END else ESC)
-            else:
-                self._drop("END after ESC" if value == END else "bad stuffing")
-                # An END after an ESC is wrong, and yet ends the frame.
-                self._hunting = value != END
-        elif value == ESC:
-            self._escaped = True
-        else:
-            self._add(value)
-
-    def _add(self, value: int) -> None:
-        if self._skipping:
-            return
-        if self.held or len(self._frame) == LONGEST:
-            self._frame.clear()
-            self._skipping = True
-            self._failed("frame still held" if self.held else "too long")
-            return
-        self._frame.append(value)
-
-    def _drop(self, what: str) -> None:
-        """Drop the frame under way: it is wrong."""
-        self._frame.clear()
-        self._skipping = self._escaped = False
-        self._hunting = True
-        self._failed(what)
-
-    def broken(self) -> None:
-        """Take a byte without a stop bit."""
-        self._drop("no stop bit")
-
-    def _frame_ended(self) -> None:
-        frame, skipped = bytes(self._frame), self._skipping
-        self._frame.clear()
-        self._hunting = self._skipping = False
-        if skipped or not frame:
-            return
-        if len(frame) < SHORTEST or checked(frame[:-4]) != frame:
-            self._failed("too short" if len(frame) < SHORTEST else "bad CRC")
+        frame = self._receiver.byte(value, self.held is not None)
+        if frame is None:
             return
         command, sequence, session = HEAD.unpack(frame[:9])
         self.held = Frame(command, sequence, session, frame[9:-4], self.clock, busy=self.pins.busy)
@@ -358,6 +212,10 @@ class BoardReference:
         if not self._replying:
             self.held.due = self.clock + _EXECUTED
             self._at(self.held.due, lambda _, frame=self.held: self._execute_lasting(frame))
+
+    def broken(self) -> None:
+        """Take a byte without a stop bit."""
+        self._receiver.drop("no stop bit")
 
     def _execute_lasting(self, frame: Frame) -> None:
         """Let what takes some time begin: a LOAD changes nothing before its end."""
@@ -610,7 +468,7 @@ class BoardReference:
         word = (
             "  Go" if self.go else " run" if self.busy else " Err" if self.error or self.expired else "StoP"
         )
-        near = self._near if self.run.state == State.DONE else 0
+        near = self.reply_check.near if self.run.state == State.DONE else 0
         return word + (f"{near:04}" if near < 10_000 else "----")
 
     def _description(self) -> bytes:
@@ -653,71 +511,4 @@ class BoardReference:
             except ValueError as error:
                 self._wrong(str(error))
                 return
-            self._compare(due, reply)
-
-    def _compare(self, due: Due, reply: Reply) -> None:
-        frame = due.frame
-        head = (frame.command | REPLY, frame.sequence, frame.session, due.code)
-        found = (reply.command, reply.sequence, reply.session, reply.code)
-        if found != head:
-            self._wrong(f"a reply begins {found}, {head} is due")
-            return
-        if due.status is None:
-            if reply.payload != due.payload or len(reply.pairs):
-                self._wrong(
-                    f"a reply to {frame.command} says {reply.payload.hex()}, {due.payload.hex()} is due"
-                )
-        else:
-            self._compare_status(due, reply)
-        self.replies += 1
-
-    def _compare_status(self, due: Due, reply: Reply) -> None:
-        assert due.status is not None
-        rest = 5 if due.frame.command == Command.RESULTS else 0
-        if len(reply.payload) != Status.SIZE + rest:
-            self._wrong(f"a status of {len(reply.payload)} bytes")
-            return
-        status, run = Status.unpack(reply.payload), self.run
-        expected = due.status
-        if run.state == State.DONE and expected.state == State.DONE and not self._ended_as(run, status):
-            expected = expected._replace(end=RunEnd.ABORTED)
-            if due.frame.command == Command.ABORT:
-                self._happened("board_runs", f"{Mode(run.mode).name}, aborted")
-            run.maybe_aborted = True
-        if run.maybe_aborted or expected.end == RunEnd.FIRST:
-            # How far it came nobody knows; not too far.
-            for name in COUNTERS[1:]:
-                if getattr(status, name) <= getattr(expected, name):
-                    expected = expected._replace(**{name: getattr(status, name)})
-            if expected.end == RunEnd.FIRST:
-                expected = expected._replace(near=1)
-        if status.state == State.DONE:
-            self._near = status.near
-        if status != expected:
-            self._wrong(f"{status}, {expected} is due")
-        if rest:
-            self._compare_pairs(due, reply)
-
-    def _ended_as(self, run: Run, status: Status) -> bool:
-        """Return whether a run ended by itself; only an abort that came in time ends it else."""
-        if run.maybe_aborted and status.end == RunEnd.ABORTED:
-            return False
-        if run.maybe_aborted and status.end == run.end:
-            run.maybe_aborted = False
-        return True
-
-    def _compare_pairs(self, due: Due, reply: Reply) -> None:
-        run = self.run
-        first, number = struct.unpack_from("<IB", reply.payload, Status.SIZE)
-        if (first, number) != (due.first_pair, len(reply.pairs)) or number > MOST_NEAR:
-            self._wrong(f"near pairs from {first}, {number} of them, {len(reply.pairs)} were sent")
-            return
-        seen = first + number
-        if seen > run.offered or (reply.pairs != run.pairs[first:seen]).any():
-            self._wrong(f"near pairs from {first} are not those of the scene: {reply.pairs.tolist()}")
-        certain = due.status is not None and due.status.state == State.DONE and not run.maybe_aborted
-        if number != (min(MOST_NEAR, run.offered - first) if certain and not run.overflow else number):
-            self._wrong(f"{number} near pairs from {first} of {run.offered}")
-        run.written = max(run.written, seen)
-        how_many = "32" if number == MOST_NEAR else "some" if number else "none"
-        self._happened("board_near", f"{how_many}, {'run' if due.busy else 'ended'}")
+            self.reply_check.compare(due, reply, self.run)

@@ -32,6 +32,20 @@ from triaxis.verif.testbench.waves import WAVES, check_waves
 
 _SIMULATORS = (VERILATOR, ICARUS, *UNTRIED)
 
+# A configuration's whole name, and what a run that passed has counted.
+_NAMES = {
+    Block.CORE: lambda text: parse_configuration(text).name,
+    Block.MESH: lambda text: f"mesh_{parse_mesh_configuration(text).name}",
+    Block.BOARD: lambda text: parse_board_configuration(text).name,
+}
+_TOLD = {
+    Block.CORE: "{checked} pairs checked, {judged_by_golden_model} judged by the golden model, "
+    "{clear_claims_rechecked} clear answers proved",
+    Block.MESH: "{runs} runs, {checked} pairs decided, {skipped_with_proof} of them skipped with a proof, "
+    "{judged_by_golden_model} judged by the golden model",
+    Block.BOARD: "{checked} replies and {clocks} clocks checked, {runs} runs, {gos} times go",
+}
+
 
 def _chosen_simulator() -> str:
     """Return the simulator that the environment variable SIMULATOR names; raise InputError for no such."""
@@ -107,33 +121,27 @@ def run(options: argparse.Namespace) -> int:
     check_test_name(options.test)
     if not 1 <= options.judged <= MOST_SELDOM:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
-    if options.soak and options.agent != BURST:
-        raise InputError("--soak goes with --agent burst, and only with it")
-    if options.simulator != VERILATOR and options.agent != PIN:
-        raise InputError(f"--agent {options.agent} needs Verilator: {options.simulator} drives pins alone")
-    if options.waves:
-        check_waves(options.waves, options.agent, options.simulator)
     check_test_fits(options.test, options.config)
-    dut = DUT if options.fault is None else _broken(options.fault, options.test)
     block = table()[options.test].block
-    if block is not Block.CORE:
-        return _run_mesh(options, dut) if block is Block.MESH else _run_board(options, dut)
-    configuration = parse_configuration(options.config)
-    if (options.replay is None) == (options.test == REPLAY):
-        raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
-    replay = ""
-    if options.replay is not None:
-        read_failing_pairs(options.replay, configuration)
-        replay = str(options.replay.resolve())
-    if options.test == "SeedVectorsTest":
-        seed_vectors(configuration.width)
+    # The board is driven in bursts alone.
+    agent = BURST if block is Block.BOARD else options.agent
+    if block is not Block.CORE and (options.replay is not None or options.soak):
+        raise InputError("--replay and --soak go with tests of the core")
+    if options.soak and agent != BURST:
+        raise InputError("--soak goes with --agent burst, and only with it")
+    if options.simulator != VERILATOR and agent != PIN:
+        raise InputError(f"--agent {agent} needs Verilator: {options.simulator} drives pins alone")
+    if options.waves:
+        check_waves(options.waves, agent, options.simulator)
+    dut = DUT if options.fault is None else _broken(options.fault, options.test)
+    config = _NAMES[block](options.config)
     settings = run_settings(
         options.test,
-        configuration,
+        config,
         options.seed,
         options.pairs,
-        replay,
-        agent=options.agent,
+        _replay(options) if block is Block.CORE else "",
+        agent=agent,
         judged_one_in=options.judged,
         soak=options.soak,
         simulator=options.simulator,
@@ -141,21 +149,26 @@ def run(options: argparse.Namespace) -> int:
         verbosity=options.verbosity,
     )
     result = run_and_explain(settings, dut)
-    _print_waves(result)
-    if result.passed and result.counts:
-        print(
-            f"passed: {options.test}, {configuration.name}, seed {options.seed}: "
-            f"{result.counts['checked']} pairs checked, {result.counts['judged_by_golden_model']} judged by "
-            f"the golden model, {result.counts['clear_claims_rechecked']} clear answers proved, "
-            f"{result.seconds:.1f} s"
-        )
-        return DONE
-    return _failed(options, result)
-
-
-def _print_waves(result: RunResult) -> None:
     if result.waves:
         print(f"waves: {result.waves}: gtkwave {result.waves.with_suffix('.gtkw')}")
+    if not result.passed or not result.counts:
+        return _failed(options, result)
+    told = _TOLD[block].format(**result.counts)
+    print(f"passed: {options.test}, {config}, seed {options.seed}: {told}, {result.seconds:.1f} s")
+    return DONE
+
+
+def _replay(options: argparse.Namespace) -> str:
+    """Return the file of pairs to be sent again, "" for none; raise InputError where it does not fit."""
+    configuration = parse_configuration(options.config)
+    if (options.replay is None) == (options.test == REPLAY):
+        raise InputError(f"--replay FILE.npz goes with {REPLAY}, and only with it")
+    if options.test == "SeedVectorsTest":
+        seed_vectors(configuration.width)
+    if options.replay is None:
+        return ""
+    read_failing_pairs(options.replay, configuration)
+    return str(options.replay.resolve())
 
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
@@ -174,50 +187,3 @@ def _broken(name: str, test: str) -> Path:
             f"`triaxis prove faults --fault {name}` tries it"
         )
     return faulty_rtl(fault)
-
-
-def _run_mesh(options: argparse.Namespace, dut: Path) -> int:
-    """Run a test of the mesh engine."""
-    if options.replay is not None or options.soak:
-        raise InputError("--replay and --soak go with tests of the core")
-    name = f"mesh_{parse_mesh_configuration(options.config).name}"
-    settings = run_settings(
-        options.test,
-        name,
-        options.seed,
-        options.pairs,
-        agent=options.agent,
-        judged_one_in=options.judged,
-        simulator=options.simulator,
-        waves=options.waves,
-        verbosity=options.verbosity,
-    )
-    result = run_and_explain(settings, dut)
-    _print_waves(result)
-    if not result.passed or not result.counts:
-        return _failed(options, result)
-    counts = result.counts
-    print(
-        f"passed: {options.test}, {name}, seed {options.seed}: {counts['runs']} runs, "
-        f"{counts['checked']} pairs decided, {counts['skipped_with_proof']} of them skipped with a "
-        f"proof, {counts['judged_by_golden_model']} judged by the golden model, {result.seconds:.1f} s"
-    )
-    return DONE
-
-
-def _run_board(options: argparse.Namespace, dut: Path) -> int:
-    """Run a test of the board, which is always driven in bursts."""
-    if options.replay is not None or options.soak:
-        raise InputError("--replay and --soak go with tests of the core")
-    name = parse_board_configuration(options.config).name
-    settings = run_settings(options.test, name, options.seed, options.pairs, agent=BURST)
-    result = run_and_explain(settings, dut)
-    if not result.passed or not result.counts:
-        return _failed(options, result)
-    counts = result.counts
-    print(
-        f"passed: {options.test}, {name}, seed {options.seed}: {counts['checked']} replies and "
-        f"{counts['clocks']} clocks checked, {counts['runs']} runs, {counts['gos']} times go, "
-        f"{result.seconds:.1f} s"
-    )
-    return DONE

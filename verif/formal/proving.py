@@ -93,7 +93,7 @@ def prove_all(
     # Another run in the same folder is waited for.
     with FileLock(folder / ".lock"), ThreadPoolExecutor(jobs) as pool:
         before, start = rtl_hash(dut), time.monotonic()
-        running = [pool.submit(_prove, proof, dut, folder / proof.name) for proof in chosen]
+        running = [pool.submit(outcome_of, proof, dut, folder / proof.name) for proof in chosen]
         for future in as_completed(running):
             outcomes[future.result().proof.name] = future.result()
             progress(1)
@@ -105,7 +105,8 @@ def prove_all(
     )
 
 
-def _prove(proof: Proof, dut: Path, folder: Path) -> Outcome:
+def outcome_of(proof: Proof, dut: Path, folder: Path) -> Outcome:
+    """Try a proof; return what came of it, and the seconds it took."""
     start = time.monotonic()
     finding = proof.prove(dut, folder)
     return Outcome(proof, finding, time.monotonic() - start)

@@ -5,15 +5,14 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 from triaxis.golden.outputs import make_folder
-from triaxis.sim.build import rtl_hash
-from triaxis.sim.evidence import read_evidence, write_evidence
+from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
-from triaxis.sim.validity import Sources, validity
-from triaxis.verif.formal.proof import Finding, Outcome, Proof, require_tools
+from triaxis.sim.validity import Sources, Validity, validity
+from triaxis.verif.formal.proof import Outcome, Proof, require_tools
+from triaxis.verif.formal.proving import outcome_of
 from triaxis.verif.netlist.gates import FOLDER, SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
 from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
@@ -53,8 +52,8 @@ class NetlistResult:
     outcomes: tuple[Outcome, ...]
     seed: int
     seconds: float
-    rtl_hash: str
-    rtl_changed: bool = False
+    valid_for: Validity
+    changed: bool = False
     not_proved: Mapping[str, str] = field(default_factory=lambda: NOT_PROVED)
 
     @property
@@ -66,7 +65,7 @@ class NetlistResult:
                 *outcome.finding.problems,
                 *(f"not decided: {why}" for why in outcome.finding.undecided),
             ]
-        return [*found, "the RTL changed meanwhile"] if self.rtl_changed else found
+        return [*found, "the RTL or its environment changed meanwhile"] if self.changed else found
 
     @property
     def passed(self) -> bool:
@@ -100,14 +99,14 @@ def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> Netl
     """Run the tests on the netlists, and prove modules equal to theirs, ``jobs`` proofs at a time."""
     require_tools()
     make_folder(FOLDER)
-    before, start = rtl_hash(), time.monotonic()
+    before, start = validity(SOURCES), time.monotonic()
     runs = []
     for scope in SCOPES:
         runs.append(gate_run(scope, run_on_gates(scope, seed)))
         progress(1)
     outcomes = prove_modules(PROOFS, progress, jobs)
     seconds = time.monotonic() - start
-    return NetlistResult(tuple(runs), outcomes, seed, seconds, before, rtl_hash() != before)
+    return NetlistResult(tuple(runs), outcomes, seed, seconds, before, validity(SOURCES) != before)
 
 
 def prove_modules(
@@ -115,14 +114,9 @@ def prove_modules(
 ) -> tuple[Outcome, ...]:
     """Prove modules equal to their netlists."""
 
-    def prove(proof: Proof) -> Outcome:
-        start = time.monotonic()
-        finding: Finding = proof.prove(DUT, folder / proof.name)
-        return Outcome(proof, finding, time.monotonic() - start)
-
     make_folder(folder)
     with ThreadPoolExecutor(jobs) as pool:
-        running = [pool.submit(prove, proof) for proof in proofs]
+        running = [pool.submit(outcome_of, proof, DUT, folder / proof.name) for proof in proofs]
         for _ in as_completed(running):
             progress(1)
     return tuple(future.result() for future in running)
@@ -136,7 +130,8 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
         "summary": result.summary,
         "command": command,
         "seconds": round(result.seconds, 1),
-        "rtl_hash": result.rtl_hash,
+        "rtl_hash": result.valid_for.rtl_hash,
+        "environment_hash": result.valid_for.environment_hash,
         "seed": result.seed,
         "synthesiser": yosys_version(),
         "pairs": result.pairs,
@@ -156,16 +151,3 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
         "not_proved": dict(result.not_proved),
     }
     return write_evidence(path, content, SOURCES)
-
-
-def known_result(path: Path = RESULT) -> dict[str, Any] | None:
-    """Return the last result in build/ if it is of this RTL, of today's tests and of this Verilator.
-
-    None without one. Raises InputError where the file is damaged.
-    """
-    content = read_evidence(path)
-    return (
-        content
-        if content and all(content.get(key) == now for key, now in vars(validity(SOURCES)).items())
-        else None
-    )

@@ -1,6 +1,5 @@
 """The synthesised design against the RTL: what differs is seen, in a run and in a proof."""
 
-import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -8,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
+from triaxis.sim.validity import Validity
 from triaxis.verif.formal.proof import Finding, Outcome, Result
 from triaxis.verif.netlist.gates import Scope, cells, models_of, run_on_gates, synthesised
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS, ModuleProof
-from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, known_result, write_result
+from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, write_result
 from triaxis.verif.testbench.simulation import RunResult, model_of
 
 _SMALL = Scope("MixedTest", "w8_m0", 2000)
@@ -82,7 +81,9 @@ def test_a_folder_of_models_gives_those_that_the_netlist_names(tmp_path):
 
 
 _CLEAN = GateRun("MixedTest", "w16_m0", 100, 0, ())
-_DONE = NetlistResult((_CLEAN,), (Outcome(PROOFS[0], Finding(), 1.0),), 1, 2.0, "of the RTL")
+_DONE = NetlistResult(
+    (_CLEAN,), (Outcome(PROOFS[0], Finding(), 1.0),), 1, 2.0, Validity("of the RTL", "of the tests", "5.048")
+)
 
 
 def _ran(passed: bool, counts: dict[str, int] | None) -> RunResult:
@@ -111,20 +112,13 @@ def test_what_differs_is_undecided_or_absent_fails(tmp_path):
     undecided = Outcome(PROOFS[0], Finding(undecided=("no end",)), 1.0)
     for outcomes in ((failed,), (undecided,), ()):
         assert not replace(_DONE, outcomes=outcomes).passed
-    assert not replace(_DONE, rtl_changed=True).passed
+    assert not replace(_DONE, changed=True).passed
     assert replace(_DONE, runs=(replace(_CLEAN, differences=None),)).differences is None
 
 
 @pytest.mark.synthesiser
-def test_a_result_is_known_while_it_is_of_this_rtl(tmp_path):
-    path = write_result(_DONE, "netlist", tmp_path / "netlist.json")
-    evidence = read_evidence(path)
+def test_the_file_says_what_it_is_of(tmp_path):
+    evidence = read_evidence(write_result(_DONE, "netlist", tmp_path / "netlist.json"))
     assert evidence and evidence["passed"] and evidence["differences"] == 0
     assert sum(module["proved"] for module in evidence["modules"]) == 1
-    assert known_result(path) is None
-    content = json.loads(path.read_text())
-    path.write_text(json.dumps({**content, "rtl_hash": rtl_hash()}))
-    assert known_result(path)
-    path.write_text(json.dumps({**content, "rtl_hash": rtl_hash(), "environment_hash": "another"}))
-    assert known_result(path) is None
-    assert known_result(tmp_path / "none.json") is None
+    assert (evidence["rtl_hash"], evidence["environment_hash"]) == ("of the RTL", "of the tests")

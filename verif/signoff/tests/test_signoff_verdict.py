@@ -9,12 +9,15 @@ from dataclasses import replace
 import pytest
 
 from triaxis.coverage.stages import read_figures
-from triaxis.verif.signoff.gate import refusals, remarks
+from triaxis.sim.validity import validity
+from triaxis.verif.signoff import parts as signoff_parts
+from triaxis.verif.signoff.gate import SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.tests.signoff_evidence import (
     HERE,
     WAIVERS,
+    evidence,
     good_beside,
     good_content,
     good_parts,
@@ -112,6 +115,18 @@ def test_what_stands_beside_may_be_absent_but_not_fail(tmp_path):
     content = {**good_beside()["four_state"].as_json, "passed": False, "problems": ["2 values unknown"]}
     failed = signed(beside={**good_beside(), "four_state": Part(content)})
     assert not failed.passed and "four state: 2 values unknown" in failed.problems
+
+
+@pytest.mark.parametrize("key", ["rtl_hash", "environment_hash"])
+def test_what_stands_beside_is_of_this_rtl_and_this_environment(tmp_path, monkeypatch, key):
+    path = tmp_path / "netlist.json"
+    monkeypatch.setattr(signoff_parts, "_BESIDE", {"netlist": (path, SOURCES, "make netlist")})
+    assert signoff_parts.results_beside()["netlist"].absent == "run `make netlist`"
+    here = vars(validity(SOURCES))
+    path.write_text(json.dumps(evidence(**here)))
+    assert signoff_parts.results_beside()["netlist"].evidence
+    path.write_text(json.dumps(evidence(**{**here, key: "another"})))
+    assert "another RTL or environment" in (signoff_parts.results_beside()["netlist"].absent or "")
 
 
 def test_each_link_says_what_it_rests_on():

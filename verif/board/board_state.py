@@ -1,0 +1,110 @@
+"""What the board shows and holds, as the reference follows it: pins, a frame, a run, a reply that is due."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from triaxis.golden.scene import SceneAnswer
+from triaxis.verif.board.protocol import Code, Integers, Mode, State, Status
+from triaxis.verif.board.protocol import End as RunEnd
+
+
+@dataclass(frozen=True)
+class Pins:
+    """The pins, as the board's outputs and LEDs say them."""
+
+    value: int
+
+    def _bit(self, number: int) -> bool:
+        return bool(self.value >> number & 1)
+
+    @property
+    def go(self) -> bool:
+        """Return whether go is said."""
+        return self._bit(0)
+
+    @property
+    def busy(self) -> bool:
+        """Return whether a run is going on."""
+        return self._bit(4)
+
+    @property
+    def waiting(self) -> bool:
+        """Return whether near pairs wait."""
+        return self._bit(6)
+
+    @property
+    def full(self) -> bool:
+        """Return whether their ring is full."""
+        return self._bit(7)
+
+    @property
+    def errors(self) -> int:
+        """Return the low bits of the count of errors."""
+        return self.value >> 10 & 0xFF
+
+
+@dataclass
+class Frame:
+    """A whole frame that the board holds, since ``end``; ``acted``: its effects were seen.
+
+    ``due``: the clock in which it is executed; 0 where it waits for the reply before to end.
+    """
+
+    command: int
+    sequence: int
+    session: int
+    payload: bytes
+    end: int
+    acted: bool = False
+    due: int = 0
+    busy: bool = False
+    state: str = ""
+
+
+@dataclass
+class Run:
+    """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0."""
+
+    number: int = 0
+    mode: int = 0
+    margin: int = 0
+    pose: tuple[int, int, int] = (0, 0, 0)
+    state: State = State.NEVER
+    start: int = 0
+    ended: int = 0
+    overflow: bool = False
+    maybe_aborted: bool = False
+    answer: SceneAnswer | None = None
+    pairs: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    freed: int = 0
+    written: int = 0
+
+    @property
+    def near(self) -> int:
+        """Return how many pairs are near."""
+        return int(self.answer.near.sum()) if self.answer else 0
+
+    @property
+    def offered(self) -> int:
+        """Return how many near pairs go to the ring at most."""
+        return 0 if self.mode == Mode.COUNT else min(self.near, 1) if self.mode == Mode.FIRST else self.near
+
+    @property
+    def end(self) -> RunEnd:
+        """Return how it ends where nothing ends it before."""
+        if self.overflow:
+            return RunEnd.OVERFLOW
+        return RunEnd.FIRST if self.mode == Mode.FIRST and self.near else RunEnd.COMPLETE
+
+
+@dataclass(frozen=True)
+class Due:
+    """A reply that is due. ``status``: that it must have; None: the payload stands in ``payload``."""
+
+    frame: Frame
+    code: Code
+    payload: bytes
+    status: Status | None
+    busy: bool
+    first_pair: int = 0

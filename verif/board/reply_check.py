@@ -1,0 +1,88 @@
+"""Holds the board's replies against what is due."""
+
+import struct
+from collections.abc import Callable
+
+from triaxis.verif.board.board_state import Due, Run
+from triaxis.verif.board.protocol import COUNTERS, MOST_NEAR, REPLY, Command, Mode, Reply, State, Status
+from triaxis.verif.board.protocol import End as RunEnd
+
+
+class ReplyCheck:
+    """Tells ``wrong`` of each difference, ``happened`` of what is covered.
+
+    ``checked``: replies that were compared; ``near``: near pairs that the last status told.
+    """
+
+    def __init__(self, wrong: Callable[[str], None], happened: Callable[[str, str], None]) -> None:
+        """Begin with nothing compared."""
+        self._tell, self._happened = wrong, happened
+        self.checked = self.near = 0
+
+    def compare(self, due: Due, reply: Reply, run: Run) -> None:
+        """Compare a reply with what is due; ``run``: the last one, whose end a status may tell."""
+        frame = due.frame
+        head = (frame.command | REPLY, frame.sequence, frame.session, due.code)
+        found = (reply.command, reply.sequence, reply.session, reply.code)
+        if found != head:
+            self._tell(f"a reply begins {found}, {head} is due")
+            return
+        if due.status is None:
+            if reply.payload != due.payload or len(reply.pairs):
+                self._tell(
+                    f"a reply to {frame.command} says {reply.payload.hex()}, {due.payload.hex()} is due"
+                )
+        else:
+            self._status(due, reply, run)
+        self.checked += 1
+
+    def _status(self, due: Due, reply: Reply, run: Run) -> None:
+        assert due.status is not None
+        rest = 5 if due.frame.command == Command.RESULTS else 0
+        if len(reply.payload) != Status.SIZE + rest:
+            self._tell(f"a status of {len(reply.payload)} bytes")
+            return
+        status = Status.unpack(reply.payload)
+        expected = due.status
+        if run.state == State.DONE and expected.state == State.DONE and not _ended_as(run, status):
+            expected = expected._replace(end=RunEnd.ABORTED)
+            if due.frame.command == Command.ABORT:
+                self._happened("board_runs", f"{Mode(run.mode).name}, aborted")
+            run.maybe_aborted = True
+        if run.maybe_aborted or expected.end == RunEnd.FIRST:
+            # How far it came nobody knows; not too far.
+            for name in COUNTERS[1:]:
+                if getattr(status, name) <= getattr(expected, name):
+                    expected = expected._replace(**{name: getattr(status, name)})
+            if expected.end == RunEnd.FIRST:
+                expected = expected._replace(near=1)
+        if status.state == State.DONE:
+            self.near = status.near
+        if status != expected:
+            self._tell(f"{status}, {expected} is due")
+        if rest:
+            self._pairs(due, reply, run)
+
+    def _pairs(self, due: Due, reply: Reply, run: Run) -> None:
+        first, number = struct.unpack_from("<IB", reply.payload, Status.SIZE)
+        if (first, number) != (due.first_pair, len(reply.pairs)) or number > MOST_NEAR:
+            self._tell(f"near pairs from {first}, {number} of them, {len(reply.pairs)} were sent")
+            return
+        seen = first + number
+        if seen > run.offered or (reply.pairs != run.pairs[first:seen]).any():
+            self._tell(f"near pairs from {first} are not those of the scene: {reply.pairs.tolist()}")
+        certain = due.status is not None and due.status.state == State.DONE and not run.maybe_aborted
+        if number != (min(MOST_NEAR, run.offered - first) if certain and not run.overflow else number):
+            self._tell(f"{number} near pairs from {first} of {run.offered}")
+        run.written = max(run.written, seen)
+        how_many = "32" if number == MOST_NEAR else "some" if number else "none"
+        self._happened("board_near", f"{how_many}, {'run' if due.busy else 'ended'}")
+
+
+def _ended_as(run: Run, status: Status) -> bool:
+    """Return whether a run ended by itself; only an abort that came in time ends it else."""
+    if run.maybe_aborted and status.end == RunEnd.ABORTED:
+        return False
+    if run.maybe_aborted and status.end == run.end:
+        run.maybe_aborted = False
+    return True
