@@ -7,8 +7,9 @@ from pathlib import Path
 
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.models import CORE_SVA, MESH_SVA
 from triaxis.verif.faults.broken_rtl import FOLDER
-from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
+from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.failures import Blame, HungError
 from triaxis.verif.testbench.simulation import RunResult, run, run_settings
 

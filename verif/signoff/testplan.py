@@ -13,6 +13,7 @@ from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
 from triaxis.sim.build import rtl_hash
+from triaxis.sim.models import CORE_SVA, MESH_SVA
 from triaxis.sim.paths import ROOT
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.faults.catching import signed_off_names
@@ -23,7 +24,7 @@ from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.chain import THEOREM
 from triaxis.verif.signoff.parts import Evidence, Part
 from triaxis.verif.signoff.plan import plan
-from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
+from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.table import planned_tests, table
 
 # Runs that check and are no UVM tests: the wrapper, whole meshes, the small grid in full, code coverage.

@@ -1,4 +1,4 @@
-"""The assertions of verif/core/sva/, by name."""
+"""The assertions of a folder, by name."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -6,10 +6,6 @@ from typing import TypeVar
 import pyslang
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import VERIF
-
-CORE_SVA = VERIF / "core" / "sva"
-MESH_SVA = VERIF / "mesh" / "sva"
 
 Node = TypeVar("Node", bound=pyslang.syntax.SyntaxNode)
 

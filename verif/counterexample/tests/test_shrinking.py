@@ -116,8 +116,8 @@ def test_a_core_that_hangs(monkeypatch, rng):
 FAULTS = (
     (
         "core/triaxis_projections.sv",
-        "assign far_d[2][j] = qf_3[j] - q_normal_3;",
-        "assign far_d[2][j] = qf_3[j] - p_normal_3;",
+        "assign far_d[i][j]   = edges_3[i][j] + across_3[i];",
+        "assign far_d[i][j]   = edges_3[i][j] + across_3[i==2?j : i];",
     ),
     (
         "core/triaxis_boxes.sv",

@@ -11,10 +11,11 @@ from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
+from triaxis.sim.models import CORE_SVA, MESH_SVA
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.signoff.testplan import check_plan, inventory
-from triaxis.verif.testbench.assertions import CORE_SVA, MESH_SVA, assertion_names
+from triaxis.verif.testbench.assertions import assertion_names
 
 TEXT = TESTPLAN.read_text()
 
