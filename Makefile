@@ -120,7 +120,7 @@ GRID ?= 4
 exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: make exhaustive GRID=4
 	@$(BIN)/triaxis prove exhaustive --grid $(GRID) --seed $(SEED)
 
-code-coverage: $(READY) ## measure what the tests reach of dut/: lines, branches, expressions, toggles
+code-coverage: $(READY) $(YOSYS) ## measure what the tests reach of the RTL: lines, branches, terms, toggles, states, left sides of assertions
 	@$(BIN)/triaxis coverage code --seed $(SEED)
 
 bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them

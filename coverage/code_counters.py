@@ -29,6 +29,9 @@ _BIN = re.compile(
 )
 _TOGGLE = "\x01t\x02toggle\x01"
 _KINDS = {"line": "line", "branch": "branch", "expr": "expression"}
+# Cover properties: of state machines in modules so called, else of the left sides of assertions.
+_PROPERTY, STATES = "user", "_states"
+_IN_LOOP = re.compile(r"__BRA__(\d+)__KET__")
 # Verilator counts the ways of an else-if chain as lines.
 _WAYS = ("if", "elsif", "else", "case", "default")
 
@@ -47,7 +50,11 @@ class Toggle:
 
 
 class Point(NamedTuple):
-    """One bin that is no toggle. ``lines``: those that run when it is hit, as in 28-32,35; often empty."""
+    """One bin that is no toggle.
+
+    ``instance``: of a cover property, with the blocks around it. ``lines``: those that run when it is hit, as
+    in 28-32,35; often empty.
+    """
 
     kind: str
     path: str
@@ -135,9 +142,14 @@ def _count(counters: Counters, match: re.Match[str]) -> bool:
         bit, edge = what[:-5], what[-5:]
         counters.count_toggle(instance, bit, path[path.rfind("/") + 1 :], int(line), edge, int(count))
         return edge in (RISE, FALL)
-    if kind not in _KINDS:
+    if kind == _PROPERTY:
+        kind = "fsm" if module.endswith(STATES) else "antecedent"
+        instance = _IN_LOOP.sub(r"[\1]", instance.removesuffix(f".{what}")).replace("__DOT__", ".")
+        instance, what = instance.removesuffix(f".{what}"), what.removesuffix("Antecedent")
+    elif kind in _KINDS:
+        kind = "branch" if what in _WAYS else _KINDS[kind]
+    else:
         return False
-    kind = "branch" if what in _WAYS else _KINDS[kind]
     point = Point(kind, path, int(line), int(column), what, instance, module, lines or "")
     counters.points[point] += int(count)
     return True

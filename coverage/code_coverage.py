@@ -10,6 +10,8 @@ Kinds of bins:
     branch      each way of an if, else if, else, or conditional operator
     expression  each way in which the terms of a condition decide it
     toggle      each bit of each signal, port and register: rising, and falling
+    fsm         each state of a state machine, and each arc that its logic can take
+    antecedent  the left side of each assertion: one that never fires it asserts nothing
     generate    each generate block: elaborated
 
 Every bit of every signal of the elaborated design must have its two toggle counters: one that
@@ -20,6 +22,7 @@ counters (Verilator gives up beyond 32 ways) is a bin that is not hit.
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from triaxis.coverage.code_counters import FALL, RISE, Counters, Point
@@ -29,6 +32,9 @@ from triaxis.coverage.waiver_upkeep import WaivedPlace, other_rtl, stale_pattern
 from triaxis.coverage.waivers import KINDS, BoundError, Waiver
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT
+
+# Of cover properties.
+_PROPERTIES = ("fsm", "antecedent")
 
 _LABEL = re.compile(r"\bbegin\s*:\s*(\w+)")
 
@@ -172,6 +178,13 @@ class Assessment:
             self.uncovered.append(bin_)
 
 
+@cache
+def _source(path: str) -> list[str]:
+    """Return the lines of a source, without spaces around them; none where it is not there any more."""
+    file = Path(path)
+    return [line.strip() for line in file.read_text(encoding="utf-8").splitlines()] if file.is_file() else []
+
+
 def _for_module(waivers: list[Waiver], kind: str, module: str) -> list[Waiver]:
     return [w for w in waivers if w.kind == kind and (module in w.modules or "*" in w.modules)]
 
@@ -206,6 +219,9 @@ class _ModelAssessor:
             self._toggles(instance)
             self._points(instance, points.pop(instance.path, {}))
             self.assessment.elaborated |= {(instance.module, label) for label in instance.blocks}
+        for path, found in list(points.items()):
+            if all(point.kind in _PROPERTIES for point in found):
+                self._properties(path, points.pop(path))
         unknown = [f"{path}: {bit}" for path, bit in self._left] + list(points)
         self._problems(f"{what} is counted but not in the design" for what in unknown)
         return self.assessment
@@ -247,14 +263,23 @@ class _ModelAssessor:
                 place = Bin(self._model.name, "toggle", toggle.file, toggle.line, name + edge, path)
                 self.assessment.count(place, count > 0, waiver)
 
+    def _properties(self, path: str, points: dict[Point, int]) -> None:
+        """Count cover properties: of modules that are bound to an instance, with no other counters."""
+        outer = (path.rsplit(".", depth)[0] for depth in range(path.count(".")))
+        self._variables[path] = next(self._variables[one] for one in outer if one in self._variables)
+        self._points(Instance(path, next(iter(points)).module), points)
+
     def _points(self, instance: Instance, points: dict[Point, int]) -> None:
+        # Counting begins in reset, after power-up.
+        points = {p: n for p, n in points.items() if p.kind != "line" or p.line not in instance.initial}
         counted = {point.line for point in points if point.kind == "expression"}
         file = f"{instance.module}.sv"
         for line in sorted(instance.conditions - counted):
             points[Point("expression", file, line, 0, _NOT_COUNTED, instance.path)] = 0
         waivers = {kind: self._applying(kind, instance) for kind in {point.kind for point in points}}
         for p, count in points.items():
-            waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known)), None)
+            line = _source(p.path)[p.line - 1] if p.line <= len(_source(p.path)) else ""
+            waiver = next((w for w, known in waivers[p.kind] if w.waives(p.what, known, line)), None)
             if waiver is not None:
                 self.assessment.cover(waiver, self._place(instance, p.what))
             place = Bin(self._model.name, p.kind, p.file, p.line, p.what, instance.path)

@@ -20,6 +20,7 @@ _TOP = "TOP"
 _SIGNAL_KINDS = ("PORT", "VAR", "WIRE")
 _PARAMETER_KINDS = ("GPARAM", "LPARAM")
 _LOGICAL = ("LOGAND", "LOGOR", "LOGNOT", "AND", "OR", "XOR", "NOT", "REDAND", "REDOR", "REDXOR")
+_INITIAL = ("INITIAL", "INITIALAUTOMATIC", "INITIALSTATIC")
 # What Verilator makes of `unique case`: a check of its own.
 _ADDED = ("notParallelp",)
 # Types whose width their keyword says.
@@ -43,7 +44,7 @@ class Instance:
     """One instance of a module: its path, the numbers among its parameters, its signals.
 
     ``blocks`` are the labels of the generate blocks in it, without loop indices; ``conditions`` the
-    lines that hold a logical operator.
+    lines that hold a logical operator, ``initial`` those that give a register its value at power-up.
     """
 
     path: str
@@ -52,6 +53,7 @@ class Instance:
     signals: list[Signal] = field(default_factory=list)
     blocks: set[str] = field(default_factory=set)
     conditions: set[int] = field(default_factory=set)
+    initial: set[int] = field(default_factory=set)
 
 
 def _range(text: str) -> range:
@@ -115,19 +117,26 @@ class _Reader:
 
     def instances(self, path: str, module: _Node) -> Iterator[Instance]:
         """Yield the instance and those inside it."""
-        found = Instance(path, module["origName"], conditions=set(self._lines(module["stmtsp"])))
+        # A place reads file, first line:column, last line:column; a bound instance stands in another file.
+        file = module["loc"].split(",")[0]
+        places = [
+            (node["type"], int(place[1].partition(":")[0]))
+            for node in _nodes(module["stmtsp"])
+            if (place := str(node.get("loc", "")).split(","))[0] == file and self._is_placed(node)
+        ]
+        found = Instance(path, module["origName"])
+        found.initial = {line for kind, line in places if kind not in _LOGICAL}
+        found.conditions = {line for kind, line in places if kind in _LOGICAL}
         cells: list[tuple[str, str]] = []
         self._collect(module["stmtsp"], "", found, cells)
         yield found
         for name, address in cells:
             yield from self.instances(f"{path}.{name}", self._modules[address])
 
-    def _lines(self, nodes: list[_Node]) -> Iterator[int]:
-        """Yield the lines with logical operators on single bits: of vectors, each bit's toggles tell."""
-        for node in _nodes(nodes):
-            if node.get("type") in _LOGICAL and not self._is_vector(node.get("dtypep")):
-                # A place reads file, first line:column, last line:column.
-                yield int(node["loc"].split(",")[1].partition(":")[0])
+    def _is_placed(self, node: _Node) -> bool:
+        """Return whether it is an initial value or a logical operator on bits: of vectors, toggles tell."""
+        kind = node.get("type")
+        return kind in _INITIAL or (kind in _LOGICAL and not self._is_vector(node.get("dtypep")))
 
     def _is_vector(self, address: str | None) -> bool:
         node = self._types.get(address or "", {})

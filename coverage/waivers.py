@@ -12,13 +12,14 @@ Fields of a waiver (coverage/waivers.toml):
     owner       who answers for it
     reviewed    the hash of the modules' RTL that the proof was read against, see `module_hash`
     rests_on    names of modules that the proof speaks of, where they are others (modules)
-    kind        line, branch, expression, toggle, generate
+    kind        line, branch, expression, toggle, fsm, antecedent, generate
     modules     names of modules
     instances   patterns of paths, one must fit (all)
     models      patterns of names of models (all)
     where       a condition on the parameters (always)
     let         names for expressions, usable in those after it
     what        patterns of bins, one must fit: not for toggles
+    at          patterns, one must fit the line of the source, but for spaces around it: not for toggles (any)
     signals     patterns of signals, one must fit: toggles
     range       the smallest and the largest value, or
     bits        the numbers of the constant bits, as in ["4..7", "12"], all of which exist: toggles
@@ -46,7 +47,7 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.paths import DUT
+from triaxis.sim.paths import BOARD_TOP, DUT
 
 
 class BoundError(ValueError):
@@ -93,12 +94,14 @@ WAIVERS = Path(__file__).with_name("waivers.toml")
 CATEGORIES = {
     "constant by contract": "the value is fixed in every build: a literal, a reserved bit, the origin",
     "constant by parameter": "the parameters of a build leave nothing to change or to run",
+    "ruled out": "the logic around it never lets it happen, by an argument that names what does not",
+    "beyond simulation": "it takes more clocks than any run has; what else shows that it is right is named",
     "bounded": "the width holds more than the largest value that can occur, by a bound that is proved",
     "split operand": "a piece of an operand that is multiplied in pieces fills its port only in part",
     "unused input": "an input that the contract has and the logic does not need",
     "elaboration guard": "a block that refuses parameters, so that no build has it",
 }
-KINDS = ("line", "branch", "expression", "toggle", "generate")
+KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent", "generate")
 _REQUIRED = ("category", "reason", "owner", "reviewed", "kind", "modules")
 _COMMENTS = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _SHORTEST_REASON = 20
@@ -146,6 +149,7 @@ class Waiver:
     where: str = "1"
     let: Mapping[str, str] = field(default_factory=dict)
     what: tuple[str, ...] = ()
+    at: tuple[str, ...] = ("*",)
     signals: tuple[str, ...] = ()
     values: tuple[str, str] | None = None
     bits: tuple[str, ...] = ()
@@ -174,10 +178,14 @@ class Waiver:
         """Return the numbers in the instance's path, None where the waiver is not for it."""
         return None if fit(self.models, model) is None else fit(self.instances, instance)
 
-    def waives(self, what: str, known: Mapping[str, int]) -> bool:
-        """Return whether it covers a bin that is no toggle."""
+    def waives(self, what: str, known: Mapping[str, int], line: str = "") -> bool:
+        """Return whether it covers a bin that is no toggle; ``line``: of the source."""
         numbers = fit(self.what, what)
-        return numbers is not None and self._variables({**known, **numbers}) is not None
+        return (
+            numbers is not None
+            and fit(self.at, line) is not None
+            and self._variables({**known, **numbers}) is not None
+        )
 
     def constant_bits(self, signal: str, bits: range, known: Mapping[str, int]) -> list[int]:
         """Return which of the bits of a signal it says are constant; bit 0 for a signal without range."""
@@ -233,7 +241,7 @@ def _named(value: Any) -> dict[str, str]:
 
 _READERS = {
     **dict.fromkeys(("category", "reason", "owner", "reviewed", "kind", "where", "step"), _text),
-    **dict.fromkeys(("modules", "instances", "models", "what", "signals", "bits", "rests_on"), _texts),
+    **dict.fromkeys(("modules", "instances", "models", "what", "at", "signals", "bits", "rests_on"), _texts),
     "range": _bounds,
     "let": _named,
 }
@@ -278,7 +286,7 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
 def module_hash(modules: Iterable[str], dut: Path = DUT) -> str:
     """Return a short hash of the RTL of these modules, comments and spacing left out; ``*``: of all."""
     wanted = set(modules)
-    found = [path for path in sorted(dut.rglob("*.sv")) if "*" in wanted or path.stem in wanted]
+    found = [path for path in (*sorted(dut.rglob("*.sv")), BOARD_TOP) if "*" in wanted or path.stem in wanted]
     code = [_COMMENTS.sub(" ", path.read_text(encoding="utf-8")).split() for path in found]
     return hashlib.sha256(" ".join(word for words in code for word in words).encode()).hexdigest()[:12]
 

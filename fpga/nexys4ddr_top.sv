@@ -141,13 +141,18 @@ module nexys4ddr_top
       .load_tuser_o(load_tuser)
   );
 
+  // A session, or a run, begins; one ends before its time.
+  logic begins, cut;
+  assign begins = hello || run;
+  assign cut = abort || hello;
+
   triaxis_watchdog #(
       .Clocks(WatchdogClocks)
   ) u_watchdog (
       .clk_i(clk),
       .rst_ni(rst_n),
       .kick_i(kick),
-      .forget_i(hello || run),
+      .forget_i(begins),
       .alive_o(alive),
       .expired_o(expired)
   );
@@ -179,7 +184,7 @@ module nexys4ddr_top
       .forget_i(forget),
       .move_i(move),
       .run_i(run),
-      .abort_i(abort || hello),
+      .abort_i(cut),
       .fields_i(request.fields),
       .busy_o(busy),
       .aborting_o(aborting),
@@ -250,16 +255,18 @@ module nexys4ddr_top
       .near_o(near_count)
   );
 
-  logic ring_full, ring_read;
+  logic ring_clear, ring_full, ring_read;
   logic [31:0] ring_number;
   logic [2*IndexWidth-1:0] ring_data;
+
+  assign ring_clear = run || forget;
 
   triaxis_near_ring #(
       .Width(2 * IndexWidth)
   ) u_ring (
       .clk_i(clk),
       .rst_ni(rst_n),
-      .clear_i(run || forget),
+      .clear_i(ring_clear),
       .drop_i(aborting),
       .free_i(free),
       .free_to_i(request.fields[31:0]),
@@ -365,12 +372,13 @@ module nexys4ddr_top
       .beat_o
   );
 
-  logic wrong_q;
+  logic wrong_q, shown_wrong;
   always_ff @(posedge clk or negedge rst_n) begin
     if (!rst_n) wrong_q <= 1'b0;
     else if (link_error || refused) wrong_q <= 1'b1;
-    else if (hello || run) wrong_q <= 1'b0;
+    else if (begins) wrong_q <= 1'b0;
   end
+  assign shown_wrong = wrong_q || expired;
 
   triaxis_display #(
       .DigitClocks(DigitClocks)
@@ -379,7 +387,7 @@ module nexys4ddr_top
       .rst_ni(rst_n),
       .go_i(go_o),
       .running_i(busy),
-      .error_i(wrong_q || expired),
+      .error_i(shown_wrong),
       .near_i(summary.near_count),
       .seg_no,
       .an_no

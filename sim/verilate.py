@@ -29,7 +29,7 @@ QUICK, LIGHT, MANY, FAST = "-O0", "-Og", "-O1", "-O2"
 SAIF, VCD = "saif", "vcd"
 
 COUNTERS = (
-    "--coverage-line", "--coverage-toggle", "--coverage-expr",
+    "--coverage-line", "--coverage-toggle", "--coverage-expr", "--coverage-user",
     # Signals of any width: Verilator leaves out those above 256 bits otherwise, and does not say so.
     "--coverage-max-width", "65536",
     # Without it, an instance of a module that is not inlined shares the counters of the first one.

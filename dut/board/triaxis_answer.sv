@@ -75,13 +75,13 @@ module triaxis_answer
           code: code_i,
           session: request_i.session,
           sequence_number: request_i.sequence_number,
-          command: request_i.command | 8'h80
+          command: {1'b1, request_i.command[6:0]}
       };
   assign body_bytes_o = body_bytes;
   assign pairs_o = (request_i.command == CmdResults && code_i == CodeOk) ? pairs : '0;
   assign first_pair_o = from;
 
-  logic unused_fields;
-  assign unused_fields = ^request_i.fields[8*FieldBytes-1:32];
+  logic [8*FieldBytes-33:0] unused_fields;
+  assign unused_fields = request_i.fields[8*FieldBytes-1:32];
 
 endmodule

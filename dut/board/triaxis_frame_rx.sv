@@ -34,17 +34,18 @@ module triaxis_frame_rx
   logic full_q, skip_q;
   logic [31:0] crc;
 
-  logic refused, store, ended, good;
+  logic over, refused, store, ended, good;
   // While a frame is held, the next one may not begin: its whole is passed over.
   assign refused = full_q || count_q == Longest;
   assign store = valid_i && !skip_q && !refused;
+  assign over = end_i || error_i;
   assign ended = end_i && !skip_q && count_q != '0;
   assign good = ended && count_q >= Shortest && crc == CrcResidue;
 
   triaxis_crc32 u_crc (
       .clk_i,
       .rst_ni,
-      .start_i(end_i || error_i),
+      .start_i(over),
       .valid_i(store),
       .data_i,
       .crc_o  (crc)
@@ -65,7 +66,7 @@ module triaxis_frame_rx
     end else begin
       error_o <= error_i || (ended && !good) || (valid_i && !skip_q && refused);
       if (release_i) full_q <= 1'b0;
-      if (end_i || error_i) begin
+      if (over) begin
         count_q <= '0;
         skip_q  <= 1'b0;
       end else if (store) begin

@@ -115,7 +115,7 @@ module triaxis_judge
     else code_o = command_code;
   end
 
-  logic unused_fields;
-  assign unused_fields = ^fields_i[8*FieldBytes-1:72];
+  logic [8*FieldBytes-73:0] unused_fields;
+  assign unused_fields = fields_i[8*FieldBytes-1:72];
 
 endmodule

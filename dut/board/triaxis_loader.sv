@@ -63,15 +63,16 @@ module triaxis_loader
     assign fits[k] = top == '0 || top == '1;
   end
 
-  logic last_triangle, all_fit, taken;
+  logic last_triangle, all_fit, taken, sent, emptied;
   assign last_triangle = left_q == triangle_count_t'(1);
   assign all_fit = fits == '1;
   assign taken = tvalid_o && tready_i;
 
   assign accepted_o = state_q == Look && all_fit && last_triangle;
   assign bad_o = state_q == Look && !all_fit;
-  assign done_o = bad_o || (taken && state_q == Send && last_triangle)
-      || (taken && state_q == Empty && both_q && mesh_q);
+  assign sent = taken && state_q == Send && last_triangle;
+  assign emptied = taken && state_q == Empty && both_q && mesh_q;
+  assign done_o = bad_o || sent || emptied;
   assign address_o = address_q;
   assign tvalid_o = state_q == Empty || state_q == Send;
   assign tuser_o = {state_q == Empty, mesh_q};

@@ -71,7 +71,7 @@ module triaxis_near_ring #(
       .read_data_o(data_o)
   );
 
-  logic unused_number;
-  assign unused_number = ^number_i[31:AddressWidth];
+  logic [31-AddressWidth:0] unused_number;
+  assign unused_number = number_i[31:AddressWidth];
 
 endmodule

@@ -49,22 +49,24 @@ module triaxis_reply
   body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
   logic [31:0] number_q, crc;
-  logic taken, last_byte;
+  logic idle, taken, counted, last_byte;
 
-  assign ready_o = state_q == Idle;
+  assign idle = state_q == Idle;
+  assign ready_o = idle;
   assign valid_o = state_q == Bytes || state_q == Crc;
   assign data_o = bytes_q[7:0];
   assign last_byte = left_q == left_t'(1);
   assign last_o = state_q == Crc && last_byte;
   assign taken = valid_o && ready_i;
+  assign counted = taken && state_q == Bytes;
   assign ring_read_o = state_q == Next;
   assign ring_number_o = number_q;
 
   triaxis_crc32 u_crc (
       .clk_i,
       .rst_ni,
-      .start_i(state_q == Idle),
-      .valid_i(taken && state_q == Bytes),
+      .start_i(idle),
+      .valid_i(counted),
       .data_i (data_o),
       .crc_o  (crc)
   );

@@ -18,23 +18,20 @@
 
 namespace triaxis {
 
-template <typename Word>
-void CountWord(uint32_t* counts, Word now, Word before) {
-  for (Word changed = now ^ before; changed != 0; changed &= changed - 1) {
+// Not inlined: there are thousands of calls, and compiling them costs more than they do. Bits above the width
+// may hold anything: they are no bits of the signal, and their counters would be those of the next one.
+[[gnu::noinline]] inline void CountNarrow(int width, uint32_t* counts, uint64_t now, uint64_t before) {
+  const uint64_t mask = ~uint64_t{0} >> (64 - width);
+  for (uint64_t changed = (now ^ before) & mask; changed != 0; changed &= changed - 1) {
     const int bit = std::countr_zero(changed);
     ++counts[2 * bit + ((now >> bit) & 1)];
   }
 }
 
-// Not inlined: there are thousands of calls, and compiling them costs more than they do.
-[[gnu::noinline]] inline void CountNarrow(int, uint32_t* counts, uint64_t now, uint64_t before) {
-  CountWord(counts, now, before);
-}
-
-// Verilator keeps the unused bits of the highest word at zero, so they never change.
 [[gnu::noinline]] inline void CountWide(int width, uint32_t* counts, WDataInP now, WDataInP before) {
-  for (int word = 0; word < VL_WORDS_I(width); ++word) {
-    CountWord<uint32_t>(counts + 2 * VL_EDATASIZE * word, now[word], before[word]);
+  for (int word = 0; width > 0; ++word, width -= VL_EDATASIZE) {
+    CountNarrow(width < VL_EDATASIZE ? width : VL_EDATASIZE, counts + 2 * VL_EDATASIZE * word, now[word],
+                before[word]);
   }
 }
 

@@ -7,6 +7,7 @@ import numpy as np
 from pyuvm import uvm_env, uvm_subscriber
 
 from triaxis.coverage.board_coverage import BoardCoverage, Happened
+from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.board.line_agent import Act, BoardBfm, LineAgent, LineItem, Until
 from triaxis.verif.board.protocol import (
     HEAD,
@@ -29,6 +30,8 @@ from triaxis.verif.testbench.settings import coverage_file
 _SURPLUS_CYCLES = 6000
 # In which all digits are shown, and the number is in decimal.
 _DIGITS_CYCLES = 300
+# Between triangles of `comb`.
+_PITCH = 8
 SESSION = 0x11DBC022
 
 
@@ -213,6 +216,18 @@ class BoardTest(EnvironmentTest):
     def corners(self, count: int) -> Integers:
         """Return ``count`` triangles that the boxes of `flat`'s overlap, and that are not near them at 0."""
         return np.tile(np.array([[10, 10, 0], [10, 6, 0], [6, 10, 0]], np.int64), (count, 1, 1))
+
+    def comb(self, count: int, shift: int) -> Integers:
+        """Return ``count`` small triangles, none of whose boxes is near one of another shift by half a pitch.
+
+        Each group of them spans the same space, so that no box of groups tells them apart.
+        """
+        number, group = np.arange(count), self.parameters.group
+        low, high = coordinate_range(self.parameters.width)
+        step = (high - low - 2 * _PITCH) // group
+        x = low + step // _PITCH * _PITCH * (number % group) + _PITCH * (number // group) + shift
+        corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.int64)
+        return corner + np.stack([x, 0 * x, 0 * x], -1)[:, None]
 
     def cloud(self, count: int, spread: int) -> Integers:
         """Return ``count`` small triangles (count, 3, 3) anywhere within ``spread``."""

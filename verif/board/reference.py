@@ -290,7 +290,9 @@ class BoardReference:
     def _last_pair(self) -> int:
         run = self.run
         certain = run.state == State.DONE and not run.maybe_aborted
-        return 0 if run.overflow else run.offered if certain else run.written
+        if run.overflow or certain:
+            return 0 if run.overflow else run.offered
+        return max(run.written, run.freed + RING if self.pins.full else 0)
 
     def _length(self, command: int, payload: bytes) -> int:
         if command == Command.LOAD:

@@ -9,6 +9,7 @@ from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.board.base_test import SESSION, BoardTest
 from triaxis.verif.board.line_agent import Act, Until
 from triaxis.verif.board.protocol import (
+    HEAD,
     LONGEST,
     MOST_TRIANGLES,
     RING,
@@ -540,6 +541,73 @@ class BoardFullTest(BoardTest):
         await self.just_full()
         await self.numbers()
         await self.meanwhile()
+        await self.every_pair()
+        await self.counts()
+        await self.longest()
+        await self.errors()
+        await self.often()
+
+    async def every_pair(self) -> None:
+        """Take near pairs from all over the longest list that there is, and pass over the others."""
+        depth = self.parameters.depth
+        await self.move()
+        await self.scene(self.flat(0, depth), self.flat(0, depth))
+        await self.start(Mode.ALL)
+        for first in range(RING, depth * depth + 1, RING):
+            # Until the ring is full again.
+            await self.clocks(2 * RING)
+            await self.results(first - depth // 4)
+            await self.results(first)
+        await self.idle()
+        await self.status()
+        # A longer one, most of which it waits.
+        await self.start(Mode.ALL)
+        await self.clocks(1 << 17)
+        await self.ask(Command.ABORT)
+
+    async def counts(self) -> None:
+        """Count powers of two: groups that are skipped, pairs that are, near ones."""
+        depth = self.parameters.depth
+        await self.load(1, self.flat(100, depth))
+        await self.clear_run()
+        await self.scene(self.comb(depth, 0), self.comb(depth, 4))
+        for mesh, count in ((1, depth), (0, depth // 2), (1, depth // 2), (0, depth // 4), (1, depth // 4)):
+            await self.load(mesh, self.comb(count, 4 * mesh))
+            await self.clear_run()
+        for count_a, count_b in ((depth // 2, depth), (depth // 4, depth), (depth // 4, depth // 2)):
+            await self.scene(self.flat(0, count_a), self.flat(100, count_b))
+            await self.clear_run()
+        await self.load(1, self.flat(100, depth // 4))
+        await self.clear_run()
+        await self.scene(self.flat(0, depth // 2), self.flat(0, depth // 2))
+        await self.run(Mode.COUNT)
+        await self.digits()
+
+    async def longest(self) -> None:
+        """Send frames as long as there are, of all ones and zeros and of any bytes, with unknown commands."""
+        size = LONGEST - HEAD.size - 4
+        for payload in (bytes(size), b"\xff" * size, bytes(size), *(self.rng.bytes(size) for _ in range(20))):
+            await self.ask(int(self.rng.integers(8, 256)), payload)
+
+    async def often(self) -> None:
+        """Run more often than half of what the number of a run can show; then be some other hosts."""
+        await self.scene(self.flat(), self.flat())
+        await self.run(Mode.ALL)
+        await self.all_results()
+        for _ in range(130):
+            await self.start(Mode.COUNT)
+            await self.idle()
+        await self.status()
+        for session in (2**32 - 1, *self.rng.integers(1, 2**32, 4).tolist()):
+            await self.line(act=Act.RESET, clocks=3, until=Until.NOW)
+            self.session = session
+            await self.hello()
+            await self.status()
+
+    async def errors(self) -> None:
+        """Begin and end frames of a byte each, which are too short."""
+        await self.silent(b"\xc0" + b"\x41\xc0" * 2100)
+        await self.status()
 
     async def busy(self) -> None:
         """Ask for what would disturb a run that goes on."""

@@ -1,4 +1,4 @@
-"""Code coverage of dut/: what the environment's own tests reach, on builds that count.
+"""Code coverage of the RTL: what the environment's own tests reach, on builds that count.
 
 The tests check every answer as always: coverage by a core that answers wrongly is worth nothing.
 """
@@ -27,18 +27,30 @@ from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
+from triaxis.sim.build import built, content_hash, rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.detector import DetectorPlayer
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.models import core_build, detector_build, mesh_build
-from triaxis.sim.paths import BUILD, SIM, mesh_sources, rtl_sources
+from triaxis.sim.models import (
+    CORE_SVA,
+    MESH_SVA,
+    assertions,
+    board_build,
+    core_build,
+    detector_build,
+    mesh_build,
+)
+from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.validity import Sources
 from triaxis.sim.verilate import LIGHT, Build, described, library
+from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random
-from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, counters_file
+from triaxis.verif.testbench.assertions import with_antecedents
+from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, Block, counters_file
 from triaxis.verif.testbench.simulation import RunResult, run, run_settings
+from triaxis.verif.testbench.table import table
 
 RESULT = BUILD / "coverage" / "code.json"
 COUNTERS = BUILD / "coverage" / "counters"
@@ -55,13 +67,13 @@ CORES = (
     Configuration(14, 0),
 )
 DETECTOR_WIDTH = 16
-_ENGINE_MODULES = frozenset(source.stem for source in mesh_sources())
 
 # The mesh engine, where several words of lanes make a group, and several a mesh; with margins, and without.
 _MESH = MeshConfiguration(8, 8, depth=32, group=4, lanes=2, cycle_bits=8)
 ENGINES = (_MESH, replace(_MESH, margin_bits=0))
-# Of progress: the cores, the wrapper and the engines, each when it is built and when it is done.
-STEPS = 2 * (len(CORES) + 1 + len(ENGINES))
+BOARDS = (parse_board_configuration("board_w12_m5_d128_g8_l4"),)
+# Of progress: the cores, the wrapper, the engines and the board, each when it is built and when it is done.
+STEPS = 2 * (len(CORES) + 1 + len(ENGINES) + len(BOARDS))
 
 # The tests that run on each model, those that reach most, and the pairs that each sends.
 PAIRS = 12_000
@@ -113,22 +125,49 @@ class CodeCoverage:
         return self.assessment.passed and not self.problems
 
 
-Measured = Configuration | MeshConfiguration | None
+Measured = Configuration | MeshConfiguration | BoardParameters | None
+
+
+def own_sources(configuration: Measured) -> list[Path]:
+    """Return the RTL that is measured in a build: below the mesh engine or the board, others measure it."""
+    if isinstance(configuration, BoardParameters):
+        return board_sources()
+    return mesh_sources() if isinstance(configuration, MeshConfiguration) else rtl_sources()
 
 
 def covered(configuration: Measured) -> Build:
-    """Return the build that is measured: of the core, of the mesh engine, or (None) of the wrapper.
+    """Return the build that is measured: of the core, the mesh engine, the board or (None) the wrapper."""
+    match configuration:
+        case None:
+            build, rules = detector_build(DETECTOR_WIDTH), ()
+        case BoardParameters():
+            build, rules = board_build(configuration), ()
+        case MeshConfiguration():
+            build, rules = mesh_build(configuration), assertions(MESH_SVA)
+        case _:
+            build, rules = core_build(configuration), assertions(CORE_SVA)
+    own = own_sources(configuration)
+    sources = [source for source in build.sources if source.suffix == ".sv"]
+    texts = {path.name: with_antecedents(path) for path in rules}
+    for machine in state_machines(sources):
+        if machine.source in own:
+            texts[f"{machine.name}.sv"] = covers(machine, machine.arcs(sources))
+    # What counts by its cover properties alone.
+    quiet = [*texts, *(source.name for source in sources if source not in own)]
+    texts["counted.vlt"] = "\n".join(
+        ["`verilator_config", *(f'coverage_off -file "*/{one}"' for one in quiet), ""]
+    )
 
-    The core in the mesh engine has no counters: it is measured by itself.
-    """
-    if isinstance(configuration, MeshConfiguration):
-        build = mesh_build(configuration)
-        # Counters change with the order of the control files.
-        build = replace(build, sources=(*build.sources, SIM / "counters" / "mesh_only.vlt"))
-    else:
-        build = core_build(configuration) if configuration else detector_build(DETECTOR_WIDTH)
+    def write(folder: Path) -> None:
+        for name, text in texts.items():
+            (folder / name).write_text(text, encoding="utf-8")
+
+    folder = built(
+        BUILD / "coverage" / f"{build.name}-{content_hash((), *texts, *texts.values())[:12]}", write
+    )
+    sources = (*build.sources, *(folder / name for name in sorted(texts)))
     # Little less speed than more optimising, for much less compiling.
-    return replace(build, counters=True, speed=LIGHT, split=5000)
+    return replace(build, sources=sources, counters=True, assertions=True, speed=LIGHT, split=5000)
 
 
 @dataclass(frozen=True)
@@ -146,9 +185,11 @@ class _Job:
         return covered(self.configuration)
 
     @property
-    def of_engine(self) -> bool:
-        """Return whether it is of the mesh engine."""
-        return isinstance(self.configuration, MeshConfiguration)
+    def tests(self) -> dict[str, int]:
+        """Return the tests that run on it, and how many pairs or replies each is asked for."""
+        if isinstance(self.configuration, BoardParameters):
+            return {one.name: one.runs[0].pairs for one in table().values() if one.block is Block.BOARD}
+        return _MESH_TESTS if isinstance(self.configuration, MeshConfiguration) else _CORE_TESTS
 
     def build(self) -> None:
         """Build and elaborate the model, where needed."""
@@ -160,16 +201,16 @@ class _Job:
         model = self.model
         file = COUNTERS / f"{model.name}.dat"
         runs = [self._ask_wrapper(file)] if self.configuration is None else self._run_tests(file)
-        instances = read_elaboration(described(model), model.top)
-        if self.of_engine:
-            instances = {path: one for path, one in instances.items() if one.module in _ENGINE_MODULES}
+        own = {source.stem for source in own_sources(self.configuration)}
+        design = read_elaboration(described(model), model.top)
+        instances = {path: one for path, one in design.items() if one.module in own}
         return runs, assess_model(ModelCoverage(model.name, read_counters(file), instances), self.waivers)
 
     def _run_tests(self, file: Path) -> list[Run]:
         """Run the environment's tests on the model, and add up what they covered."""
         path, model = library(self.model), self.model.name
         results: list[RunResult] = []
-        for test, pairs in (_MESH_TESTS if self.of_engine else _CORE_TESTS).items():
+        for test, pairs in self.tests.items():
             count = -(-self.pairs * pairs // PAIRS)
             settings = run_settings(
                 test, model, self.seed, count, folder=COUNTERS / f"{model}-{test}", agent=BURST,
@@ -226,6 +267,7 @@ def measure(
     pairs: int = PAIRS,
     cores: Sequence[Configuration] = CORES,
     engines: Sequence[MeshConfiguration] = ENGINES,
+    boards: Sequence[BoardParameters] = BOARDS,
     waivers: Path = WAIVERS,
     progress: Callable[[int], None] | None = None,
 ) -> CodeCoverage:
@@ -235,7 +277,7 @@ def measure(
     """
     start = time.perf_counter()
     read = read_waivers(waivers)
-    jobs = [_Job(one, seed, pairs, read) for one in (*cores, None, *engines)]
+    jobs = [_Job(one, seed, pairs, read) for one in (*boards, *engines, *cores, None)]
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
@@ -244,7 +286,7 @@ def measure(
         together = Assessment()
         for _, assessment in done:
             together.add(assessment)
-        whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources()]), read)
+        whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()]), read)
         changed = rtl_hash() != before
     runs = [run for some, _ in done for run in some]
     return CodeCoverage(runs, whole, read, time.perf_counter() - start, before, changed)

@@ -282,6 +282,17 @@ def board_proofs() -> tuple[SbyProof, ...]:
             6,
             ("frames for the encoder stay as they are until they are taken",),
         ),
+        replace(
+            _assertions(
+                "board_errors",
+                "For all time: the count of errors grows by what happens in a clock, two things at most, and "
+                "stays at the largest number that it can show.",
+                ("board/triaxis_saturating_counter",),
+                {"Width": 16},
+                3,
+            ),
+            cover_from_reset=False,
+        ),
     )
 
 

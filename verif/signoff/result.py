@@ -26,7 +26,7 @@ _PACKAGES = (
 )  # fmt: skip
 
 # Kinds of code coverage that have a bound in stages.toml.
-_COVERED = ("line", "branch", "expression", "toggle")
+_COVERED = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
 
 Value = float | int | None
 
