@@ -20,6 +20,13 @@ def line(kind, what, count, path=TOP):
     return counter_line(Path("/somewhere/top.sv"), (7, 3, kind, what, lines), path, count)
 
 
+def prop(module, label, count, path):
+    """Return the counter of a cover property: of a module that is bound to the top."""
+    return counter_line(
+        Path(f"/somewhere/{module}.sv"), (2, 1, "user", label, ""), f"{TOP}.{path}.{label}", count
+    )
+
+
 def toggles(name, rises, falls):
     return [line("toggle", f"{name}:0->1", rises), line("toggle", f"{name}:1->0", falls)]
 
@@ -32,6 +39,9 @@ GOOD = [
     *toggles("clk_i", 9, 9),
     *toggles("sum[0]", 1, 2),
     *toggles("sum[1]", 3, 4),
+    prop("top_states", "Idle_to_Busy", 2, "u_states"),
+    prop("top_sva", "HeldAntecedent", 1, "u_sva"),
+    prop("top_sva", "KeptAntecedent", 1, "u_sva.g_lane__BRA__3__KET____DOT__g_in"),
 ]
 SIGNALS = [Signal(TOP, "clk_i", range(0)), Signal(TOP, "sum", range(2))]
 DESIGN = Instance(TOP, "top", {"W": 4}, SIGNALS, {"g_block"}, {7})
@@ -74,7 +84,9 @@ def test_everything_hit_passes(assessed):
     found = assessed(GOOD)
     assert found.passed
     counts = {kind: (total.hit, total.total, total.percent) for kind, total in found.totals.items()}
-    expected = {"line": 1, "branch": 2, "expression": 1, "toggle": 6, "generate": 1}
+    expected = {
+        "line": 1, "branch": 2, "expression": 1, "toggle": 6, "fsm": 1, "antecedent": 2, "generate": 1,
+    }  # fmt: skip
     assert counts == {kind: (count, count, 100.0) for kind, count in expected.items()}
     # A percentage never rounds up to all.
     assert Total(hit=1_880_006, total=1_880_096).percent == 99.99
@@ -94,6 +106,19 @@ def test_a_bin_that_is_not_hit_fails(assessed):
         [bin_] = found.uncovered
         assert (bin_.kind, bin_.file, bin_.line, bin_.instance) == (kind, "top.sv", 7, TOP)
         assert not found.passed and found.totals[kind].percent < 100
+    for label, said in (
+        ("\x02Idle_to_Busy\x01", f"top_states.sv:2: fsm Idle_to_Busy, {TOP}.u_states, model"),
+        ("\x02HeldAntecedent\x01", f"top_sva.sv:2: antecedent Held, {TOP}.u_sva, model"),
+        ("\x02KeptAntecedent\x01", f"top_sva.sv:2: antecedent Kept, {TOP}.u_sva.g_lane[3].g_in, model"),
+    ):
+        assert [str(bin_) for bin_ in assessed(never(label)).uncovered] == [said]
+
+
+def test_what_happens_at_power_up_is_no_bin(assessed):
+    unhit = never("\x02block\x01")
+    assert not assessed(unhit).passed
+    found = assessed(unhit, design=replace(DESIGN, initial={7}))
+    assert found.totals["line"].total == 0 and not found.uncovered
 
 
 def test_what_is_not_in_the_counters_or_not_in_the_design_fails(assessed):
@@ -115,6 +140,10 @@ def test_a_waiver_covers_bins(assessed):
     way = waiver(kind="branch", signals=(), bits=(), what=("if",), where="W == 4")
     assert assessed(never("\x02if\x01"), [way]).passed
     assert not assessed(never("\x02if\x01"), [replace(way, where="W == 5")]).passed
+    arc = waiver(kind="fsm", modules=("top_states",), signals=(), bits=(), what=("Idle_*",), where="W == 4")
+    assert assessed(never("Idle_to_Busy"), [arc]).passed
+    # The source is not there to be read: no line fits but with any.
+    assert not assessed(never("\x02if\x01"), [replace(way, at=("if (taken)",))]).passed
     block = waiver(kind="generate", signals=(), bits=(), what=("g_*",))
     assert assessed(GOOD, [block], NO_BLOCK).passed
 

@@ -34,6 +34,9 @@ LEAF = [
         # Operators on vectors and checks of cases are no conditions.
         {"type": "AND", "loc": "a,3:1,3:9", "dtypep": "ref"},
         {"type": "AND", "loc": "a,4:1,4:9", "dtypep": "bit"},
+        # What is bound to the module stands elsewhere.
+        {"type": "LOGOR", "loc": "b,6:3,6:9"},
+        {"type": "INITIALSTATIC", "loc": "a,12:1,12:9"},
         {"type": "CASE", "loc": "a,5:1,9:9", "notParallelp": [{"type": "NOT", "loc": "a,5:1,5:9"}]},
     ]},
 ]  # fmt: skip
@@ -48,7 +51,8 @@ TOP = [
 
 def test_instances_signals_parameters_and_conditions(tmp_path):
     modules = [
-        {"type": "MODULE", "addr": n, "origName": n, "stmtsp": s} for n, s in (("top", TOP), ("leaf", LEAF))
+        {"type": "MODULE", "addr": n, "origName": n, "loc": "a,1:8,1:9", "stmtsp": s}
+        for n, s in (("top", TOP), ("leaf", LEAF))
     ]
     path = tmp_path / "tree.json"
     path.write_text(json.dumps({"modulesp": modules, "miscsp": [{"type": "TYPETABLE", "typesp": TYPES}]}))
@@ -61,6 +65,7 @@ def test_instances_signals_parameters_and_conditions(tmp_path):
     ]  # fmt: skip
     assert [(s.name, s.bits) for s in leaf.signals] == [("result.near", range(0)), ("result.axis", range(8))]
     assert (leaf.module, leaf.parameters, leaf.conditions) == ("leaf", {"N": 31}, {4, 17})
+    assert (leaf.initial, top.initial) == ({12}, set())
     assert (top.conditions, top.blocks) == (set(), {"g_x"})
     with pytest.raises(InputError, match="with a module other"):
         read_elaboration(path, "other")

@@ -67,18 +67,14 @@ module triaxis_judge
 
   logic load_value, move_value, run_value, results_value;
   assign load_value = fields_i[7:1] == '0 && load_triangles != '0 && load_triangles <= 8'(LoadMax);
-  if (W < 32) begin : g_moves
-    logic [2:0] fits;
-    for (genvar k = 0; k < 3; k++) begin : g_move
-      // The sign and all above it.
-      logic [31-W:0] top;
-      assign top = fields_i[32*k+W+:32-W];
-      assign fits[k] = top == '0 || top == '1;
-    end
-    assign move_value = fits == '1;
-  end else begin : g_all_moves
-    assign move_value = 1'b1;
+  logic [2:0] fits;
+  for (genvar k = 0; k < 3; k++) begin : g_move
+    // The sign and all above it; at W = 32 the sign alone, and all poses fit.
+    logic signed [31:0] top;
+    assign top = $signed(fields_i[32*k+:32]) >>> W;
+    assign fits[k] = top == '0 || top == '1;
   end
+  assign move_value = fits == '1;
   assign run_value = fields_i[7:0] <= 8'(ModeCount) && (fields_i[39:8] >> M) == '0;
   assign results_value = fields_i[31:0] - freed_i <= written_i - freed_i;
 

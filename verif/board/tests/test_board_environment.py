@@ -24,7 +24,7 @@ SAID = {
 }
 
 # Those that press the button.
-PRESSED = ("BoardGoTest", "BoardSilenceTest", "BoardResetsTest", "BoardMixedTest")
+PRESSED = ("BoardGoTest", "BoardFullTest", "BoardSilenceTest", "BoardResetsTest", "BoardMixedTest")
 
 
 def simulated(folder, test, seed):

@@ -1,6 +1,7 @@
 """Code coverage: every bit and block has its counter, and the result says what is missed."""
 
 import json
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,9 +31,10 @@ from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
 from triaxis.sim.models import core_build
-from triaxis.sim.paths import mesh_sources, rtl_sources
-from triaxis.sim.verilate import COUNTERS, described, library, verilate_command
+from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
+from triaxis.sim.verilate import COUNTERS, QUICK, compiler, described, library, runtime, verilate_command
 from triaxis.verif.code_coverage.run import (
+    BOARDS,
     CORES,
     ENGINES,
     CodeCoverage,
@@ -110,14 +112,15 @@ def test_the_widest_bus_has_a_counter_for_each_bit_and_would_have_none(tmp_path:
 def test_the_models_elaborate_every_generate_block() -> None:
     found = {
         (instance.module, label)
-        for model in map(covered, (*CORES, None, *ENGINES))
+        for model in map(covered, (*CORES, None, *ENGINES, *BOARDS))
         for instance in read_elaboration(described(model), model.top).values()
         for label in instance.blocks
     }
-    blocks = generate_blocks([*rtl_sources(), *mesh_sources()])
+    blocks = generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()])
     missing = {block.label for block in blocks if (block.module, block.label) not in found}
     of_engine = {"g_bad_powers", "g_bad_sizes", "g_bad_cycles"}
-    assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"} | of_engine
+    of_board = {"g_bad_rate", "g_bad_depth", "g_bad_group", "g_bad_watchdog"}
+    assert missing == {"g_bad_tag", "g_bad_w", "g_bad_m", "g_bad_edge_box"} | of_engine | of_board
 
 
 def coverage(assessment: Assessment, **changes: int) -> CodeCoverage:
@@ -166,3 +169,34 @@ def test_the_exit_code_says_whether_all_is_covered(
     assert ("PASSED" in said) is passed
     assert passed or "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0" in said
     assert main(["coverage", "code", "--pairs=0"]) == 2
+
+
+COUNTING = """
+#include <array>
+#include <cstdio>
+#include "verilated.h"
+#include "verilated_cov.h"
+int main() {
+  std::array<uint32_t, 200> counts{};
+  VL_COV_TOGGLE_CHG_ST_I(3, counts.data(), 0xF5, 0xA0);
+  VL_COV_TOGGLE_CHG_ST_Q(40, counts.data() + 6, 0, ~0ULL);
+  const EData now[2] = {1u << 31, 0xFFFFFFFEu}, before[2] = {0, 0};
+  VL_COV_TOGGLE_CHG_ST_W(34, counts.data() + 86, now, before);
+  for (const uint32_t count : counts) std::putchar('0' + count);
+}
+"""
+
+
+@pytest.mark.simulator
+def test_bits_above_a_signals_width_are_no_bits_of_the_next_one(tmp_path: Path) -> None:
+    source = tmp_path / "counting.cpp"
+    source.write_text(COUNTING)
+    build, program = covered(SMALL), tmp_path / "counting"
+    run_tool(
+        [*compiler(build, QUICK), str(source), str(runtime(build)), "-o", str(program)], tmp_path, "counting"
+    )
+    said = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    # Falling, then rising, of each bit: 0 and 2 rose; 40 fell; 31 and 33 rose.
+    narrow, middle = "010001", "10" * 40
+    wide = "00" * 31 + "01" + "00" + "01"
+    assert said == (narrow + middle + wide).ljust(200, "0")
