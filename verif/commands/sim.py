@@ -181,7 +181,7 @@ def _failed(options: argparse.Namespace, result: RunResult) -> int:
 def _broken(name: str, test: str) -> Path:
     """Return the RTL with a fault; raise InputError where the test does not drive what the fault is in."""
     fault, block = fault_of(name), table()[test].block
-    if fault.kind is not {Block.CORE: Kind.CORE, Block.MESH: Kind.ENGINE}.get(block):
+    if fault.kind is not {Block.CORE: Kind.CORE, Block.MESH: Kind.ENGINE, Block.BOARD: Kind.BOARD}.get(block):
         raise InputError(
             f"fault {name}: is in {fault.kind.value}, and {test} drives the {block.value}: "
             f"`triaxis prove faults --fault {name}` tries it"

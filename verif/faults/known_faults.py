@@ -1,11 +1,12 @@
 """The catalogue of faults: those of the design that this core replaces, and further ones.
 
-Each fault of the core, or of the mesh engine above it, is a diff in patches/, by the fault's name. F9 and F10
+Each fault of the core, the mesh engine or the board is a diff in patches/, by the fault's name. F9 and F10
 were no faults of the design but of its testbench: they are tried on our own environment.
 """
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -18,6 +19,7 @@ class Kind(Enum):
 
     CORE = "the core"
     ENGINE = "the mesh engine"
+    BOARD = "the board"
     WRAPPER = "the wrapper CollisionDetector"
     ENVIRONMENT = "the environment"
 
@@ -44,9 +46,13 @@ def _replaced(name: str, title: str, story: str, kind: Kind = Kind.CORE) -> Faul
     return Fault(name, title, story, kind, patch=patch)
 
 
-def _engine(name: str, story: str) -> Fault:
-    title = name.removeprefix("engine-").replace("-", " ")
-    return Fault(name, title, story, Kind.ENGINE, "mesh_w8_m8_d32_g4_l2", False, PATCHES / f"{name}.patch")
+def _above(kind: Kind, config: str, name: str, story: str) -> Fault:
+    title = name.partition("-")[2].replace("-", " ")
+    return Fault(name, title, story, kind, config, False, PATCHES / f"{name}.patch")
+
+
+_engine = partial(_above, Kind.ENGINE, "mesh_w8_m8_d32_g4_l2")
+_board = partial(_above, Kind.BOARD, "board_w12_m5_d128_g8_l4")
 
 
 def _further(name: str, story: str, config: str = "w16_m0") -> Fault:
@@ -134,6 +140,14 @@ FAULTS = (
     _engine("engine-abort-complete", "A run that was aborted says that it is complete."),
     _engine("engine-overflow-wrapped", "Where A moved leaves the range its coordinates wrap."),
     _engine("engine-memory-read", "A memory is read although no run is under way."),
+    _board("board-go-kept-on-move", "Go stays although the tool is told to be elsewhere."),
+    _board("board-go-kept-on-refusal", "Go stays although something was refused."),
+    _board("board-refusals-keep-alive", "The watchdog takes a host that is refused for one that is well."),
+    _board("board-damage-accepted", "Frames are taken whatever their CRC says."),
+    _board("board-repeat-executed", "A command that comes twice is executed twice."),
+    _board("board-counts-not-compared", "A run begins although the host counts other triangles in mesh B."),
+    _board("board-ring-overrun", "Near pairs are lost where the ring is full."),
+    _board("board-range-unchecked", "Coordinates that do not fit are cut off."),
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Faults of the core and of the mesh engine: the first generic test that sees one; the smallest pair."""
+"""Faults of the core, the mesh engine and the board: the first test that sees one; the smallest pair."""
 
 import os
 from dataclasses import dataclass
@@ -25,7 +25,8 @@ PICTURES = FOLDER / "pictures"
 class _Search:
     """The tests that look for faults of a kind, in the order in which they are tried, and how they are run.
 
-    ``pairs``: those that a test of the core sends, and that one of the engine accounts for at least.
+    ``pairs``: those that a test of the core sends, and that one of the engine accounts for at least; of the
+    board, replies.
     """
 
     design: str
@@ -54,6 +55,15 @@ SEARCHES = {
         PIN,
         400,
     ),
+    Kind.BOARD: _Search(
+        "board",
+        (
+            "BoardSmokeTest", "BoardGoTest", "BoardFramesTest", "BoardRefusalsTest", "BoardSilenceTest",
+            "BoardAbortTest", "BoardFullTest", "BoardResetsTest", "BoardMixedTest",
+        ),
+        BURST,
+        60,
+    ),
 }  # fmt: skip
 
 
@@ -80,7 +90,7 @@ def _caught(fault: Fault, dut: Path, result: RunResult, missed: tuple[str, ...],
         return Attempt(None, f"{test} ended without a verdict on the {design}: {said} (log: {result.log})")
     replay = f"{result.settings.replay_command} --fault {fault.name}"
     catch = Catch(test, sign.message, sign.pairs, sign.clocks, missed, before, replay)
-    if fault.kind is Kind.ENGINE or result.failing_pairs is None:
+    if fault.kind is not Kind.CORE or result.failing_pairs is None:
         return Attempt(catch)
     # Built here, beside other work.
     configuration = parse_configuration(fault.config)
