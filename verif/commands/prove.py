@@ -31,6 +31,7 @@ from triaxis.verif.faults.catching import catch_all
 from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.formal import coq, proving
+from triaxis.verif.formal.cone import Covered
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
@@ -72,17 +73,22 @@ def _print_proofs(result: proving.FormalResult) -> None:
     proofs = table("proofs", ("proof", "method", "checked", "seconds", "result"), text=3)
     for outcome in result.outcomes:
         facts = outcome.finding.facts.items()
-        checked = ", ".join(f"{count} {what}" for what, count in facts if isinstance(count, int))
+        checked = [f"{count} {what}" for what, count in facts if isinstance(count, int)]
+        if registers := len(outcome.finding.registers):
+            checked.append(f"{registers} registers")
         proofs.add_row(
             outcome.proof.name,
             str(outcome.proof.method),
-            checked,
+            ", ".join(checked),
             f"{outcome.seconds:.1f}",
             outcome.finding.result if outcome.passed else outcome.finding.result.upper(),
         )
     Console(width=120).print(proofs)
     print_list("FAILED:", result.problems)
     print(result.summary)
+    if isinstance(result.registers, Covered):
+        print_list("NO PROOF:", [f"{one.module}: {one.name}" for one in result.registers.unexplained])
+        print(result.registers.summary)
 
 
 def add_theorem(parser: argparse.ArgumentParser) -> None:

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from triaxis.verif.formal.definition import MARGIN, ZERO, Polynomial, variable
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package
 
+_REGISTERS = ("$dff", "$aldff")
+
 
 @dataclass(frozen=True)
 class Word:
@@ -45,6 +47,11 @@ class DataPath:
         self._values: dict[str, Word] = {}
         self.gates: set[tuple[Bit, int]] = set()
 
+    def registers(self) -> set[str]:
+        """Return the names of the registers passed so far, of the netlist's cells."""
+        drivers = (self._netlist.drivers.get(bit) for bit in self._origins)
+        return {driver[0].name for driver in drivers if driver and driver[0].kind in _REGISTERS}
+
     # --- Bits ---------------------------------------------------------------------------------------
 
     def origin(self, bit: Bit) -> tuple[Bit, int]:
@@ -65,7 +72,7 @@ class DataPath:
     def _register(self, bit: Bit) -> Bit | None:
         """Return the bit that a register took at the last clock, None where the bit is no register."""
         driver = self._netlist.drivers.get(bit)
-        if driver is None or driver[0].kind not in ("$dff", "$aldff"):
+        if driver is None or driver[0].kind not in _REGISTERS:
             return None
         cell, _, place = driver
         if not cell.parameters["CLK_POLARITY"]:

@@ -25,6 +25,7 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.packing import COORDINATES
 from triaxis.verif.formal.algebra import DataPath, Inputs, Word
+from triaxis.verif.formal.cone import Register, of_cells
 from triaxis.verif.formal.definition import (
     FIRST_PLANE_AXIS,
     MARGIN,
@@ -56,11 +57,16 @@ class AxisProof:
     def __init__(self, netlist: Netlist, inputs: Inputs, core: Configuration, dut: Path) -> None:
         """Take an elaborated core."""
         self._netlist, self._inputs, self._core = netlist, inputs, core
+        self._dut = dut
         self._path = DataPath(netlist, inputs, Package(dut), core.width, core.margin_bits)
 
     def origin(self, bit: Bit) -> tuple[Bit, int]:
         """Return the net that a bit comes from through registers, and the clocks since."""
         return self._path.origin(bit)
+
+    def registers(self) -> frozenset[Register]:
+        """Return the registers that values, conditions and tags were followed through."""
+        return of_cells(self._path.registers(), self._netlist.top, self._dut)
 
     def verdict_age(self) -> int:
         """Prove everything up to the verdict; return its age."""
@@ -253,8 +259,11 @@ class AxisProof:
         return {age for _, age in known.values()}
 
 
-def prove_core(configuration: Configuration, dut: Path, folder: Path) -> None:
-    """Prove a configuration of the core, from its ports to its queue; raise NetlistError where it fails."""
+def prove_core(configuration: Configuration, dut: Path, folder: Path) -> frozenset[Register]:
+    """Prove a configuration of the core, from its ports to its queue; return the registers on the way.
+
+    Raises NetlistError where it fails.
+    """
     netlist = elaborate(dut, "triaxis_core", configuration.parameters, CLOSED, folder)
     width, margin = configuration.width, configuration.margin_bits
     data, user = netlist.inputs["s_axis_tdata_i"], netlist.inputs["s_axis_tuser_i"]
@@ -271,6 +280,7 @@ def prove_core(configuration: Configuration, dut: Path, folder: Path) -> None:
     if age != documented:
         raise NetlistError(f"triaxis_core: verdicts come after {age} clocks instead of {documented}")
     _check_queue(proof, netlist, inputs, user[margin:], age)
+    return proof.registers()
 
 
 def _check_queue(proof: AxisProof, netlist: Netlist, inputs: Inputs, tag: tuple[Bit, ...], age: int) -> None:
@@ -285,8 +295,8 @@ def _check_queue(proof: AxisProof, netlist: Netlist, inputs: Inputs, tag: tuple[
         raise NetlistError("triaxis_core: the queue takes a verdict at another clock than its own")
 
 
-def prove_detector(width: int, dut: Path, folder: Path) -> None:
-    """Prove the wrapper CollisionDetector; raise NetlistError where it fails."""
+def prove_detector(width: int, dut: Path, folder: Path) -> frozenset[Register]:
+    """Prove the wrapper CollisionDetector; return as `prove_core`, raise NetlistError where it fails."""
     netlist = elaborate(dut, "CollisionDetector", {"W": width}, CLOSED, folder)
     names = [f"{triangle}{vertex}_{k}" for triangle in "AB" for vertex in "123" for k in "xyz"]
     bits = {
@@ -294,10 +304,12 @@ def prove_detector(width: int, dut: Path, folder: Path) -> None:
         for number, name in zip(range(VARIABLES), names, strict=True)
         for place, bit in enumerate(netlist.inputs[name])
     }
-    AxisProof(netlist, Inputs(bits, "1"), Configuration(width), dut).verdict_age()
+    proof = AxisProof(netlist, Inputs(bits, "1"), Configuration(width), dut)
+    proof.verdict_age()
     verdict = next(cell for cell in netlist.cells if cell.kind == "triaxis_verdict")
     if netlist.outputs["CollisionOccurs"] != verdict.ports["verdict_o"][:1]:
         raise NetlistError("CollisionDetector: it does not put out whether the two are near")
+    return proof.registers()
 
 
 @dataclass(frozen=True)
@@ -311,19 +323,21 @@ class AxesProof(Proof):
         """Prove all of them; see `Proof`."""
         if folder.exists():
             shutil.rmtree(folder)
-        jobs: dict[str, Callable[[Path], None]] = {
+        jobs: dict[str, Callable[[Path], frozenset[Register]]] = {
             one.name: partial(prove_core, one, dut) for one in self.configurations
         }
         jobs |= {f"detector_w{width}": partial(prove_detector, width, dut) for width in self.detectors}
         problems, undecided = [], []
+        passed: frozenset[Register] = frozenset()
         for name, job in jobs.items():
             try:
-                job(folder / name)
+                passed |= job(folder / name)
             except NetlistError as error:
                 problems.append(f"{self.name}: {name}: {error}")
             except InputError as error:
                 undecided.append(f"{self.name}: {name}: {error}")
-        return Finding(tuple(problems), folder, {"netlists": len(jobs)}, tuple(undecided))
+        facts = {"netlists": len(jobs)}
+        return Finding(tuple(problems), folder, facts, tuple(undecided), registers=passed)
 
 
 def axes_proof(

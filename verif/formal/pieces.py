@@ -14,6 +14,7 @@ from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.programs import read_slang
+from triaxis.verif.formal.cone import of_cells
 from triaxis.verif.formal.definition import ZERO, Polynomial, variable
 from triaxis.verif.formal.netlist import (
     Bit,
@@ -72,6 +73,8 @@ class _Multiplier:
         }
         self._known: dict[str, _Value] = {}
         self._slices: list[_Slice] = []
+        # The names of the registers on the way.
+        self.passed: set[str] = set()
 
     def prove(self) -> int:
         """Prove that the output is the product; return its age."""
@@ -109,6 +112,7 @@ class _Multiplier:
     def _origin(self, bit: Bit) -> tuple[Bit, int]:
         age = 0
         while (driver := self._netlist.drivers.get(bit)) is not None and driver[0].kind == "$dff":
+            self.passed.add(driver[0].name)
             bit, age = driver[0].ports["D"][driver[2]], age + 1
         return bit, age
 
@@ -209,12 +213,16 @@ class PiecesProof(Proof):
             for a, b in every
         )
         run_yosys(script, dut, names, folder, f"mul_{every[-1][0]}_{every[-1][1]}.json")
+        passed: set[str] = set()
         for a, b in every:
             text = (folder / f"mul_{a}_{b}.json").read_text(encoding="utf-8")
-            age = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], (_NARROW,))).prove()
+            multiplier = _Multiplier(read_netlist(_TOP, json.loads(text)["modules"][_TOP], (_NARROW,)))
+            age = multiplier.prove()
+            passed |= multiplier.passed
             if age != package.call("mul_latency", a, b):
                 raise NetlistError(f"{a} x {b} bits: the product comes after {age} clocks")
-        return Finding(log=folder / "yosys.log", facts={"netlists": len(every)})
+        registers = of_cells(passed, _TOP, dut)
+        return Finding(log=folder / "yosys.log", facts={"netlists": len(every)}, registers=registers)
 
 
 def multiply_wide() -> Proof:

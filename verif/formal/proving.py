@@ -3,7 +3,7 @@
 import fnmatch
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +16,16 @@ from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import BOARD_TOP, BUILD, DUT, ROOT
 from triaxis.sim.validity import Sources
+from triaxis.verif.formal.cone import UNPROVED_FILE, Covered, all_registers, by_modules, read_unproved
 from triaxis.verif.formal.proof import Outcome, Proof, Result, require_tools
 from triaxis.verif.formal.proofs import proofs
 
 FOLDER = BUILD / "formal"
 RESULT = FOLDER / "formal.json"
-SOURCES = Sources(("triaxis.verif.formal.proving",), (str(BOARD_TOP.relative_to(ROOT)),))
+SOURCES = Sources(
+    ("triaxis.verif.formal.proving",),
+    (str(BOARD_TOP.relative_to(ROOT)), str(UNPROVED_FILE.relative_to(ROOT))),
+)
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,8 @@ class FormalResult:
     complete: bool
     seconds: float
     rtl_changed: bool = False
+    # None where only some proofs were run; in place of it, why no register is known.
+    registers: Covered | str | None = None
 
     @property
     def problems(self) -> list[str]:
@@ -39,6 +45,10 @@ class FormalResult:
         findings = [outcome.finding for outcome in self.outcomes]
         found = [problem for finding in findings for problem in finding.problems]
         found += [f"not decided: {reason}" for finding in findings for reason in finding.undecided]
+        if isinstance(self.registers, str):
+            found.append(f"not decided: registers: {self.registers}")
+        elif self.registers:
+            found += self.registers.problems
         return [*found, "the RTL changed during the proofs"] if self.rtl_changed else found
 
     @property
@@ -97,12 +107,19 @@ def prove_all(
         for future in as_completed(running):
             outcomes[future.result().proof.name] = future.result()
             progress(1)
-    return FormalResult(
-        tuple(outcomes[proof.name] for proof in chosen),
-        len(chosen) == len(proofs()),
-        time.monotonic() - start,
-        rtl_hash(dut) != before,
-    )
+        ordered = tuple(outcomes[proof.name] for proof in chosen)
+        complete = len(chosen) == len(proofs())
+        registers = _covered(ordered, dut, folder / "registers") if complete else None
+    return FormalResult(ordered, complete, time.monotonic() - start, rtl_hash(dut) != before, registers)
+
+
+def _covered(outcomes: Sequence[Outcome], dut: Path, folder: Path) -> Covered | str:
+    """Return which registers the proofs that hold look at, or why that is not known."""
+    found = (outcome.finding.registers for outcome in outcomes if outcome.passed)
+    try:
+        return Covered(all_registers(dut, folder), frozenset().union(*found), read_unproved())
+    except InputError as error:
+        return str(error)
 
 
 def outcome_of(proof: Proof, dut: Path, folder: Path) -> Outcome:
@@ -127,6 +144,7 @@ def write_result(result: FormalResult, command: str, path: Path = RESULT) -> Pat
         "proved": result.proved,
         "undecided": result.undecided,
         "exceptions": result.exceptions,
+        "registers": result.registers.content if isinstance(result.registers, Covered) else None,
     }
     return write_evidence(path, content, SOURCES)
 
@@ -143,6 +161,8 @@ def _entry(outcome: Outcome) -> dict[str, object]:
         "result": finding.result,
         "problems": [*finding.problems, *finding.undecided],
         "facts": dict(finding.facts),
+        # None of a proof that looks at no netlist.
+        "registers": by_modules(finding.registers),
         "seconds": round(outcome.seconds, 1),
         "log": None if finding.log is None else os.path.relpath(finding.log, ROOT),
     }

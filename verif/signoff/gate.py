@@ -24,6 +24,7 @@ SOURCES = Sources(
         "coverage/testplan.hjson",
         *TEST_DATA,
         "verif/faults/patches/*.patch",
+        "verif/formal/unproved.toml",
         "verif/mutation/equivalents.toml",
     ),
 )

@@ -181,7 +181,12 @@ def _proofs(evidence: Evidence) -> dict[str, Value]:
     # What no tool decided is neither a proof nor a failure: then there is no share. What could not be tried
     # here is one of the exceptions that the sign-off names.
     tried = [proof for proof in evidence["proofs"] if proof["result"] != Result.ABSENT]
-    return {"proofs_passed": None if evidence["undecided"] else _share_of(tried, "passed")}
+    registers = evidence["registers"]
+    return {
+        "proofs_passed": None if evidence["undecided"] else _share_of(tried, "passed"),
+        "registers_proved": share(registers["covered"], registers["total"]) if registers else None,
+        "registers_unexplained": registers["unexplained"] if registers else None,
+    }
 
 
 def _testplan(evidence: Evidence) -> dict[str, Value]:

@@ -67,8 +67,16 @@ def _proofs():
     proof = {
         "name": "order", "claim": "results come in order", "method": "k-induction", "parameters": {"W": 16},
         "assumptions": ["The driver holds its pair."], "passed": True, "result": "proved", "seconds": 1.0,
+        "registers": {"triaxis_fifo": ["memory_q"]},
     }  # fmt: skip
-    return evidence(proofs=[proof], undecided=0, exceptions=[])
+    why = {"module": "triaxis_display", "name": "digit_q", "reason": "it is for people to read"}
+    modules = {"triaxis_fifo": {"total": 99, "covered": 99}, "triaxis_display": {"total": 1, "covered": 0}}
+    registers = {
+        "total": 100, "covered": 99, "unexplained": 0, "summary": "99 of 100 registers are in a cone",
+        "modules": modules,
+        "outside": [why],
+    }  # fmt: skip
+    return evidence(proofs=[proof], undecided=0, exceptions=[], registers=registers)
 
 
 def _testplan():

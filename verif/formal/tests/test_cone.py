@@ -1,0 +1,148 @@
+"""A register counts as looked at where an assertion depends on it, and only there."""
+
+import json
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
+from triaxis.verif.formal import proof as proof_module
+from triaxis.verif.formal.cone import (
+    Covered,
+    Register,
+    all_registers,
+    by_modules,
+    hierarchy,
+    read_cone,
+    read_unproved,
+)
+from triaxis.verif.formal.proof import Result
+from triaxis.verif.formal.proofs import proofs
+
+A, B = Register("unit", "a_q"), Register("unit", "b_q.field")
+
+
+def proved(name, folder):
+    finding = next(proof for proof in proofs() if proof.name == name).prove(DUT, folder)
+    assert finding.result is Result.PROVED, finding
+    return finding.registers
+
+
+@pytest.mark.prover
+def test_without_an_assertion_its_registers_are_in_no_cone(tmp_path, monkeypatch):
+    whole = proved("engine_near", tmp_path / "whole")
+    names = {"first_o", "in_flight_q", "m_axis_near_tdata_o", "m_axis_near_tvalid_o", "near_o", "tested_o"}
+    assert by_modules(whole) == {"triaxis_near_pairs": sorted(names)}
+
+    rtl = shutil.copytree(proof_module.RTL, tmp_path / "rtl")
+    harness = rtl / "triaxis_near_pairs_formal.sv"
+    text = harness.read_text()
+    counted = "Counted : assert (tested_o == tested_q && near_o == near_q);"
+    assert counted in text
+    harness.write_text(text.replace(counted, ""))
+    monkeypatch.setattr(proof_module, "RTL", rtl)
+    lost = whole - proved("engine_near", tmp_path / "less")
+    assert Register("triaxis_near_pairs", "tested_o") in lost and len(lost) < len(whole)
+
+
+@pytest.mark.prover
+def test_algebra_looks_at_the_registers_that_it_passes(tmp_path):
+    # The multiplier of narrow pieces is closed in this proof, and has one of its own.
+    assert set(by_modules(proved("multiply_wide", tmp_path))) == {"triaxis_mul", "triaxis_sum"}
+
+
+@pytest.mark.prover
+def test_all_registers_are_those_of_every_module_that_has_some(tmp_path):
+    every = all_registers(DUT, tmp_path)
+    having = {
+        path.stem
+        for path in DUT.glob("*/*.sv")
+        if any(word in path.read_text() for word in ("always_ff", "`TRIAXIS_STAGE("))
+    }
+    assert {one.module for one in every} == having
+    assert set(read_unproved()) <= every
+    # Memories, members of structures, what lies in a block, and what a macro declares.
+    assert {
+        Register("triaxis_fifo", "memory_q"),
+        Register("triaxis_command", "request_q.session"),
+        Register("triaxis_delay", "g_regs.g_stage.stage_q"),
+        Register("triaxis_verdict", "flags_2"),
+    } <= every
+
+
+def _cell(kind, name="", **ports):
+    directions = {port: "output" if port in ("Q", "Y") else "input" for port in ports}
+    return {
+        "type": kind, "connections": ports, "port_directions": directions,
+        "parameters": {"MEMID": f"\\{name}"}, "attributes": {},
+    }  # fmt: skip
+
+
+def test_the_cone_ends_where_nothing_drives(tmp_path):
+    (tmp_path / "harness.sv").write_text(
+        "module harness; unit u_unit (); stand_in u_other (); endmodule\n"
+        "module unit; endmodule\nmodule stand_in; endmodule\n"
+    )
+    cells = {
+        "check": _cell("$assert", A=[2], EN=["1"]),
+        "$driver$u_unit.a_q": _cell("$anyinit", D=[3], Q=[2]),
+        # Renamed by yosys: called as its output is.
+        "$auto$ff.cc:1": _cell("$dffe", D=[4], Q=[3]),
+        "or": _cell("$or", A=[5], B=[6], Y=[4]),
+        "$driver$u_other.c_q[1]": _cell("$dff", D=[7], Q=[5]),
+        # Net 6 is free: what drove it was cut. What nobody reads is in no cone.
+        "$driver$u_unit.d_q": _cell("$dff", D=[2], Q=[8]),
+        "memory": _cell("$mem_v2", "u_unit.g_on[3].memory_q", A=[2], Q=[7]),
+    }
+    nets = {"u_unit.b_q": {"hide_name": 0, "bits": [3]}, "$x": {"hide_name": 1, "bits": [3]}}
+    path = tmp_path / "cone.json"
+    path.write_text(json.dumps({"modules": {"harness": {"cells": cells, "netnames": nets}}}))
+    found = read_cone(path, [tmp_path / "harness.sv"], "harness", frozenset({"unit"}))
+    assert {one.name for one in found} == {"a_q", "b_q", "g_on.memory_q"}
+    # One that stands in for another module is no register of dut/.
+    both = read_cone(path, [tmp_path / "harness.sv"], "harness", frozenset({"unit", "stand_in"}))
+    assert both - found == {Register("stand_in", "c_q")}
+    with pytest.raises(InputError, match="one flat module, top"):
+        read_cone(path, [], "top", frozenset())
+
+
+def test_one_name_of_two_modules_is_refused(tmp_path):
+    path = tmp_path / "a.sv"
+    path.write_text("module a; if (1) begin b u_x (); end else begin c u_x (); end endmodule\n")
+    with pytest.raises(InputError, match="u_x: instances of two modules"):
+        hierarchy([path])
+
+
+def test_a_reason_that_no_longer_applies_is_a_problem():
+    every = frozenset({A, B, Register("unit", "c_q")})
+    # A proof has the structure as a plain word.
+    covered = Covered(every, frozenset({Register("unit", "b_q")}), {A: "for people"})
+    assert covered.unexplained == [Register("unit", "c_q")] and covered.problems == []
+    assert covered.content["modules"] == {"unit": {"total": 3, "covered": 1}}
+    assert covered.summary.startswith("1 of 3 registers")
+
+    stale = replace(covered, reasons={B: "for people", Register("unit", "gone_q"): "for people"}).problems
+    assert [line.split(": ", 2)[2] for line in stale] == [
+        "b_q.field: is in the cone of a proof: take it out",
+        "gone_q: there is no such register: take it out",
+    ]
+    (odd,) = replace(covered, proved=frozenset({Register("unit", "only_q")})).problems
+    assert "only_q: only proofs have this register" in odd
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[[unproved]]\nregisters = { unit = ['a_q'] }", "reason"),
+        ("[[unproved]]\nreason = 'x'\nregisters = { unit = ['a_q', 'a_q'] }", "twice"),
+        ("a = 1", "unproved"),
+        ("a = ", "cannot be read"),
+    ],
+)
+def test_a_wrong_list_is_refused(tmp_path, text, message):
+    path = tmp_path / "unproved.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_unproved(path)
