@@ -19,19 +19,19 @@ module triaxis_beat #(
   logic   beat_q;
   assign beat_o = beat_q;
 
+  logic last;
+  assign last = count_q == count_t'(Clocks - 1);
+
+  // In reset nobody says go.
+  always_ff @(posedge clk_i) begin
+    if (!go_i || last) count_q <= '0;
+    else count_q <= count_q + count_t'(1);
+  end
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      count_q <= '0;
-      beat_q  <= 1'b0;
-    end else if (!go_i) begin
-      count_q <= '0;
-      beat_q  <= 1'b0;
-    end else if (count_q == count_t'(Clocks - 1)) begin
-      count_q <= '0;
-      beat_q  <= !beat_q;
-    end else begin
-      count_q <= count_q + count_t'(1);
-    end
+    if (!rst_ni) beat_q <= 1'b0;
+    else if (!go_i) beat_q <= 1'b0;
+    else if (last) beat_q <= !beat_q;
   end
 
 endmodule

@@ -28,16 +28,15 @@ module triaxis_session
   byte_t command_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      session_q  <= '0;
-      sequence_q <= '0;
-      command_q  <= '0;
-    end else begin
-      if (take_i) session_q <= session_i;
-      if (take_i || executed_i) begin
-        sequence_q <= sequence_number_i;
-        command_q  <= command_i;
-      end
+    if (!rst_ni) session_q <= '0;
+    else if (take_i) session_q <= session_i;
+  end
+
+  // Nobody's, the board asks for no number.
+  always_ff @(posedge clk_i) begin
+    if (take_i || executed_i) begin
+      sequence_q <= sequence_number_i;
+      command_q  <= command_i;
     end
   end
 

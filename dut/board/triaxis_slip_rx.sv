@@ -27,7 +27,16 @@ module triaxis_slip_rx
     Escaped
   } state_e;
 
+  // What the last byte of the line was.
+  typedef enum logic [1:0] {
+    Nothing,
+    Byte,
+    End,
+    Error
+  } seen_e;
+
   state_e state_q;
+  seen_e  seen_q;
   logic is_end, is_escape, escapes, unescaped_end, unescaped_escape;
   assign is_end = data_i == SlipEnd;
   assign is_escape = data_i == SlipEsc;
@@ -38,26 +47,21 @@ module triaxis_slip_rx
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q <= Hunt;
-      valid_o <= 1'b0;
-      end_o   <= 1'b0;
-      error_o <= 1'b0;
+      seen_q  <= Nothing;
     end else begin
-      valid_o <= 1'b0;
-      end_o   <= 1'b0;
-      error_o <= 1'b0;
+      seen_q <= Nothing;
       if (framing_error_i) begin
-        error_o <= 1'b1;
+        seen_q  <= Error;
         state_q <= Hunt;
       end else if (valid_i) begin
         case (state_q)
           Plain: begin
-            valid_o <= !is_end && !is_escape;
-            end_o   <= is_end;
-            if (is_escape) state_q <= Escaped;
+            if (is_end) seen_q <= End;
+            else if (is_escape) state_q <= Escaped;
+            else seen_q <= Byte;
           end
           Escaped: begin
-            valid_o <= escapes;
-            error_o <= !escapes;
+            seen_q  <= escapes ? Byte : Error;
             // An END after an ESC is wrong, and yet ends the frame.
             state_q <= (escapes || is_end) ? Plain : Hunt;
           end
@@ -68,10 +72,12 @@ module triaxis_slip_rx
   end
 
   always_ff @(posedge clk_i) begin
-    if (valid_i) begin
-      if (state_q == Escaped) data_o <= unescaped_end ? SlipEnd : SlipEsc;
-      else data_o <= data_i;
-    end
+    if (state_q == Escaped) data_o <= unescaped_end ? SlipEnd : SlipEsc;
+    else data_o <= data_i;
   end
+
+  assign valid_o = seen_q == Byte;
+  assign end_o   = seen_q == End;
+  assign error_o = seen_q == Error;
 
 endmodule

@@ -76,7 +76,7 @@ class BoardReference:
         self._receiver = FrameReceiver(self._failed)
         self.held: Frame | None = None
         self._line = bytearray()
-        self._replying = False
+        self._replying = self._opened = False
         self._due: Due | None = None
         self.session = self.sequence = self.command = 0
         self._forget()
@@ -357,7 +357,7 @@ class BoardReference:
     def begin(self) -> None:
         """Take the beginning of a reply: two clocks before its first bit its frame has been executed."""
         frame, self.held = self.held, None
-        self._replying, self._line = True, bytearray()
+        self._replying, self._opened, self._line = True, False, bytearray()
         if frame is None:
             self._wrong("a reply that nothing asked for")
             return
@@ -502,8 +502,13 @@ class BoardReference:
     def spoken(self, value: int) -> None:
         """Take a byte of the board's."""
         if value != END:
+            if not self._opened:
+                self._wrong("a reply without an END before it")
+            self._opened = True
             self._line.append(value)
-        elif self._line:
+        elif not self._line:
+            self._opened = True
+        else:
             self._replying = False
             due, self._due = self._due, None
             if due is None:

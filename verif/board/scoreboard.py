@@ -20,6 +20,7 @@ _DESCRIBED = 10
 # line's register, SLIP and the frame; a reply's first bit is seen in its middle, and begins two clocks after
 # the frame was executed.
 _LATENCIES = {RX: 5, RX_BROKEN: 5, BEGIN: -4}
+_LINE = (RX, RX_BROKEN, TX, TX_BROKEN)
 # More than any of them.
 _HOLD = 8
 # Of what happens in one clock: lines first, pins last.
@@ -72,6 +73,13 @@ class BoardScoreboard(CountingScoreboard):
         ).tolist()
         # Stable: events of one kind stay in their order.
         self._waiting = sorted([*self._waiting, *map(tuple, rows)], key=lambda row: row[:2])
+        # What had not come to the pins yet when the button was pressed is lost; so is a byte's end just then.
+        for pressed in events["clock"][(kinds == RESET) & (events["value"] == 1)].tolist():
+            self._waiting = [
+                row
+                for row in self._waiting
+                if row[2] not in _LINE or not row[0] - _LATENCIES.get(row[2], 0) <= pressed <= row[0]
+            ]
         self._take(seen.clock - _HOLD)
 
     def _take(self, until: int) -> None:

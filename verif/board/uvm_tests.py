@@ -394,6 +394,8 @@ class BoardSilenceTest(BoardTest):
         await self.clear_run()
         await self.digits()
         await self.not_executed()
+        await self.clocks(self.parameters.watchdog_clocks)
+        await self.alone()
         await self.others()
 
     async def kept_alive(self) -> None:
@@ -414,6 +416,16 @@ class BoardSilenceTest(BoardTest):
                 await self.clocks(self.parameters.watchdog_clocks // 2)
                 await self.line(frame)
             await self.status()
+
+    async def alone(self) -> None:
+        """Take the board and say no more: that was the one sign of life."""
+        self.session += 1
+        await self.hello()
+        await self.clocks(self.parameters.watchdog_clocks)
+        self.session -= 1
+        await self.hello()
+        await self.clear_scene()
+        await self.clear_run()
 
     async def others(self) -> None:
         """Let another master try, while the board has one and when it has none."""
@@ -688,6 +700,22 @@ class BoardResetsTest(BoardTest):
             for session in (self.session, 0xFFFFFFFF):
                 await self.ask(Command.STATUS, session=session)
             self.sequence = int(self.rng.integers(2**32))
+        await self.at_each_clock()
+
+    async def at_each_clock(self) -> None:
+        """Press it at each clock of a byte: of a frame, of what is wrong with one, before and in a reply."""
+        status = framed(self.frame(Command.STATUS))
+        whole, byte = _BYTE * len(status), _BYTE + 5
+        # Not while it is executed: of that nothing is seen until its reply begins.
+        for data, first, clocks in (
+            (status[:5], _BYTE, byte), (b"\xc0\xdb\x01", 3 * _BYTE - 5, byte),
+            (status, whole - 5, byte // 2), (status, whole + 10 * _BYTE, byte),
+        ):  # fmt: skip
+            for clock in range(first, first + clocks):
+                await self.line(data, Until.NOW, gap=clock)
+                await self.line(act=Act.UNPLUG, until=Until.NOW)
+                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
+                await self.ask(Command.STATUS)
 
 
 @listed(

@@ -1,15 +1,17 @@
 """Mutants that no test can kill, each with evidence that a machine checks again.
 
-`equivalents.toml` lists them, with one of five kinds of evidence.
+`equivalents.toml` lists them, with one of six kinds of evidence.
 
 - "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
   by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
+- "registers": a module and the same with the mutant, where their registers are equal, make equal outputs of
+  any inputs, reset among them, and registers that are equal a clock later. By induction.
 - "exhaustive": the core with the mutant, at the smallest widths, gives the right result for all its inputs.
 - "corners": for a mutant that drops the top bit of a cast: the value never needs that bit. It is affine in
   each coordinate, so it is largest at corners of the coordinate box: all 2^18 are enumerated, and the bound
   is held against the width for every W.
-- "contract": of a module of the mesh engine: all that its users rely on is proved for all time, by the proofs
-  of verif/formal/ that are of that module, and holds of the mutant as well.
+- "contract": of a module of the mesh engine, or of the board's go: all that its users rely on is proved for
+  all time, by the proofs of verif/formal/ that are named for it, and holds of the mutant as well.
 - "model": of the mesh engine with these parameters, and in every target, Verilator makes the same model of
   the mutant as of the original: what differs in the text is folded away.
 """
@@ -29,16 +31,16 @@ import numpy.typing as npt
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, Pairs
-from triaxis.sim.build import content_hash, mesh_files
+from triaxis.sim.build import content_hash, mesh_files, rtl_files
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
-from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.sim.paths import BOARD_TOP, DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
-from triaxis.verif.formal.proofs import engine_proofs
+from triaxis.verif.formal.proofs import board_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
     ElaborationError,
@@ -52,7 +54,7 @@ from triaxis.verif.mutation.schema import copy_rtl
 from triaxis.verif.mutation.targets import EngineTarget, Target, core_latencies
 
 FILE = Path(__file__).with_name("equivalents.toml")
-PROOF, EXHAUSTIVE, CORNERS = "proof", "exhaustive", "corners"
+PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
 CONTRACT, MODEL = "contract", "model"
 
 # Bits of input of which all values can be played.
@@ -115,7 +117,8 @@ def _entry(path: Path, number: int, entry: Mapping[str, Any]) -> Equivalent:
 
 def _read(folder: Path, entry: Equivalent, name: str) -> str:
     parameters = " ".join(f"-G {key}={value}" for key, value in entry.parameters.items())
-    sources = " ".join(map(str, rtl_sources(folder)))
+    files = [path for path in rtl_files(folder) if path.suffix == ".sv"]
+    sources = " ".join(map(str, files if entry.evidence == REGISTERS else rtl_sources(folder)))
     return (
         f"read_slang --threads 1 -I {folder / 'core'} {parameters} --top {entry.module} {sources}; "
         f"hierarchy -top {entry.module}; proc; flatten; opt_clean; rename {entry.module} {name}; "
@@ -127,6 +130,13 @@ _MITER = (
     "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
     "miter -equiv -flatten -make_outputs gold gate miter; hierarchy -top miter; opt -full miter; "
     "sat -verify -prove trigger 0 -set-def-inputs miter"
+)
+# Only ports and registers are matched by their names: what is between them may differ.
+_INDUCTION = (
+    "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+    "rename -hide w:* t:$*ff* %co1:+[Q] %d i:* %d o:* %d; "
+    "equiv_make gold gate equiv; hierarchy -top equiv; async2sync; opt_clean; "
+    "equiv_induct -seq 1; equiv_status -assert"
 )
 
 
@@ -146,7 +156,7 @@ def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str 
             _copy(dut, folder / str(number), mutant)
             script += [
                 _read(folder / str(number), entry, "gate"),
-                _MITER,
+                _INDUCTION if entry.evidence == REGISTERS else _MITER,
                 f"log PROVED-{number}-.",
                 "design -reset",
             ]
@@ -263,7 +273,7 @@ def _largest(entry: Equivalent) -> int | None:
 
 def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
     """Prove the contract of the entry's module of each mutant; return what is wrong, None where it holds."""
-    proofs = [proof for proof in engine_proofs() if proof.top == f"{entry.module}_formal"]
+    proofs = [proof for proof in (*engine_proofs(), *board_proofs()) if proof.top == f"{entry.module}_formal"]
     if not proofs:
         return f"{entry.mutants[0]}: contract: there is no proof of {entry.module} in verif/formal/"
     for mutant in mutants:
@@ -306,6 +316,7 @@ def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) ->
 
 _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] = {
     PROOF: prove,
+    REGISTERS: prove,
     EXHAUSTIVE: exhaust,
     CORNERS: bound,
     CONTRACT: keep_contract,
@@ -355,9 +366,12 @@ def check_equivalents(
 def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
     """Prove an entry, or find that it was proved before."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
-    solver = _solver() if entry.evidence in (PROOF, CONTRACT) else ""
+    solver = _solver() if entry.evidence in (PROOF, REGISTERS, CONTRACT) else ""
+    # The board, which changes more often, is part of few.
+    of_board = any(mutant.file.startswith("board/") for mutant in mutants)
+    files = (*rtl_files(dut), BOARD_TOP) if of_board else mesh_files(dut)
     key = content_hash(
-        mesh_files(dut), killers_hash(), solver, entry.evidence, entry.module,
+        files, killers_hash(), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
     mark = FOLDER / "proofs" / key[:24]

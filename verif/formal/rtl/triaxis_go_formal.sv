@@ -297,7 +297,8 @@ module triaxis_go_formal
   assign state = u_top.u_command.state_q;
   assign loader = u_top.u_command.u_loader.state_q;
   assign busy = u_top.busy;
-  assign armed = u_top.u_safety.armed_q;
+  // In silence it comes to nothing.
+  assign armed = u_top.u_safety.armed_q && (u_top.alive || go_o);
   assign repeated = u_top.u_command.repeated;
   assign ok = u_top.code == CodeOk;
   assign address = u_top.u_command.address_q;
@@ -333,9 +334,9 @@ module triaxis_go_formal
         assert (ok && frame.command == CmdHello && frame.session != '0);
         assert (takes || (owned && frame.sequence_number == number_q + 32'd1));
       end else begin
-        assert (u_top.u_command.u_session.session_q == session_q &&
-                u_top.u_command.u_session.sequence_q == number_q &&
-                u_top.u_command.u_session.command_q == command_q);
+        assert (u_top.u_command.u_session.session_q == session_q);
+        assert (session_q == '0 || (u_top.u_command.u_session.sequence_q == number_q &&
+                u_top.u_command.u_session.command_q == command_q));
       end
       if (state inside {Act, Load, AbortEnd, Reply} && ok && !in_hello) begin
         assert (frame.command inside {[CmdHello : CmdAbort]});

@@ -25,6 +25,7 @@ from triaxis.verif.mutation.equivalence import (
     CORNERS,
     EXHAUSTIVE,
     PROOF,
+    REGISTERS,
     Equivalent,
     check_equivalents,
     keep_contract,
@@ -154,6 +155,12 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     assert message is not None
     assert wrong.id in message
     assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
+    # Of registers: what is between them may differ, no reset, and no register.
+    of_board = {mutant.id: mutant for mutant in catalogue(whole=True).mutants}
+    entry = Equivalent((), "reason", REGISTERS, "triaxis_safety", {}, "nothing changes")
+    assert prove(entry, [of_board["triaxis_safety/identifier/e2ef846d"]]) is None
+    for wrong in ("triaxis_safety/deletion/133ee2a2", "triaxis_safety/operand/cbaf7dae"):
+        assert "not proved equivalent in triaxis_safety" in (prove(entry, [of_board[wrong]]) or "")
     # Nor does a contract hold for what breaks it.
     wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
     entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
@@ -161,6 +168,7 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
         ("triaxis_stream_fifo", "not equivalent by its contract"),
         ("triaxis_ram", "there is no proof of triaxis_ram"),
         ("triaxis_pick", "are not of mesh/triaxis_stream_fifo.sv"),
+        ("triaxis_go", "are not of mesh/triaxis_stream_fifo.sv"),
     ):
         assert said in (keep_contract(replace(entry, module=module), [wrong]) or "")
 
