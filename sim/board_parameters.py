@@ -24,7 +24,7 @@ class BoardParameters:
     watchdog_clocks: int = 10_000_000
     build_id: int = 0
     digit_clocks: int = 16
-    beat_clocks: int = 64
+    beat_clocks: int = 50
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""

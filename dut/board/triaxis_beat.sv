@@ -6,7 +6,7 @@
 // Latency: Clocks clocks from go_i to the first edge; 1 clock from the end of go_i.
 
 module triaxis_beat #(
-    parameter int unsigned Clocks = 50_000  // between two edges
+    parameter int unsigned Clocks = 50_000  // between two edges, at least 2
 ) (
     input  logic clk_i,
     input  logic rst_ni,
@@ -14,7 +14,7 @@ module triaxis_beat #(
     output logic beat_o
 );
 
-  typedef logic [$clog2(Clocks+1)-1:0] count_t;
+  typedef logic [$clog2(Clocks)-1:0] count_t;
   count_t count_q;
   logic   beat_q;
   assign beat_o = beat_q;
