@@ -18,7 +18,7 @@ from triaxis.verif.mutation.syntax import SourceFile, read_source
 SIGNED_OF_BOARD = frozenset(
     f"triaxis_{name}.sv"
     for name in (
-        "beat", "crc32", "receiver", "reset_sync", "safety", "session", "slip_rx", "slip_tx", "watchdog",
+        "crc32", "receiver", "reset_sync", "safety", "session", "slip_rx", "slip_tx", "watchdog",
     )
 )  # fmt: skip
 
