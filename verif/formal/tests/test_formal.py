@@ -159,7 +159,7 @@ BROKEN = (
     ("a damaged frame that nobody hears of", "board_frame", "board/triaxis_frame_rx.sv",
      "(ended && !good) || ", "", "Told"),
     ("a frame goes on after a framing error", "board_slip", "board/triaxis_slip_rx.sv",
-     "        error_o <= 1'b1;\n        state_q <= Hunt;", "        error_o <= 1'b1;", "check"),
+     "        seen_q  <= Error;\n        state_q <= Hunt;", "        seen_q  <= Error;", "check"),
     ("an escaped ESC comes back as END", "board_slip", "board/triaxis_slip_rx.sv",
      "unescaped_end ? SlipEnd : SlipEsc", "SlipEnd", "Escaped"),
     ("no END between two frames", "board_slip", "board/triaxis_slip_tx.sv",
