@@ -45,6 +45,8 @@ _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
 _EXECUTED = 23
+# Clocks from then until its reply's first bit has been seen, which tells that it was.
+_UNTOLD = 6
 
 _NO_MESH = np.empty((0, 3, 3), np.int64)
 _CLOCKS_PER_MS = 100_000
@@ -69,6 +71,8 @@ class BoardReference:
         self.beat_level = False
         # The clock, and the one in which the last ABORT was executed.
         self.clock = self.aborted = 0
+        # Clocks in which the button is going to be pressed, as far as they are known.
+        self.presses: list[int] = []
         self._reset()
 
     def _reset(self) -> None:
@@ -123,6 +127,9 @@ class BoardReference:
     def _settle(self) -> None:
         """Compare the pins with what they must be at the end of this clock."""
         pins, run = self.pins, self.run
+        if self.held and any(0 < press - self.clock <= _UNTOLD for press in self.presses):
+            # It may have been executed, and the button takes the reply that would tell.
+            return
         if self.held and not self.held.acted and pins.value != self._expected() and self._early(self.held):
             self._act(self.held)
         expected = self._expected()
@@ -159,6 +166,7 @@ class BoardReference:
         self.pins = Pins(self.pins.value)
         if down:
             self.resets += 1
+            self.presses = [press for press in self.presses if press > self.clock]
             self._reset()
 
     def see(self, value: int) -> None:

@@ -74,7 +74,9 @@ class BoardScoreboard(CountingScoreboard):
         # Stable: events of one kind stay in their order.
         self._waiting = sorted([*self._waiting, *map(tuple, rows)], key=lambda row: row[:2])
         # What had not come to the pins yet when the button was pressed is lost; so is a byte's end just then.
-        for pressed in events["clock"][(kinds == RESET) & (events["value"] == 1)].tolist():
+        presses = events["clock"][(kinds == RESET) & (events["value"] == 1)].tolist()
+        self.reference.presses += presses
+        for pressed in presses:
             self._waiting = [
                 row
                 for row in self._waiting

@@ -704,12 +704,12 @@ class BoardResetsTest(BoardTest):
 
     async def at_each_clock(self) -> None:
         """Press it at each clock of a byte: of a frame, of what is wrong with one, before and in a reply."""
+        # Of no session: refused.
         status = framed(self.frame(Command.STATUS))
         whole, byte = _BYTE * len(status), _BYTE + 5
-        # Not while it is executed: of that nothing is seen until its reply begins.
         for data, first, clocks in (
             (status[:5], _BYTE, byte), (b"\xc0\xdb\x01", 3 * _BYTE - 5, byte),
-            (status, whole - 5, byte // 2), (status, whole + 10 * _BYTE, byte),
+            (status, whole - 5, byte), (status, whole + 10 * _BYTE, byte),
         ):  # fmt: skip
             for clock in range(first, first + clocks):
                 await self.line(data, Until.NOW, gap=clock)
