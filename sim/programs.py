@@ -171,7 +171,9 @@ def read_slang(
     files: Sequence[Path | str], top: str, parameters: Mapping[str, int], options: str = ""
 ) -> str:
     """Return yosys's command that reads SystemVerilog. One thread: WebAssembly has no more."""
-    values = " ".join(f"-G {name}={value}" for name, value in parameters.items())
+    # A plain number is an int: signed, of 32 bits.
+    literals = {name: value if value < 1 << 31 else f"32'd{value}" for name, value in parameters.items()}
+    values = " ".join(f"-G {name}={value}" for name, value in literals.items())
     return f"read_slang --threads 1 {options} {values} --top {top} {' '.join(map(str, files))}"
 
 

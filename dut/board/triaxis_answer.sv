@@ -28,44 +28,36 @@ module triaxis_answer
   logic [15:0] held_triangles;
   assign from = request_i.fields[31:0];
   assign held = written_i - from;
-  assign pairs = held < 32'(NearMax) ? near_pairs_t'(held) : near_pairs_t'(NearMax);
+  assign pairs = held < 32'(NearMax) ? held[$bits(near_pairs_t)-1:0] : near_pairs_t'(NearMax);
   assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
 
+  // Only the bytes that are sent count. The number of a run is the first of a status.
   body_t body;
   body_bytes_t body_bytes;
   always_comb begin
-    body = body_t'(status_i);
+    body = {8'(pairs), from, status_i};
     body_bytes = body_bytes_t'(StatusBytes);
     case (request_i.command)
       CmdHello: begin
-        body = body_t'(Hello);
+        body[8*HelloBytes-1:0] = Hello;
         body_bytes = body_bytes_t'(HelloBytes);
       end
       CmdLoad: begin
-        body = body_t'(held_triangles);
+        body[15:0] = held_triangles;
         body_bytes = body_bytes_t'(2);
       end
       CmdMove: begin
-        body = body_t'(pose_i);
+        body[8*MoveBytes-1:0] = pose_i;
         body_bytes = body_bytes_t'(MoveBytes);
       end
-      CmdRun: begin
-        body = body_t'(status_i.run_number);
-        body_bytes = body_bytes_t'(1);
-      end
-      CmdResults: begin
-        body = {8'(pairs), from, status_i};
-        body_bytes = body_bytes_t'(BodyBytes);
-      end
+      CmdRun: body_bytes = body_bytes_t'(1);
+      CmdResults: body_bytes = body_bytes_t'(BodyBytes);
       default: ;
     endcase
-    if (code_i == CodePlace) begin
-      body = body_t'(held_triangles);
-      body_bytes = body_bytes_t'(2);
-    end else if (code_i == CodeSequence) begin
-      body = body_t'(expected_i);
+    if (code_i == CodeSequence) begin
+      body[31:0] = expected_i;
       body_bytes = body_bytes_t'(4);
-    end else if (code_i != CodeOk) begin
+    end else if (code_i != CodeOk && code_i != CodePlace) begin
       body_bytes = '0;
     end
   end

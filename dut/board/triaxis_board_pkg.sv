@@ -79,7 +79,7 @@ package triaxis_board_pkg;
   typedef logic [31:0] sequence_t;
 
   typedef struct packed {
-    logic [8*FieldBytes-1:0] fields;  // payload, zeros after its end
+    logic [8*FieldBytes-1:0] fields;  // payload, anything after its end
     logic [31:0] session;
     sequence_t sequence_number;
     byte_t command;

@@ -55,42 +55,43 @@ module triaxis_command
 
   localparam int unsigned RequestBytes = HeaderBytes + FieldBytes;
   typedef logic [$clog2(MaxFrameBytes)-1:0] address_t;
+  typedef logic [$clog2(RequestBytes)-1:0] place_t;
 
-  typedef enum logic [3:0] {
+  typedef enum logic [2:0] {
     Idle,
     Gather,
     Judge,
     Act,
     Load,
     HelloEnd,
-    HelloEmpty,
     AbortEnd,
     Reply
   } state_e;
 
-  state_e state_q, state_d;
-  code_e code_q, code_d;
-  address_t address_q;
+  state_e state_q;
+  code_e code_q;
+  place_t place_q;
   request_t request_q;
 
   code_e judged;
   logic nobody, mine, next, repeated, execute, done;
-  logic load_start, load_done, load_bad, load_accepted, empty_both;
+  logic load_start, load_done, load_bad, load_accepted;
   address_t load_address;
 
   // --- The frame ------------------------------------------------------------------------------------
 
   logic [$clog2(MaxFrameBytes+1)-1:0] content_bytes;
   assign content_bytes = length_i - 9'(CrcBytes);
-  assign address_o = state_q == Load ? load_address : address_q;
+  assign address_o = state_q == Load ? load_address : address_t'(place_q);
   assign request_o = request_q;
 
+  // Fields that a frame does not have are anything: nothing is made of them.
   always_ff @(posedge clk_i) begin
-    if (state_q == Idle) begin
-      address_q <= '0;
-    end else if (state_q == Gather) begin
-      address_q <= address_q + address_t'(1);
-      request_q <= {9'(address_q) < content_bytes ? data_i : 8'd0, request_q[8*RequestBytes-1:8]};
+    if (state_q == Gather) begin
+      place_q   <= place_q + place_t'(1);
+      request_q <= {data_i, request_q[8*RequestBytes-1:8]};
+    end else begin
+      place_q <= '0;
     end
   end
 
@@ -151,15 +152,15 @@ module triaxis_command
 
   // --- Execution ------------------------------------------------------------------------------------
 
-  assign empty_both = state_q == HelloEnd && !busy_i;
-  assign forget_o = state_q == HelloEmpty && load_done;
+  // The engine takes no load during a run: a HELLO empties the meshes after the run that it ends.
+  assign forget_o = state_q == HelloEnd && load_done;
 
   triaxis_loader #(
       .W(W)
   ) u_loader (
       .clk_i,
       .rst_ni,
-      .empty_both_i(empty_both),
+      .empty_both_i(hello_o),
       .load_i(load_start),
       .mesh_i(request_q.fields[0]),
       .empty_first_i(request_q.fields[23:8] == '0),
@@ -175,42 +176,30 @@ module triaxis_command
       .tuser_o(load_tuser_o)
   );
 
-  always_comb begin
-    state_d = state_q;
-    code_d  = code_q;
-    case (state_q)
-      Idle: if (full_i && reply_ready_i) state_d = Gather;
-      Gather: if (address_q == address_t'(RequestBytes - 1)) state_d = Judge;
-      Judge: begin
-        code_d  = judged;
-        state_d = Act;
-      end
-      Act: begin
-        if (hello_o) state_d = HelloEnd;
-        else if (load_start) state_d = Load;
-        else if (abort_o) state_d = AbortEnd;
-        else state_d = Reply;
-      end
-      Load:
-      if (load_done) begin
-        if (load_bad) code_d = CodeValue;
-        state_d = Reply;
-      end
-      HelloEnd: if (!busy_i) state_d = HelloEmpty;
-      HelloEmpty: if (load_done) state_d = Reply;
-      AbortEnd: if (!busy_i) state_d = Reply;
-      default: state_d = Idle;
-    endcase
-  end
-
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q <= Idle;
-      code_q  <= CodeOk;
     end else begin
-      state_q <= state_d;
-      code_q  <= code_d;
+      case (state_q)
+        Idle: if (full_i && reply_ready_i) state_q <= Gather;
+        Gather: if (place_q == place_t'(RequestBytes - 1)) state_q <= Judge;
+        Judge: state_q <= Act;
+        Act: begin
+          if (hello_o) state_q <= HelloEnd;
+          else if (load_start) state_q <= Load;
+          else if (abort_o) state_q <= AbortEnd;
+          else state_q <= Reply;
+        end
+        Load, HelloEnd: if (load_done) state_q <= Reply;
+        AbortEnd: if (!busy_i) state_q <= Reply;
+        default: state_q <= Idle;
+      endcase
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (state_q == Judge) code_q <= judged;
+    else if (load_bad) code_q <= CodeValue;
   end
 
 endmodule

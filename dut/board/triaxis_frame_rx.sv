@@ -37,7 +37,8 @@ module triaxis_frame_rx
   logic over, refused, store, ended, good;
   // While a frame is held, the next one may not begin: its whole is passed over.
   assign refused = full_q || count_q == Longest;
-  assign store = valid_i && !skip_q && !refused;
+  // Bytes of a frame that is passed over may be stored: nothing asks for them.
+  assign store = valid_i && !refused;
   assign over = end_i || error_i;
   assign ended = end_i && !skip_q && count_q != '0;
   assign good = ended && count_q >= Shortest && crc == CrcResidue;
@@ -58,11 +59,10 @@ module triaxis_frame_rx
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      count_q  <= '0;
-      length_q <= '0;
-      full_q   <= 1'b0;
-      skip_q   <= 1'b0;
-      error_o  <= 1'b0;
+      count_q <= '0;
+      full_q  <= 1'b0;
+      skip_q  <= 1'b0;
+      error_o <= 1'b0;
     end else begin
       error_o <= error_i || (ended && !good) || (valid_i && !skip_q && refused);
       if (release_i) full_q <= 1'b0;
@@ -72,14 +72,14 @@ module triaxis_frame_rx
       end else if (store) begin
         count_q <= count_q + length_t'(1);
       end else if (valid_i) begin
-        count_q <= '0;
-        skip_q  <= 1'b1;
+        skip_q <= 1'b1;
       end
-      if (good) begin
-        full_q   <= 1'b1;
-        length_q <= count_q;
-      end
+      if (good) full_q <= 1'b1;
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (good) length_q <= count_q;
   end
 
   assign full_o   = full_q;

@@ -46,7 +46,7 @@ module triaxis_judge
   byte_t load_triangles;
   logic [13:0] load_bytes, wanted_bytes;
   assign load_triangles = fields_i[31:24];
-  assign load_bytes = 14'(LoadFieldBytes) + 14'(load_triangles) * 14'(TriangleBytes);
+  assign load_bytes = 14'(LoadFieldBytes) + {6'd0, load_triangles} * 14'(TriangleBytes);
   always_comb begin
     case (command_i)
       CmdLoad: wanted_bytes = load_bytes;
@@ -63,7 +63,7 @@ module triaxis_judge
   logic [16:0] after_load;
   assign first = fields_i[23:8];
   assign held = fields_i[0] ? count_b_i : count_a_i;
-  assign after_load = 17'(first) + 17'(load_triangles);
+  assign after_load = {1'b0, first} + 17'(load_triangles[$clog2(LoadMax+1)-1:0]);
 
   logic load_value, move_value, run_value, results_value;
   assign load_value = fields_i[7:1] == '0 && load_triangles != '0 && load_triangles <= 8'(LoadMax);
@@ -107,7 +107,7 @@ module triaxis_judge
     else if (mine_i && !next_i && !repeat_i) code_o = CodeSequence;
     else if (14'(payload_bytes_i) != wanted_bytes) code_o = CodeLength;
     else if (command_i == CmdResults && !results_value) code_o = CodeValue;
-    else if (is_hello || repeat_i) code_o = CodeOk;
+    else if (repeat_i) code_o = CodeOk;
     else code_o = command_code;
   end
 

@@ -54,6 +54,9 @@ module triaxis_loader
   triangle_count_t triangles_q, left_q;
   logic [8*TriangleBytes-1:0] triangle_q;
 
+  logic last_byte;
+  assign last_byte = byte_q == byte_index_t'(TriangleBytes - 1);
+
   logic [8:0] fits;
   for (genvar k = 0; k < 9; k++) begin : g_coordinate
     assign tdata_o[k*W+:W] = triangle_q[k*CoordWidth+:W];
@@ -63,16 +66,15 @@ module triaxis_loader
     assign fits[k] = top == '0 || top == '1;
   end
 
-  logic last_triangle, all_fit, taken, sent, emptied;
+  logic last_triangle, all_fit, sent, emptied;
   assign last_triangle = left_q == triangle_count_t'(1);
   assign all_fit = fits == '1;
-  assign taken = tvalid_o && tready_i;
 
   assign accepted_o = state_q == Look && all_fit && last_triangle;
   assign bad_o = state_q == Look && !all_fit;
-  assign sent = taken && state_q == Send && last_triangle;
-  assign emptied = taken && state_q == Empty && both_q && mesh_q;
-  assign done_o = bad_o || sent || emptied;
+  assign sent = state_q == Send && last_triangle;
+  assign emptied = state_q == Empty && both_q && mesh_q;
+  assign done_o = bad_o || (tready_i && (sent || emptied));
   assign address_o = address_q;
   assign tvalid_o = state_q == Empty || state_q == Send;
   assign tuser_o = {state_q == Empty, mesh_q};
@@ -80,59 +82,56 @@ module triaxis_loader
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q <= Idle;
-      both_q <= 1'b0;
-      sending_q <= 1'b0;
-      mesh_q <= 1'b0;
-      empty_first_q <= 1'b0;
-      address_q <= '0;
-      byte_q <= '0;
-      triangles_q <= '0;
-      left_q <= '0;
     end else begin
       case (state_q)
         Idle: begin
-          both_q <= empty_both_i;
-          sending_q <= 1'b0;
-          mesh_q <= !empty_both_i && mesh_i;
-          empty_first_q <= empty_first_i;
-          address_q <= FirstTriangle;
-          byte_q <= '0;
-          triangles_q <= triangles_i;
-          left_q <= triangles_i;
           if (empty_both_i) state_q <= Empty;
           else if (load_i) state_q <= Gather;
         end
-        Gather: begin
-          address_q <= address_q + address_t'(1);
-          byte_q <= byte_q + byte_index_t'(1);
-          if (byte_q == byte_index_t'(TriangleBytes - 1)) begin
-            byte_q  <= '0;
-            state_q <= sending_q ? Send : Look;
-          end
-        end
+        Gather: if (last_byte) state_q <= sending_q ? Send : Look;
         Look: begin
-          left_q <= left_q - triangle_count_t'(1);
-          if (last_triangle) begin
-            sending_q <= 1'b1;
-            address_q <= FirstTriangle;
-            left_q <= triangles_q;
-          end
           if (!all_fit) state_q <= Idle;
           else state_q <= (last_triangle && empty_first_q) ? Empty : Gather;
         end
-        Empty:
-        if (taken) begin
-          mesh_q <= mesh_q ^ both_q;
-          if (!both_q) state_q <= Gather;
-          else if (mesh_q) state_q <= Idle;
-        end
         default:
-        if (taken) begin
-          left_q  <= left_q - triangle_count_t'(1);
-          state_q <= last_triangle ? Idle : Gather;
+        if (tready_i) begin
+          if (state_q == Empty && both_q) state_q <= mesh_q ? Idle : Empty;
+          else state_q <= sent ? Idle : Gather;
         end
       endcase
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    case (state_q)
+      Idle: begin
+        both_q <= empty_both_i;
+        sending_q <= 1'b0;
+        mesh_q <= !empty_both_i && mesh_i;
+        empty_first_q <= empty_first_i;
+        address_q <= FirstTriangle;
+        byte_q <= '0;
+        triangles_q <= triangles_i;
+        left_q <= triangles_i;
+      end
+      Gather: begin
+        address_q <= address_q + address_t'(1);
+        byte_q <= last_byte ? '0 : byte_q + byte_index_t'(1);
+      end
+      Look: begin
+        left_q <= left_q - triangle_count_t'(1);
+        if (last_triangle) begin
+          sending_q <= 1'b1;
+          address_q <= FirstTriangle;
+          left_q <= triangles_q;
+        end
+      end
+      default:
+      if (tready_i) begin
+        if (both_q) mesh_q <= 1'b1;
+        if (state_q == Send) left_q <= left_q - triangle_count_t'(1);
+      end
+    endcase
   end
 
   always_ff @(posedge clk_i) begin

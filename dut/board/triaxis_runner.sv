@@ -77,46 +77,48 @@ module triaxis_runner
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
+      waiting_q   <= 1'b0;
+      aborting_q  <= 1'b0;
+      run_state_q <= RunNever;
+      summary_q   <= '0;
+    end else begin
+      // No run is going on: the engine takes it in this clock.
+      waiting_q <= run_i;
+      if (abort_i) aborting_q <= busy_o;
+      if (run_i) begin
+        run_state_q <= RunGoing;
+        summary_q   <= '0;
+      end
+      if (done_tvalid_i) begin
+        aborting_q  <= 1'b0;
+        run_state_q <= RunDone;
+        summary_q   <= done_summary_i;
+      end
+      if (forget_i) begin
+        run_state_q <= RunNever;
+        summary_q   <= '0;
+      end
+    end
+  end
+
+  // Nobody asks for these before a first HELLO, which forgets them.
+  always_ff @(posedge clk_i) begin
+    if (move_i) pose_q <= fields_i[95:0];
+    if (run_i) begin
+      mode_q <= fields_i[1:0];
+      margin_q <= fields_i[39:8];
+      run_pose_q <= pose_q;
+      run_number_q <= run_number_q + 8'd1;
+      engine_status_q <= StatusNone;
+    end
+    if (done_tvalid_i) engine_status_q <= done_status_i;
+    if (forget_i) begin
       mode_q <= '0;
       margin_q <= '0;
-      waiting_q <= 1'b0;
-      aborting_q <= 1'b0;
       pose_q <= '0;
       run_pose_q <= '0;
       run_number_q <= '0;
-      run_state_q <= RunNever;
       engine_status_q <= StatusNone;
-      summary_q <= '0;
-    end else begin
-      if (run_tready_i) waiting_q <= 1'b0;
-      if (abort_i) aborting_q <= busy_o;
-      if (move_i) pose_q <= fields_i[95:0];
-      if (run_i) begin
-        mode_q <= fields_i[1:0];
-        margin_q <= fields_i[39:8];
-        waiting_q <= 1'b1;
-        run_pose_q <= pose_q;
-        run_number_q <= run_number_q + 8'd1;
-        run_state_q <= RunGoing;
-        engine_status_q <= StatusNone;
-        summary_q <= '0;
-      end
-      if (done_tvalid_i) begin
-        aborting_q <= 1'b0;
-        run_state_q <= RunDone;
-        engine_status_q <= done_status_i;
-        summary_q <= done_summary_i;
-      end
-      if (forget_i) begin
-        mode_q <= '0;
-        margin_q <= '0;
-        pose_q <= '0;
-        run_pose_q <= '0;
-        run_number_q <= '0;
-        run_state_q <= RunNever;
-        engine_status_q <= StatusNone;
-        summary_q <= '0;
-      end
     end
   end
 

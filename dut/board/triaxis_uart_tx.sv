@@ -19,8 +19,8 @@ module triaxis_uart_tx #(
   typedef logic [$clog2(ClocksPerBit)-1:0] count_t;
   localparam count_t Whole = count_t'(ClocksPerBit - 1);
 
-  // Start bit, data, stop bit, lowest first. Ones come in behind: the idle line.
-  logic [9:0] bits_q;
+  // Start bit and data, lowest first. Ones come in behind: the stop bit and the idle line.
+  logic [8:0] bits_q;
   logic [3:0] left_q;
   count_t count_q;
 
@@ -34,11 +34,11 @@ module triaxis_uart_tx #(
       count_q <= Whole;
     end else if (ready_o) begin
       if (valid_i) begin
-        bits_q <= {1'b1, data_i, 1'b0};
+        bits_q <= {data_i, 1'b0};
         left_q <= 4'd10;
       end
     end else if (count_q == '0) begin
-      bits_q  <= {1'b1, bits_q[9:1]};
+      bits_q  <= {1'b1, bits_q[8:1]};
       left_q  <= left_q - 4'd1;
       count_q <= Whole;
     end else begin

@@ -45,6 +45,8 @@ _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
 _EXECUTED = 23
+# How long HELLO and ABORT take where no run has to end first.
+_LASTS = {Command.HELLO: 2, Command.ABORT: 1}
 # Clocks from then until its reply's first bit has been seen, which tells that it was.
 _UNTOLD = 6
 
@@ -130,8 +132,9 @@ class BoardReference:
         if self.held and any(0 < press - self.clock <= _UNTOLD for press in self.presses):
             # It may have been executed, and the button takes the reply that would tell.
             return
-        if self.held and not self.held.acted and pins.value != self._expected() and self._early(self.held):
-            self._act(self.held)
+        held = self.held
+        if held and not held.due and not held.acted and pins.value != self._expected() and self._early(held):
+            self._act(held)
         expected = self._expected()
         if pins.value != expected:
             self._wrong(f"go, stop and LEDs are {pins.value:018b}, {expected:018b} is due")
@@ -219,16 +222,36 @@ class BoardReference:
         self._expect_answer(self.held)
         if not self._replying:
             self.held.due = self.clock + _EXECUTED
-            self._at(self.held.due, lambda _, frame=self.held: self._execute_lasting(frame))
+            acts = self.held.due + (self._pass(self.held) if command == Command.LOAD else 0)
+            self._at(acts, lambda _, frame=self.held: self._execute_lasting(frame))
 
     def broken(self) -> None:
         """Take a byte without a stop bit."""
         self._receiver.drop("no stop bit")
 
     def _execute_lasting(self, frame: Frame) -> None:
-        """Let what takes some time begin: a LOAD changes nothing before its end."""
-        if frame is self.held and frame.command != Command.LOAD and self._early(frame):
+        """Let what takes some time begin; a LOAD changes nothing before all of it was looked at."""
+        if frame is self.held and self._early(frame):
             self._act(frame)
+
+    def _pass(self, frame: Frame) -> int:
+        """Return the clocks in which the triangles of a LOAD are looked at once."""
+        triangles = frame.payload[3] if len(frame.payload) > 3 else 0
+        return triangles * (9 * coordinate_bytes(self.parameters.width) + 1)
+
+    def _lasts(self, frame: Frame, code: Code, repeats: bool) -> int | None:
+        """Return the clocks that a frame's execution takes; None where a run has to end first."""
+        command, payload = frame.command, frame.payload
+        if frame.busy and command in (Command.HELLO, Command.ABORT):
+            return None
+        if code == Code.VALUE and command == Command.LOAD and payload[0] < 2 and self._pass(frame):
+            looked_at = (self._beyond(payload) or 0) + 1
+            return self._pass(frame) // payload[3] * looked_at if payload[3] <= MOST_TRIANGLES else 0
+        if code != Code.OK or repeats:
+            return 0
+        if command == Command.LOAD:
+            return 2 * self._pass(frame) + (payload[1:3] == bytes(2))
+        return _LASTS.get(command, 0)
 
     def _expect_answer(self, frame: Frame) -> None:
         def late(clock: int) -> None:
@@ -329,9 +352,14 @@ class BoardReference:
             return Code.PLACE
         if first + triangles > self.parameters.depth:
             return Code.OVERFULL
+        return Code.OK if self._beyond(payload) is None else Code.VALUE
+
+    def _beyond(self, payload: bytes) -> int | None:
+        """Return which triangle of a LOAD is the first with a coordinate out of range."""
         low, high = coordinate_range(self.parameters.width)
-        given = loaded_triangles(payload, self.parameters.width)
-        return Code.OK if given.min() >= low and given.max() <= high else Code.VALUE
+        given = loaded_triangles(payload, self.parameters.width).reshape(-1, 9)
+        wrong = ((given < low) | (given > high)).any(axis=1).nonzero()[0]
+        return int(wrong[0]) if len(wrong) else None
 
     def _early(self, frame: Frame) -> bool:
         """Return whether a frame's effects may be seen some clocks before its answer begins."""
@@ -370,12 +398,12 @@ class BoardReference:
             self._wrong("a reply that nothing asked for")
             return
         alive = self.alive
-        lasting = frame.acted or frame.command == Command.LOAD
-        if frame.due and not lasting and self.clock != frame.due:
-            self._wrong(f"a reply begins, due at {frame.due}")
         # HELLO of a new session has taken the board already where its effects were seen.
         code = Code.OK if frame.acted else self.judge(frame)
         repeats = not frame.acted and self._repeats(frame)
+        lasts = self._lasts(frame, code, repeats)
+        if frame.due and lasts is not None and self.clock != frame.due + lasts:
+            self._wrong(f"a reply begins, due at {frame.due + lasts}")
         name = Command(frame.command).name if frame.command in list(Command) else "another"
         if code == Code.OK:
             state = frame.state if frame.acted else self._state

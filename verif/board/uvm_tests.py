@@ -264,6 +264,8 @@ class BoardRefusalsTest(BoardTest):
         await self.loads()
         await self.moves()
         await self.runs()
+        if self.parameters.width % 8:
+            await self.ended_late()
         await self.clear_scene()
         await self.clear_run()
 
@@ -356,8 +358,10 @@ class BoardRefusalsTest(BoardTest):
             await self.ask(Command.RUN, struct.pack("<BIHH", mode, margin, a, b))
         for margin in sorted({0, min(4, most), min(5, most), most}):
             await self.run(Mode.ALL, margin)
+        await self.results(99)
         await self.all_results()
         await self.results(7)
+        await self.forgotten()
         await self.hello()
         await self.start()
         await self.load(1, self.flat())
@@ -366,6 +370,28 @@ class BoardRefusalsTest(BoardTest):
         await self.load(0, self.flat())
         await self.start()
         await self.results(1)
+
+    async def forgotten(self) -> None:
+        """Run at a pose with a margin, move on, say HELLO: the last run, then nothing, is at that pose."""
+        await self.move(1, -2, 3)
+        await self.run(Mode.COUNT, self.parameters.max_margin)
+        await self.move(4, 5, -6)
+        await self.status()
+        await self.hello()
+        await self.status()
+        await self.scene(self.flat(0, 3), self.flat(5, 2))
+        await self.run()
+        await self.status()
+
+    async def ended_late(self) -> None:
+        """Load what does not fit at its end: go ends when it is refused, and nothing was loaded."""
+        bad = self.flat(0, 3)
+        bad[2, 2, 2] = coordinate_range(self.parameters.width)[1] + 1
+        for first in (0, 1):
+            await self.clear_scene()
+            await self.clear_run()
+            await self.ask(Command.LOAD, load_payload(0, first, bad, self.parameters.width))
+            await self.status()
 
 
 @listed(
@@ -701,6 +727,37 @@ class BoardResetsTest(BoardTest):
                 await self.ask(Command.STATUS, session=session)
             self.sequence = int(self.rng.integers(2**32))
         await self.at_each_clock()
+        await self.executing()
+        await self.shown()
+
+    async def executing(self) -> None:
+        """Press it at each clock in which LOAD, RUN, HELLO are executed; a clear run comes after each."""
+        width = self.parameters.width
+        for command, clocks in ((Command.LOAD, 110), (Command.RUN, 90), (Command.HELLO, 30)):
+            for clock in range(0, clocks, 2):
+                await self.hello()
+                await self.scene(self.flat(0, 2), self.flat(5, 2))
+                await self.clear_run()
+                payload = {
+                    Command.LOAD: load_payload(0, 0, self.flat(0, 2), width),
+                    Command.RUN: self.asked(),
+                }.get(command, b"")
+                frame = framed(self.frame(command, payload))
+                await self.line(frame, Until.NOW, gap=_BYTE * len(frame) + clock + clock // 2 % 2)
+                await self.line(act=Act.UNPLUG, until=Until.NOW)
+                await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
+
+    async def shown(self) -> None:
+        """Press it while near pairs are shown, and while a frame is passed over that is too long."""
+        await self.hello()
+        await self.scene(self.flat(0, 3), self.flat(0, 3))
+        await self.run(Mode.COUNT)
+        await self.digits()
+        await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
+        await self.digits()
+        await self.line(b"\xc0" + bytes(LONGEST + 9), gap=_SHORT)
+        await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
+        await self.hello()
 
     async def at_each_clock(self) -> None:
         """Press it at each clock of a byte: of a frame, of what is wrong with one, before and in a reply."""

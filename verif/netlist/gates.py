@@ -11,7 +11,7 @@ from pathlib import Path
 from triaxis.fpga.resources import synthesise
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import built, content_hash
-from triaxis.sim.paths import BUILD, mesh_sources, rtl_sources
+from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.verilate import MANY, Build, library
 from triaxis.verif.testbench.settings import RunSettings
@@ -38,12 +38,17 @@ class Scope:
         )  # fmt: skip
 
 
-# The core as it is signed at W = 16, without margins and with; scenes on the smallest engine of the tests.
+# The core as it is signed at W = 16, without margins and with; scenes on the smallest engine of the tests;
+# talks with the whole board.
 SCOPES = (
     Scope("MixedTest", "w16_m0", 100_000),
     Scope("MixedTest", "w16_m16", 100_000),
     Scope("MeshRandomTest", "mesh_w8_m8_d16_g4_l1", 20_000),
+    Scope("BoardMixedTest", "board_w12_m5_d128_g8_l4", 100),
 )
+# What yosys's models of cells declare and leave empty, and what is there instead.
+_EMPTY = re.compile(r"(\nmodule RAMB(?:18|36)E1 .*?)\n *specify\n.*?\nendmodule", re.DOTALL)
+_BLOCK_RAM = Path(__file__).with_name("block_ram.vh")
 
 
 def cells() -> Path:
@@ -54,6 +59,24 @@ def cells() -> Path:
     return Path(found.origin).parent / "share" / "xilinx" / "cells_sim.v"
 
 
+def simulated_cells() -> Path:
+    """Return these models with block RAM that works."""
+    models, inside = cells(), _BLOCK_RAM.read_text(encoding="utf-8")
+
+    def make(partial: Path) -> None:
+        text, count = _EMPTY.subn(
+            lambda found: f"{found[1]}\n{inside}endmodule", models.read_text(encoding="utf-8")
+        )
+        if count != 2:
+            raise InputError(
+                f"{models}: {count} block RAMs without a model, not 2: another yosys than pinned"
+            )
+        (partial / models.name).write_text(text, encoding="utf-8")
+
+    key = content_hash([models, _BLOCK_RAM])
+    return built(FOLDER / f"cells-{key[:12]}", make) / models.name
+
+
 def _control(build: Build) -> list[Path]:
     """Return the files that tell Verilator what is public."""
     return [source for source in build.sources if source.suffix == ".vlt"]
@@ -61,10 +84,8 @@ def _control(build: Build) -> list[Path]:
 
 def synthesised(build: Build) -> Path:
     """Return the netlist of the design that a build is of, synthesised unless it is there."""
-    every = [*rtl_sources(build.dut), *mesh_sources(build.dut)]
-    sources = [
-        source for source in every if source in build.sources and source.name != "CollisionDetector.sv"
-    ]
+    every = (*rtl_sources(build.dut), *mesh_sources(build.dut), *board_sources(build.dut))
+    sources = [one for one in every if one in build.sources and one.name != "CollisionDetector.sv"]
     # What the player looks at.
     control = "".join(path.read_text(encoding="utf-8") for path in _control(build))
     kept = re.findall(r'-var "(\w+)"', control)
@@ -107,5 +128,5 @@ def run_on_gates(
     settings = scope.settings(seed)
     build = model_of(settings)
     assert build is not None
-    gates = gate_build(build, netlist or synthesised(build), models or cells())
+    gates = gate_build(build, netlist or synthesised(build), models or simulated_cells())
     return run(settings, model=library(gates))

@@ -1,4 +1,4 @@
-"""Each module of the core and of the mesh engine, synthesised alone, proved equal to its RTL if that ends."""
+"""Each module of dut/, synthesised alone, proved equal to its RTL if that ends."""
 
 import re
 import shutil
@@ -7,7 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
+from triaxis.sim.paths import BOARD_TOP, DUT, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.programs import executable, read_slang, run_to_result, yosys
 from triaxis.verif.formal.netlist import flat, run_yosys
 from triaxis.verif.formal.proof import Finding, Proof, run_prover
@@ -48,9 +48,14 @@ class ModuleProof(Proof):
     def synthesise(self, dut: Path, folder: Path) -> None:
         """Write the module as it is and as cells into ``folder``, with the cells' models."""
         values = {key: int(value) for key, value in self.parameters.items()}
-        names = [path.relative_to(DUT).as_posix() for path in (*rtl_sources(), *mesh_sources())]
-        # Registers that are to be matched keep their names.
-        keep = "setattr -set keep 1 w:*_q* w:*_o*; " if self.way is Way.REGISTERS else ""
+        sources = (*rtl_sources(), *mesh_sources(), *board_sources())
+        names = [path.relative_to(DUT).as_posix() for path in sources if path != BOARD_TOP]
+        # Registers that are to be matched keep their names, and state machines their numbers.
+        keep = (
+            'setattr -set keep 1 w:*_q* w:*_o*; setattr -set fsm_encoding "none" w:*_q; '
+            if self.way is Way.REGISTERS
+            else ""
+        )
         script = (
             f"{read_slang(flat(names), self.top, values)}; hierarchy -top {self.top}; "
             f"write_rtlil {_GOLD}; {keep}synth_xilinx -family xc7 -flatten -noiopad -top {self.top}; "
@@ -131,7 +136,8 @@ _RAM = "words in block or look-up-table RAM: no registers in the netlist to matc
 _PRODUCTS = "sums of products: no bit-level prover is expected to end; its multipliers are proved alone"
 _LONG = "no proof found that goes through and ends within minutes"
 _WHOLE = "as large as all its modules together"
-# Why a module has no proof of its own. All but the first are simulated inside the core or the engine.
+# Why a module has no proof of its own. All but the first are simulated within the core, the engine or the
+# board.
 NOT_PROVED = {
     "CollisionDetector": "without a clock, for simulation: no build of the board has it",
     "triaxis_areas": _PRODUCTS,
@@ -139,15 +145,19 @@ NOT_PROVED = {
     "triaxis_core": _WHOLE,
     "triaxis_datapath": _WHOLE,
     "triaxis_edges": _PRODUCTS,
+    "triaxis_frame_rx": _RAM,
     "triaxis_group_rows": _RAM,
     "triaxis_mesh": _WHOLE,
     "triaxis_mesh_store": _RAM,
+    "triaxis_near_ring": _RAM,
     "triaxis_plane_axes": _LONG,
     "triaxis_prisms": _PRODUCTS,
     "triaxis_projections": _LONG,
     "triaxis_ram": _RAM,
+    "triaxis_receiver": _RAM,
     "triaxis_space_axes": _LONG,
     "triaxis_thresholds": _PRODUCTS,
+    "triaxis_transmitter": _WHOLE,
     "triaxis_trapezoid": _PRODUCTS,
 }
 
@@ -161,7 +171,10 @@ def _registers(module: str, clocks: int = 2, **parameters: int) -> ModuleProof:
     claim = (
         "From equal registers the netlist and the RTL put out the same, and hold the same after each clock."
     )
-    taken = ("registers keep their names in this synthesis", "both begin with the same in all registers")
+    taken = (
+        "registers keep their names and state machines their numbers in this synthesis",
+        "both begin with the same in all registers",
+    )
     return ModuleProof(f"triaxis_{module}", claim, Way.REGISTERS, parameters, taken, Way.REGISTERS, clocks)
 
 
@@ -188,4 +201,28 @@ PROOFS = (
     _registers("pick", Lanes=4),
     _registers("run_control", W=8, MarginWidth=2),
     _registers("stream_fifo", Depth=4),
+    _window("judge", 2, W=16, M=16, Depth=4096),
+    *(
+        _registers(module)
+        for module in (
+            "answer",
+            "beat",
+            "command",
+            "crc32",
+            "decimal",
+            "display",
+            "loader",
+            "reply",
+            "reset_sync",
+            "runner",
+            "safety",
+            "saturating_counter",
+            "session",
+            "slip_rx",
+            "slip_tx",
+            "uart_rx",
+            "uart_tx",
+            "watchdog",
+        )
+    ),
 )

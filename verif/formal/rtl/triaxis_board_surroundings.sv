@@ -48,7 +48,7 @@ module triaxis_receiver
 
 endmodule
 
-// The engine: takes loads and runs at any clocks, but none while a run is going on, and says of a
+// The engine: takes loads and runs, but none while a run is going on (`engine_control`), and says of a
 // run, once, after it was accepted, whatever it likes: that it says complete only of a run that was
 // neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
 // that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
@@ -96,19 +96,21 @@ module triaxis_mesh
     output logic [PairCountWidth-1:0] near_o
 );
 
-  logic free_ready, free_ends, free_near_valid;
+  logic free_ends, free_near_valid;
   logic [2:0] free_status;
   logic [2*IndexWidth-1:0] free_near;
   logic [PairCountWidth-1:0] free_count;
-  logic load, running_q;
+  logic load, running_q, awake_q;
   logic [IndexWidth:0] count_q[2];
 
   assign load = s_axis_load_tvalid_i && s_axis_load_tready_o;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
+      awake_q   <= 1'b0;
       running_q <= 1'b0;
       count_q   <= '{default: '0};
     end else begin
+      awake_q <= 1'b1;
       if (s_axis_run_tvalid_i && s_axis_run_tready_o) running_q <= 1'b1;
       else if (m_axis_done_tvalid_o && m_axis_done_tready_i) running_q <= 1'b0;
       for (int mesh = 0; mesh < 2; mesh++) begin
@@ -119,7 +121,7 @@ module triaxis_mesh
     end
   end
 
-  assign s_axis_run_tready_o = free_ready && !running_q;
+  assign s_axis_run_tready_o = awake_q && !running_q;
   assign s_axis_load_tready_o = s_axis_run_tready_o;
   assign busy_o = running_q;
   assign count_a_o = count_q[0];

@@ -127,7 +127,8 @@ module triaxis_frame_rx_formal
       assert (told_q == (late_q || count_q > 9'(MaxFrameBytes)));
       assert (u_frame.skip_q == told_q);
       assert (!late_q || count_q != '0);
-      assert (u_frame.count_q == (told_q ? '0 : count_q));
+      assert (told_q || u_frame.count_q == count_q);
+      assert (u_frame.count_q <= 9'(MaxFrameBytes));
       assert (told_q || u_frame.crc == mirrored(remainder_q[0]));
       assert (told_q || 9'(place_q) >= count_q || full_o || u_frame.data_o == followed_q);
       assert (!full_o || told_q || count_q == '0);

@@ -29,8 +29,8 @@ module triaxis_go_formal
   localparam int unsigned FirstTriangle = HeaderBytes + LoadFieldBytes;
   localparam int unsigned RequestBytes = HeaderBytes + FieldBytes;
   // States, by their places in the enumerations.
-  localparam logic [3:0] Gather = 4'd1, Judge = 4'd2, Act = 4'd3, Load = 4'd4;
-  localparam logic [3:0] HelloEnd = 4'd5, HelloEmpty = 4'd6, AbortEnd = 4'd7, Reply = 4'd8;
+  localparam logic [2:0] Gather = 3'd1, Judge = 3'd2, Act = 3'd3, Load = 3'd4;
+  localparam logic [2:0] HelloEnd = 3'd5, AbortEnd = 3'd6, Reply = 3'd7;
   localparam logic [2:0] LoaderGather = 3'd1, LoaderLook = 3'd2;
   localparam logic [2:0] LoaderEmpty = 3'd3, LoaderSend = 3'd4;
 
@@ -286,10 +286,10 @@ module triaxis_go_formal
 
   // --- What makes it inductive --------------------------------------------------------------------------
 
-  logic [3:0] state;
+  logic [2:0] state;
   logic [2:0] loader;
   logic busy, armed, repeated, executes, ok, load_here, loading, hello_new, in_hello;
-  logic [7:0] address;
+  logic [7:0] read;  // bytes of the frame
   logic [3:0] sent;  // triangles of the frame before the one that is in hand
   logic [7:0] sent_place;
   logic [4:0] loader_byte;
@@ -301,11 +301,11 @@ module triaxis_go_formal
   assign armed = u_top.u_safety.armed_q && (u_top.alive || go_o);
   assign repeated = u_top.u_command.repeated;
   assign ok = u_top.code == CodeOk;
-  assign address = u_top.u_command.address_q;
+  assign read = state > Gather ? 8'(RequestBytes) : 8'(u_top.u_command.place_q);
   assign executes = state == Act && ok && !repeated;
   assign loading = state == Load && u_top.u_command.u_loader.sending_q;
   assign hello_new = state == Reply && ok && frame.command == CmdHello && heard;
-  assign in_hello = state inside {HelloEnd, HelloEmpty} || hello_new;
+  assign in_hello = state == HelloEnd || hello_new;
   assign sent = u_top.u_command.u_loader.triangles_q - u_top.u_command.u_loader.left_q;
   assign loader_byte = 5'(u_top.u_command.u_loader.byte_q);
   assign loader_triangle = u_top.u_command.u_loader.triangle_q;
@@ -315,17 +315,14 @@ module triaxis_go_formal
   always_comb begin
     if (rst_n) begin
       // The command: states, and what is read of the frame.
-      assert (state <= Reply);
       assert (state == '0 || u_top.frame_full);
-      assert (state == '0 || address <= 8'(RequestBytes));
-      assert (!(state == Gather) || address < 8'(RequestBytes));
-      assert (state <= Gather || address == 8'(RequestBytes));
+      assert (8'(u_top.u_command.place_q) < 8'(RequestBytes) || state == Judge);
+      assert (state inside {Gather, Judge} || u_top.u_command.place_q == '0);
       assert (!u_top.frame_full ||
               content inside {[9'(HeaderBytes) : 9'(MaxFrameBytes - CrcBytes)]});
       Head :
-      assert (state == '0 || frame_place >= address ||
-              8'(frame >> (8 * (32'(RequestBytes) - 32'(address) + 32'(frame_place)))) ==
-              (9'(frame_place) < content ? frame_byte : 8'd0));
+      assert (state == '0 || frame_place >= read || 9'(frame_place) >= content ||
+              8'(frame >> (8 * (32'(RequestBytes) - 32'(read) + 32'(frame_place)))) == frame_byte);
       // The session: as the host sees it, but while a HELLO is executed.
       if (in_hello) begin
         assert (u_top.u_command.u_session.session_q == frame.session &&
@@ -361,12 +358,12 @@ module triaxis_go_formal
       end
       assert (state != Load || (ok && u_top.u_command.next && frame.command == CmdLoad));
       assert (state != AbortEnd || (ok && u_top.u_command.next && frame.command == CmdAbort));
-      assert (!(state inside {Load, HelloEmpty}) || !busy);
+      assert (state != Load || !busy);
 
       // The loader, in step with the command.
-      assert ((loader != '0) == (state inside {Load, HelloEmpty}));
+      assert ((loader != '0) == (state inside {Load, HelloEnd}));
       assert (loader <= LoaderSend);
-      if (state == HelloEmpty) begin
+      if (state == HelloEnd) begin
         assert (loader == LoaderEmpty && u_top.u_command.u_loader.both_q);
         assert (!u_top.u_command.u_loader.mesh_q || engine_count[0] == '0);
       end
@@ -398,7 +395,7 @@ module triaxis_go_formal
         assert (engine_count[mesh] <= 17'(Depth));
         if (loading && frame.fields[0] == 1'(mesh))
           assert (loader == LoaderEmpty || engine_count[mesh] == 17'(first) + 17'(sent));
-          else if (state != HelloEmpty) assert (engine_count[mesh] == host_count_d[mesh]);
+          else if (state != HelloEnd) assert (engine_count[mesh] == host_count_d[mesh]);
       end
       if (loading && load_here) begin
         assert (loader == LoaderEmpty || 17'(slot_q) >= engine_count[mesh_q] || !covered ||
@@ -411,19 +408,22 @@ module triaxis_go_formal
 
       // The runner and the engine.
       assert (busy == (u_top.run_tvalid || u_top.u_mesh.running_q));
-      assert (!u_top.run_tvalid || !u_top.u_mesh.running_q);
+      assert (!u_top.run_tvalid || (!u_top.u_mesh.running_q && state == Reply));
+      TakenAtOnce : assert (!u_top.run_tvalid || u_top.run_tready);
       assert (u_top.run_state <= RunDone);
-      if (state != HelloEmpty && !hello_new) assert (u_top.pose == pose_d);
-      if (hello_new) assert (u_top.pose == '0);
-      for (int k = 0; k < 3; k++) begin
-        assert (u_top.pose[k] == 32'(signed'(u_top.pose[k][W:0])));
-        assert (u_top.status.pose[k] == 32'(signed'(u_top.status.pose[k][W:0])));
+      // A first HELLO forgets what nobody has given.
+      if (u_top.u_command.u_session.session_q != '0 && state != HelloEnd) begin
+        assert (u_top.pose == (hello_new ? '0 : pose_d));
+        for (int k = 0; k < 3; k++) begin
+          assert (u_top.pose[k] == 32'(signed'(u_top.pose[k][W:0])));
+          assert (u_top.status.pose[k] == 32'(signed'(u_top.status.pose[k][W:0])));
+        end
       end
 
       // What go rests on, from RUN's execution on.
       assert (!(armed || go_o) || !in_hello);
       if (armed) begin
-        assert (asked_d && !(state inside {HelloEmpty, AbortEnd}) && !loading);
+        assert (asked_d && !(state inside {HelloEnd, AbortEnd}) && !loading);
         assert (!wrong_q || (heard && frame.command == CmdRun));
         assert (pose_d == host_run_d.pose && u_top.status.pose == host_run_d.pose);
         assert (u_top.status.margin == host_run_d.margin && u_top.run_mode == host_run_d.mode);

@@ -103,6 +103,7 @@ module triaxis_run_control_formal
       // What users see.
       Busy : assert (busy_o == running_q);
       OneAtATime : assert (!busy_o || !s_axis_run_tready_o);
+      TakenAtOnce : assert (busy_o || s_axis_run_tready_o || !awake_q);
       OnlyInARun :
       assert (busy_o || !(m_axis_done_tvalid_o || drain_o || start_o || (clear_o && !accept)));
       Waits :
