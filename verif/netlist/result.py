@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from triaxis.golden.outputs import make_folder
+from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
@@ -15,23 +16,33 @@ from triaxis.verif.formal.proof import Outcome, Proof, require_tools
 from triaxis.verif.formal.proving import outcome_of
 from triaxis.verif.netlist.gates import FOLDER, SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
-from triaxis.verif.testbench.settings import CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
+from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
 from triaxis.verif.testbench.simulation import RunResult
 
 RESULT = FOLDER / "netlist.json"
 # The tests are loaded by name.
-SOURCES = Sources(("triaxis.verif.netlist.result", ENTRY, CORE_TESTS[0], MESH_TESTS[0]), TEST_DATA)
+SOURCES = Sources(
+    ("triaxis.verif.netlist.result", ENTRY, *CORE_TESTS, *MESH_TESTS, *BOARD_TESTS),
+    ("verif/netlist/*.vh", *TEST_DATA),
+)
 
 
 @dataclass(frozen=True)
 class GateRun:
-    """What came of a test on a netlist; None: it came to no count. ``told``: what speaks against it."""
+    """What came of a test on a netlist; None: it came to no count. ``told``: what speaks against it.
+
+    ``pairs``: of the board, replies.
+    """
 
     test: str
     config: str
     pairs: int | None
     differences: int | None
     told: tuple[str, ...]
+
+
+def _of_board(run: GateRun) -> bool:
+    return is_board_configuration(run.config)
 
 
 def gate_run(scope: Scope, result: RunResult) -> GateRun:
@@ -74,8 +85,13 @@ class NetlistResult:
 
     @property
     def pairs(self) -> int:
-        """Return how many pairs were checked on netlists."""
-        return sum(run.pairs or 0 for run in self.runs)
+        """Return how many pairs were checked on netlists of the core and of the engine."""
+        return sum(run.pairs or 0 for run in self.runs if not _of_board(run))
+
+    @property
+    def replies(self) -> int:
+        """Return how many replies were checked on netlists of the board."""
+        return sum(run.pairs or 0 for run in self.runs if _of_board(run))
 
     @property
     def differences(self) -> int | None:
@@ -90,8 +106,9 @@ class NetlistResult:
         proved = sum(outcome.passed for outcome in self.outcomes)
         others = len(self.not_proved)
         return (
-            f"{self.pairs} pairs on {len(self.runs)} netlists, {differences} differences; {proved} of "
-            f"{len(self.outcomes) + others} modules proved equal, {others} named with the reason why not"
+            f"{self.pairs} pairs and {self.replies} replies of the board on {len(self.runs)} netlists, "
+            f"{differences} differences; {proved} of {len(self.outcomes) + others} modules proved equal, "
+            f"{others} named with the reason why not"
         )
 
 
@@ -135,12 +152,15 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
         "seed": result.seed,
         "synthesiser": yosys_version(),
         "pairs": result.pairs,
+        "replies": result.replies,
         "differences": result.differences,
         "runs": [asdict(run) for run in result.runs],
         "modules": [
             {
                 "name": outcome.proof.name,
                 "parameters": dict(outcome.proof.parameters),
+                "claim": outcome.proof.claim,
+                "assumptions": list(outcome.proof.assumptions),
                 "method": str(outcome.proof.method),
                 "proved": outcome.passed,
                 "facts": dict(outcome.finding.facts),
