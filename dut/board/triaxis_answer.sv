@@ -22,13 +22,14 @@ module triaxis_answer
 );
 
   typedef logic [8*BodyBytes-1:0] body_t;
+  localparam int unsigned PairBits = $clog2(NearMax);  // a power of two
 
   logic [31:0] from, held;
   near_pairs_t pairs;
   logic [15:0] held_triangles;
   assign from = request_i.fields[31:0];
   assign held = written_i - from;
-  assign pairs = held < 32'(NearMax) ? held[$bits(near_pairs_t)-1:0] : near_pairs_t'(NearMax);
+  assign pairs = held[31:PairBits] == '0 ? near_pairs_t'(held[PairBits-1:0]) : near_pairs_t'(NearMax);
   assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
 
   // Only the bytes that are sent count. The number of a run is the first of a status.
@@ -39,15 +40,15 @@ module triaxis_answer
     body_bytes = body_bytes_t'(StatusBytes);
     case (request_i.command)
       CmdHello: begin
-        body[8*HelloBytes-1:0] = Hello;
+        body[0+:$bits(Hello)] = Hello;
         body_bytes = body_bytes_t'(HelloBytes);
       end
       CmdLoad: begin
-        body[15:0] = held_triangles;
+        body[0+:$bits(held_triangles)] = held_triangles;
         body_bytes = body_bytes_t'(2);
       end
       CmdMove: begin
-        body[8*MoveBytes-1:0] = pose_i;
+        body[0+:$bits(pose_i)] = pose_i;
         body_bytes = body_bytes_t'(MoveBytes);
       end
       CmdRun: body_bytes = body_bytes_t'(1);
@@ -55,7 +56,7 @@ module triaxis_answer
       default: ;
     endcase
     if (code_i == CodeSequence) begin
-      body[31:0] = expected_i;
+      body[0+:$bits(expected_i)] = expected_i;
       body_bytes = body_bytes_t'(4);
     end else if (code_i != CodeOk && code_i != CodePlace) begin
       body_bytes = '0;

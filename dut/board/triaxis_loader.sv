@@ -73,7 +73,7 @@ module triaxis_loader
   assign accepted_o = state_q == Look && all_fit && last_triangle;
   assign bad_o = state_q == Look && !all_fit;
   assign sent = state_q == Send && last_triangle;
-  assign emptied = state_q == Empty && both_q && mesh_q;
+  assign emptied = both_q && mesh_q;
   assign done_o = bad_o || (tready_i && (sent || emptied));
   assign address_o = address_q;
   assign tvalid_o = state_q == Empty || state_q == Send;
@@ -95,7 +95,7 @@ module triaxis_loader
         end
         default:
         if (tready_i) begin
-          if (state_q == Empty && both_q) state_q <= mesh_q ? Idle : Empty;
+          if (both_q) state_q <= mesh_q ? Idle : Empty;
           else state_q <= sent ? Idle : Gather;
         end
       endcase
