@@ -82,6 +82,7 @@ class BoardReference:
         self._receiver = FrameReceiver(self._failed)
         self.held: Frame | None = None
         self._line = bytearray()
+        self._spoke = 0
         self._replying = self._opened = False
         self._due: Due | None = None
         self.session = self.sequence = self.command = 0
@@ -536,7 +537,10 @@ class BoardReference:
         return Status._make(fields)
 
     def spoken(self, value: int) -> None:
-        """Take a byte of the board's."""
+        """Take a byte of the board's: those of a reply follow one another without a gap."""
+        after, self._spoke = self.clock - self._spoke, self.clock
+        if self._opened and after != 10 * self.parameters.clocks_per_bit + 1:
+            self._wrong(f"a byte of a reply comes {after} clocks after the one before it")
         if value != END:
             if not self._opened:
                 self._wrong("a reply without an END before it")
