@@ -159,7 +159,7 @@ module nexys4ddr_top
 
   // --- Runs -----------------------------------------------------------------------------------------
 
-  logic aborting, run_tvalid, run_tready, near_tvalid, near_tready, done;
+  logic aborting, run_tvalid, near_tvalid, near_tready, done;
   logic [3*move_width(W)-1:0] run_tdata;
   logic [M+1:0] run_tuser;
   logic [2*IndexWidth-1:0] near_tdata;
@@ -197,7 +197,6 @@ module nexys4ddr_top
       .engine_status_o(engine_status),
       .summary_o(summary),
       .run_tvalid_o(run_tvalid),
-      .run_tready_i(run_tready),
       .run_tdata_o(run_tdata),
       .run_tuser_o(run_tuser),
       .done_tvalid_i(done),
@@ -216,7 +215,7 @@ module nexys4ddr_top
 
   // The runner knows of a run before the engine does. A mesh that was given too much is found by
   // the engine: the run ends so.
-  logic unused_busy;
+  logic unused_busy, unused_ready;
   logic [1:0] unused_overfull;
 
   triaxis_mesh #(
@@ -236,7 +235,7 @@ module nexys4ddr_top
       .count_b_o(count_b),
       .overfull_o(unused_overfull),
       .s_axis_run_tvalid_i(run_tvalid),
-      .s_axis_run_tready_o(run_tready),
+      .s_axis_run_tready_o(unused_ready),
       .s_axis_run_tdata_i(run_tdata),
       .s_axis_run_tuser_i(run_tuser),
       .abort_i(aborting),

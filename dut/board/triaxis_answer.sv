@@ -26,10 +26,12 @@ module triaxis_answer
 
   logic [31:0] from, held;
   near_pairs_t pairs;
+  logic many;
   logic [15:0] held_triangles;
   assign from = request_i.fields[31:0];
   assign held = written_i - from;
-  assign pairs = held[31:PairBits] == '0 ? near_pairs_t'(held[PairBits-1:0]) : near_pairs_t'(NearMax);
+  assign many = held[31:PairBits] != '0;
+  assign pairs = many ? near_pairs_t'(NearMax) : near_pairs_t'(held[PairBits-1:0]);
   assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
 
   // Only the bytes that are sent count. The number of a run is the first of a status.

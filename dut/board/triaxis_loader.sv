@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: the engine's load stream, from a frame held in memory. The coordinates are all looked at
-// before the first is loaded: a frame with one that needs more than W bits changes nothing.
+// before the first is loaded: a frame with one that needs more than W bits changes nothing. While no
+// run goes on the engine takes in each clock what it is given: to empty both meshes waits for that.
 // Widths: a coordinate has CoordBytes = ceil(W / 8) bytes, sign-extended, lowest first.
 // Latency: two passes of 9 * CoordBytes + 1 clocks a triangle, and a clock for each emptied mesh.
 
@@ -74,7 +75,7 @@ module triaxis_loader
   assign bad_o = state_q == Look && !all_fit;
   assign sent = state_q == Send && last_triangle;
   assign emptied = both_q && mesh_q;
-  assign done_o = bad_o || (tready_i && (sent || emptied));
+  assign done_o = bad_o || sent || emptied;
   assign address_o = address_q;
   assign tvalid_o = state_q == Empty || state_q == Send;
   assign tuser_o = {state_q == Empty, mesh_q};
@@ -88,16 +89,13 @@ module triaxis_loader
           if (empty_both_i) state_q <= Empty;
           else if (load_i) state_q <= Gather;
         end
-        Gather: if (last_byte) state_q <= sending_q ? Send : Look;
+        Gather:  if (last_byte) state_q <= sending_q ? Send : Look;
         Look: begin
           if (!all_fit) state_q <= Idle;
           else state_q <= (last_triangle && empty_first_q) ? Empty : Gather;
         end
-        default:
-        if (tready_i) begin
-          if (both_q) state_q <= mesh_q ? Idle : Empty;
-          else state_q <= sent ? Idle : Gather;
-        end
+        Empty:   state_q <= emptied ? Idle : both_q ? Empty : Gather;
+        default: state_q <= sent ? Idle : Gather;
       endcase
     end
   end
@@ -126,16 +124,10 @@ module triaxis_loader
           left_q <= triangles_q;
         end
       end
-      default:
-      if (tready_i) begin
-        if (both_q) mesh_q <= 1'b1;
-        if (state_q == Send) left_q <= left_q - triangle_count_t'(1);
-      end
+      Empty:   if (both_q && tready_i) mesh_q <= 1'b1;
+      default: left_q <= left_q - triangle_count_t'(1);
     endcase
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (state_q == Gather) triangle_q <= {data_i, triangle_q[8*TriangleBytes-1:8]};
+    triangle_q <= {data_i, triangle_q[8*TriangleBytes-1:8]};
   end
 
 endmodule

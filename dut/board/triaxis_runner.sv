@@ -35,8 +35,7 @@ module triaxis_runner
     output status_e engine_status_o,
     output summary_t summary_o,
 
-    output logic run_tvalid_o,
-    input logic run_tready_i,
+    output logic run_tvalid_o,  // taken at once: no run is going on
     output logic [3*RunBits-1:0] run_tdata_o,
     output logic [M+1:0] run_tuser_o,
     // The summary is taken at once.
@@ -47,7 +46,7 @@ module triaxis_runner
 
   logic [1:0] mode_q;
   logic [31:0] margin_q;
-  logic waiting_q;  // the engine has not taken the run yet
+  logic waiting_q;  // the engine takes the run in this clock
   logic aborting_q;
   pose_t pose_q, run_pose_q;
   byte_t run_number_q;
@@ -77,20 +76,14 @@ module triaxis_runner
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      waiting_q   <= 1'b0;
-      aborting_q  <= 1'b0;
       run_state_q <= RunNever;
       summary_q   <= '0;
     end else begin
-      // No run is going on: the engine takes it in this clock.
-      waiting_q <= run_i;
-      if (abort_i) aborting_q <= busy_o;
       if (run_i) begin
         run_state_q <= RunGoing;
         summary_q   <= '0;
       end
       if (done_tvalid_i) begin
-        aborting_q  <= 1'b0;
         run_state_q <= RunDone;
         summary_q   <= done_summary_i;
       end
@@ -101,8 +94,11 @@ module triaxis_runner
     end
   end
 
-  // Nobody asks for these before a first HELLO, which forgets them.
+  // Nobody asks for these before a first HELLO, which forgets them and ends what is aborted.
   always_ff @(posedge clk_i) begin
+    waiting_q <= run_i;
+    if (done_tvalid_i) aborting_q <= 1'b0;
+    else if (abort_i) aborting_q <= busy_o;
     if (move_i) pose_q <= fields_i[95:0];
     if (run_i) begin
       mode_q <= fields_i[1:0];

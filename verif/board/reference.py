@@ -46,7 +46,7 @@ _NOT_COUNTED = 1
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
 _EXECUTED = 23
 # How long HELLO and ABORT take where no run has to end first.
-_LASTS = {Command.HELLO: 2, Command.ABORT: 1}
+_LASTS: dict[int, int] = {Command.HELLO: 2, Command.ABORT: 1}
 # Clocks from then until its reply's first bit has been seen, which tells that it was.
 _UNTOLD = 6
 
@@ -359,7 +359,7 @@ class BoardReference:
         """Return which triangle of a LOAD is the first with a coordinate out of range."""
         low, high = coordinate_range(self.parameters.width)
         given = loaded_triangles(payload, self.parameters.width).reshape(-1, 9)
-        wrong = ((given < low) | (given > high)).any(axis=1).nonzero()[0]
+        wrong = np.flatnonzero(np.any((given < low) | (given > high), axis=1))
         return int(wrong[0]) if len(wrong) else None
 
     def _early(self, frame: Frame) -> bool:

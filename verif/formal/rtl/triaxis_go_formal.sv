@@ -202,7 +202,7 @@ module triaxis_go_formal
   byte_t  engine_byte_q;
   count_t engine_count  [2];
   assign load = u_top.load_tvalid && u_top.load_tready;
-  assign accept = u_top.run_tvalid && u_top.run_tready;
+  assign accept = u_top.run_tvalid && u_top.unused_ready;
   assign engine_count[0] = 17'(u_top.count_a);
   assign engine_count[1] = 17'(u_top.count_b);
   assign loaded_here = load && u_top.load_tuser == {1'b0, mesh_q} &&
@@ -315,7 +315,7 @@ module triaxis_go_formal
   always_comb begin
     if (rst_n) begin
       // The command: states, and what is read of the frame.
-      assert (state == '0 || u_top.frame_full);
+      assert (state == '0 || (u_top.frame_full && u_top.u_mesh.awake_q));
       assert (8'(u_top.u_command.place_q) < 8'(RequestBytes) || state == Judge);
       assert (state inside {Gather, Judge} || u_top.u_command.place_q == '0);
       assert (!u_top.frame_full ||
@@ -365,7 +365,7 @@ module triaxis_go_formal
       assert (loader <= LoaderSend);
       if (state == HelloEnd) begin
         assert (loader == LoaderEmpty && u_top.u_command.u_loader.both_q);
-        assert (!u_top.u_command.u_loader.mesh_q || engine_count[0] == '0);
+        assert (!u_top.u_command.u_loader.mesh_q || (engine_count[0] == '0 && !busy));
       end
       if (hello_new) assert (engine_count[0] == '0 && engine_count[1] == '0);
       if (state == Load) begin
@@ -409,7 +409,7 @@ module triaxis_go_formal
       // The runner and the engine.
       assert (busy == (u_top.run_tvalid || u_top.u_mesh.running_q));
       assert (!u_top.run_tvalid || (!u_top.u_mesh.running_q && state == Reply));
-      TakenAtOnce : assert (!u_top.run_tvalid || u_top.run_tready);
+      TakenAtOnce : assert (!u_top.run_tvalid || u_top.unused_ready);
       assert (u_top.run_state <= RunDone);
       // A first HELLO forgets what nobody has given.
       if (u_top.u_command.u_session.session_q != '0 && state != HelloEnd) begin
