@@ -345,6 +345,11 @@ class BoardRefusalsTest(BoardTest):
             ends = np.roll([min(reach, 2**31) - 1, -min(reach, 2**31), 0], place).tolist()
             await self.move(*ends)
             await self.run(Mode(place))
+        # As far as 32 bits reach: without the sign it would be a step.
+        below = -self.flat(0, 3)
+        await self.scene(below, below)
+        await self.move(min(reach, 2**31) - 1)
+        await self.run()
         await self.move()
 
     async def runs(self) -> None:
