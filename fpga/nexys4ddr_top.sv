@@ -73,7 +73,7 @@ module nexys4ddr_top
   // --- Commands -------------------------------------------------------------------------------------
 
   logic frame_full, frame_release, link_error;
-  logic [$clog2(MaxFrameBytes+1)-1:0] frame_length;
+  logic [$clog2(MaxFrameBytes)-1:0] frame_length;
   logic [$clog2(MaxFrameBytes)-1:0] frame_address;
   byte_t frame_data;
 

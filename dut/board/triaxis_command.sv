@@ -18,7 +18,7 @@ module triaxis_command
     input logic rst_ni,
     // The frame.
     input logic full_i,
-    input logic [$clog2(MaxFrameBytes+1)-1:0] length_i,
+    input logic [$clog2(MaxFrameBytes)-1:0] length_i,
     output logic [$clog2(MaxFrameBytes)-1:0] address_o,
     input byte_t data_i,
     output logic release_o,
@@ -80,8 +80,8 @@ module triaxis_command
 
   // --- The frame ------------------------------------------------------------------------------------
 
-  logic [$clog2(MaxFrameBytes+1)-1:0] content_bytes;
-  assign content_bytes = length_i - 9'(CrcBytes);
+  address_t content_bytes;
+  assign content_bytes = length_i - 8'(CrcBytes);
   assign address_o = state_q == Load ? load_address : address_t'(place_q);
   assign request_o = request_q;
 
@@ -119,7 +119,7 @@ module triaxis_command
   ) u_judge (
       .command_i(request_q.command),
       .fields_i(request_q.fields),
-      .payload_bytes_i(content_bytes - 9'(HeaderBytes)),
+      .payload_bytes_i(content_bytes - 8'(HeaderBytes)),
       .nobody_i(nobody),
       .mine_i(mine),
       .alive_i,

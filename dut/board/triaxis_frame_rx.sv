@@ -18,7 +18,7 @@ module triaxis_frame_rx
     input logic end_i,
     input logic error_i,
     output logic full_o,
-    output logic [$clog2(MaxFrameBytes+1)-1:0] length_o,  // with the CRC
+    output logic [$clog2(MaxFrameBytes)-1:0] length_o,  // with the CRC; 0 is the longest, 256
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,
@@ -29,8 +29,8 @@ module triaxis_frame_rx
   localparam length_t Shortest = length_t'(HeaderBytes + CrcBytes);
   localparam length_t Longest = length_t'(MaxFrameBytes);
 
-  byte_t memory_q[MaxFrameBytes];
-  length_t count_q, length_q;
+  byte_t   memory_q[MaxFrameBytes];
+  length_t count_q;
   logic full_q, skip_q;
   logic [31:0] crc;
 
@@ -79,10 +79,9 @@ module triaxis_frame_rx
   end
 
   always_ff @(posedge clk_i) begin
-    if (good) length_q <= count_q;
+    if (good) length_o <= count_q[$clog2(MaxFrameBytes)-1:0];
   end
 
-  assign full_o   = full_q;
-  assign length_o = length_q;
+  assign full_o = full_q;
 
 endmodule

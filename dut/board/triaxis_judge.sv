@@ -19,7 +19,7 @@ module triaxis_judge
 ) (
     input byte_t command_i,
     input logic [8*FieldBytes-1:0] fields_i,
-    input logic [8:0] payload_bytes_i,
+    input logic [7:0] payload_bytes_i,
     // Session.
     input logic nobody_i,
     input logic mine_i,

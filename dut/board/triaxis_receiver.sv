@@ -13,7 +13,7 @@ module triaxis_receiver
     input logic rst_ni,
     input logic line_i,
     output logic full_o,
-    output logic [$clog2(MaxFrameBytes+1)-1:0] length_o,
+    output logic [$clog2(MaxFrameBytes)-1:0] length_o,
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,

@@ -18,7 +18,8 @@ from triaxis.verif.mutation.syntax import SourceFile, read_source
 SIGNED_OF_BOARD = frozenset(
     f"triaxis_{name}.sv"
     for name in (
-        "crc32", "receiver", "reset_sync", "safety", "session", "slip_rx", "slip_tx", "watchdog",
+        "answer", "beat", "crc32", "frame_rx", "judge", "receiver", "reset_sync", "runner", "safety",
+        "session", "slip_rx", "slip_tx", "watchdog",
     )
 )  # fmt: skip
 

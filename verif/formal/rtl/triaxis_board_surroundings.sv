@@ -17,7 +17,7 @@ module triaxis_receiver
     input logic rst_ni,
     input logic line_i,
     output logic full_o,
-    output logic [$clog2(MaxFrameBytes+1)-1:0] length_o,
+    output logic [$clog2(MaxFrameBytes)-1:0] length_o,
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,
@@ -34,7 +34,7 @@ module triaxis_receiver
   end
   always_ff @(posedge clk_i) begin
     if (!full_o) begin
-      length_o <= free_length;
+      length_o <= free_length[$clog2(MaxFrameBytes)-1:0];
       place_q  <= free_place;
       byte_q   <= free_byte;
     end

@@ -25,7 +25,7 @@ module triaxis_frame_rx_formal
   typedef logic [8:0] count_t;
 
   logic full_o, error_o;
-  count_t length_o;
+  byte_t length_o;
   byte_t data_o, place_q;
 
   triaxis_frame_rx u_frame (
@@ -113,11 +113,11 @@ module triaxis_frame_rx_formal
       Stays : assert (!held_q || full_o || released_q);
       Leaves : assert (!held_q || !released_q || !full_o);
       AsItCame :
-      assert (!full_o || (length_o == held_count_q &&
-              (9'(place_q) >= length_o || data_o == held_byte_q)));
+      assert (!full_o || (length_o == 8'(held_count_q) &&
+              (9'(place_q) >= held_count_q || data_o == held_byte_q)));
       Told : assert (!ended_q || whole_q || told_before_q || error_o);
       ErrorsTold : assert (!error_q || error_o);
-      SeenFull : cover (whole_q && 9'(place_q) == length_o - 9'd1);
+      SeenFull : cover (whole_q && 9'(place_q) == held_count_q - 9'd1);
       SeenLate : cover (late_q && error_o);
       SeenBadCrc : cover (ended_q && !whole_q && !told_before_q && count_q == '0);
       // What makes it inductive.

@@ -103,7 +103,7 @@ module triaxis_go_formal
   assign triangles = frame.fields[31:24];
   assign frame_byte = u_top.u_receiver.byte_q;
   assign frame_place = u_top.u_receiver.place_q;
-  assign content = u_top.frame_length - 9'(CrcBytes);
+  assign content = 9'(8'(u_top.frame_length - 8'(CrcBytes)));
 
   // A frame that is released is answered; heard: acknowledged as a command that is no repeat.
   logic answered, acknowledged, owned, takes, heard, covered;
