@@ -21,7 +21,6 @@ module triaxis_answer
     output logic [31:0] first_pair_o
 );
 
-  typedef logic [8*BodyBytes-1:0] body_t;
   localparam int unsigned PairBits = $clog2(NearMax);  // a power of two
 
   logic [31:0] from, held;
@@ -35,7 +34,7 @@ module triaxis_answer
   assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
 
   // Only the bytes that are sent count. The number of a run is the first of a status.
-  body_t body;
+  logic [8*BodyBytes-1:0] body;
   body_bytes_t body_bytes;
   always_comb begin
     body = {8'(pairs), from, status_i};
