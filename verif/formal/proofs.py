@@ -148,9 +148,34 @@ def _skip(name: str, width: int, whole: bool) -> SbyProof:
     )
 
 
+def _walk() -> SbyProof:
+    modules = (
+        "mesh", "run_control", "near_pairs", "pair_fetch", "pair_boxes", "pick", "group_words", "group_rows",
+        "stream_fifo", "lane_mask", "overlap", "grow",
+    )  # fmt: skip
+    proof = _assertions(
+        "engine_walk",
+        "For all time and under every pattern of stalls, aborts and resets: of a run that is said to be "
+        "complete each pair of triangles was handed to the core, once, with the vertices that are stored, "
+        "A's moved as asked, and verdicts of all that was handed over were taken; or its boxes, or those of "
+        "its groups or of the whole of B around them, lie apart on one axis by more than the margin.",
+        (*(f"mesh/triaxis_{module}" for module in modules), "core/triaxis_fifo"),
+        {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
+        26,
+        (
+            "queues of four places in the copy that is proved: `engine_queue` is of any",
+            "what is read of a memory is what was written; boxes lie around their triangles: `engine_boxes`",
+            "the core gives one verdict a pair, at any time: `streams`",
+        ),
+        beside=("triaxis_mesh_surroundings",),
+    )
+    return replace(proof, edits={"mesh/triaxis_mesh.sv": (("QueueDepth = 16", "QueueDepth = 4"),)})
+
+
 def engine_proofs() -> tuple[SbyProof, ...]:
     """Return the proofs of the mesh engine."""
     return (
+        _walk(),
         _skip("engine_skip", _WIDTH, whole=False),
         _skip("engine_skip_small", 4, whole=True),
         _assertions(

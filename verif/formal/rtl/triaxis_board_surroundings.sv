@@ -53,7 +53,7 @@ endmodule
 // neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
 // that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
 // not tested is separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost
-// between, `engine_queue` and `engine_pick`; that verdicts are right, the proofs of the core.
+// between, `engine_walk`; that verdicts are right, the proofs of the core.
 // Triangles get the next number of their mesh: `engine_boxes`.
 module triaxis_mesh
   import triaxis_mesh_pkg::*;

@@ -1,0 +1,357 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The walk of a run: one triangle of A and one of B are followed, free constants, from the start of a
+// run to its end. A complete run has handed the pair to the core, once, as it is in memory, A moved,
+// and has its verdict; or has held its boxes, or boxes around them, against one another, and on one
+// axis they are apart by more than the margin.
+//
+// While the run goes on the pair is in one place: not yet reached by the scan of the rows, in a stage,
+// or in a queue, alone or in a group or a word that holds it; or it was skipped; or it was issued.
+
+`include "triaxis_formal.svh"
+
+module triaxis_mesh_formal
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 8,
+    parameter int unsigned M = 8,
+    parameter int unsigned Depth = 16,
+    parameter int unsigned Group = 4,
+    parameter int unsigned Lanes = 2,
+    parameter int unsigned QueueDepth = 4,
+    localparam int unsigned IndexWidth = $clog2(Depth)
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic s_axis_load_tvalid_i,
+    input logic [9*W-1:0] s_axis_load_tdata_i,
+    input logic [1:0] s_axis_load_tuser_i,
+    input logic s_axis_run_tvalid_i,
+    input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
+    input logic [M+1:0] s_axis_run_tuser_i,
+    input logic abort_i,
+    input logic m_axis_near_tready_i,
+    input logic m_axis_done_tready_i
+);
+
+  localparam int unsigned RowQueueDepth = 4;
+  localparam int unsigned WordsOfGroup = Group / Lanes;
+  // States of the run's control, by their places in the enumeration.
+  localparam logic [2:0] Idle = 3'd1, Settle = 3'd2, Check = 3'd3, Start = 3'd4;
+  localparam logic [2:0] Scan = 3'd5, Drain = 3'd6, Report = 3'd7;
+
+  typedef logic signed [W+3:0] wide_t;
+  typedef logic [1:0][2:0][W-1:0] box_t;
+
+  logic done;
+  status_e status;
+  triaxis_mesh #(
+      .W(W),
+      .M(M),
+      .Depth(Depth),
+      .Group(Group),
+      .Lanes(Lanes),
+      .CycleBits(2)
+  ) u_mesh (
+      .s_axis_load_tready_o(),
+      .count_a_o(),
+      .count_b_o(),
+      .overfull_o(),
+      .s_axis_run_tready_o(),
+      .busy_o(),
+      .m_axis_near_tvalid_o(),
+      .m_axis_near_tdata_o(),
+      .m_axis_done_tvalid_o(done),
+      .status_o(status),
+      .cycles_o(),
+      .group_pairs_skipped_o(),
+      .group_pairs_opened_o(),
+      .pairs_skipped_o(),
+      .tested_o(),
+      .near_o(),
+      .*
+  );
+
+  `TRIAXIS_RESET_FIRST
+
+  // --- The pair, and where it is found ------------------------------------------------------------------
+
+  logic [IndexWidth-1:0] a, b;
+  logic [31:0] row, column, column_word, column_lane, word, lane, step, part;
+  logic present, empty;
+  logic [2:0] state;
+  assign a = u_mesh.u_store_a.number_q;
+  assign b = u_mesh.u_store_b.number_q;
+  assign row = 32'(a) / Group;
+  assign step = 32'(a) % Group;
+  assign column = 32'(b) / Group;
+  assign column_word = column / Lanes;
+  assign column_lane = column % Lanes;
+  assign word = 32'(b) / Lanes;
+  assign lane = 32'(b) % Lanes;
+  assign part = word % WordsOfGroup;
+  assign present = 32'(a) < 32'(u_mesh.count_a_o) && 32'(b) < 32'(u_mesh.count_b_o);
+  assign empty = u_mesh.count_a_o == '0 || u_mesh.count_b_o == '0;
+  assign state = u_mesh.u_control.state_q;
+
+  // --- By the definition ----------------------------------------------------------------------------------
+
+  function automatic wide_t low(box_t box, int k);
+    return wide_t'($signed(box[0][k]));
+  endfunction
+  function automatic wide_t high(box_t box, int k);
+    return wide_t'($signed(box[1][k]));
+  endfunction
+
+  wide_t move[3], margin;
+  for (genvar k = 0; k < 3; k++) begin : g_move
+    assign move[k] = wide_t'($signed(u_mesh.u_control.move_o[k]));
+  end
+  assign margin = wide_t'({4'b0, u_mesh.u_control.margin_o});
+
+  // On one axis more than the margin lies between a box of A, moved, and one of B.
+  function automatic logic apart(box_t of_a, box_t of_b);
+    apart = 1'b0;
+    for (int k = 0; k < 3; k++) begin
+      if (low(of_b, k) - (high(of_a, k) + move[k]) > margin) apart = 1'b1;
+      if (low(of_a, k) + move[k] - high(of_b, k) > margin) apart = 1'b1;
+    end
+  endfunction
+
+  box_t object_a, object_b, group_a, group_b, box_a, box_b;
+  assign object_a = u_mesh.u_store_a.object_q;
+  assign object_b = u_mesh.u_store_b.object_q;
+  assign group_a  = u_mesh.u_store_a.group_q;
+  assign group_b  = u_mesh.u_store_b.group_q;
+  assign box_a    = u_mesh.u_store_a.box_q;
+  assign box_b    = u_mesh.u_store_b.box_q;
+
+  logic [9*W-1:0] moved;
+  for (genvar i = 0; i < 9; i++) begin : g_vertex
+    assign moved[i*W+:W] = u_mesh.u_store_a.triangle_q[i*W+:W] + move[i%3][W-1:0];
+  end
+
+  // --- What becomes of it ---------------------------------------------------------------------------------
+
+  logic skips_row, skips_word, skips_box, issues, sends;
+  assign skips_row = u_mesh.row_skip && 32'(u_mesh.u_rows.grown_group_q) == row;
+  assign skips_word = 32'(u_mesh.u_words.read_row_q) == row &&
+      32'(u_mesh.u_words.read_word_q) == column_word && u_mesh.u_words.decided[column_lane] &&
+      !u_mesh.u_words.overlap[column_lane];
+  assign skips_box = u_mesh.u_boxes.grown_index_q == a &&
+      32'(u_mesh.u_boxes.grown_word_q) == word && u_mesh.u_boxes.decided[lane] &&
+      !u_mesh.u_boxes.overlap[lane];
+  assign issues = u_mesh.issue && u_mesh.fetch_a == a && u_mesh.fetch_b == b;
+  assign sends = u_mesh.core_valid && u_mesh.core_ready && u_mesh.core_a == a && u_mesh.core_b == b;
+
+  // The pair is followed in this run; what became of it.
+  logic followed_q, skipped_q, issued_q, sent_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) {followed_q, skipped_q, issued_q, sent_q} <= '0;
+    else if (u_mesh.restart || u_mesh.drain) {followed_q, skipped_q, issued_q, sent_q} <= '0;
+    else if (u_mesh.start) followed_q <= present;
+    else if (followed_q) begin
+      if (skips_row || skips_word || skips_box) skipped_q <= 1'b1;
+      if (issues) issued_q <= 1'b1;
+      if (sends) sent_q <= 1'b1;
+    end
+  end
+
+  always_comb begin
+    if (rst_ni) begin
+      Accounted :
+      assert (!done || status != StatusComplete || empty || !present || skipped_q || sent_q);
+      OnlyWhereApart : assert (!followed_q || !skips_row || apart(group_a, object_b));
+      assert (!followed_q || !skips_word || apart(group_a, group_b));
+      assert (!followed_q || !skips_box || apart(box_a, box_b));
+      Once : assert (!followed_q || !issues || (!issued_q && !skipped_q));
+      assert (!followed_q || !sends || (!sent_q && issued_q));
+      AsItIs :
+      assert (!followed_q || !sends || u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved});
+      VerdictTaken : assert (!done || status != StatusComplete || u_mesh.u_core.held_q == '0);
+
+      SeenSent : cover (done && status == StatusComplete && sent_q);
+      SeenSkippedRow : cover (followed_q && skips_row);
+      SeenSkippedWord : cover (followed_q && skips_word);
+      SeenSkippedBox : cover (followed_q && skips_box);
+      SeenDrained : cover (state == Drain && u_mesh.core_valid);
+    end
+  end
+
+  // --- What makes it inductive ----------------------------------------------------------------------------
+
+  // Entries of the queues that hold the pair; of the oldest, what is left of it.
+  logic [RowQueueDepth-1:0] in_rows;
+  logic [QueueDepth-1:0] in_groups, in_masked;
+  logic ahead_in_row, ahead_in_group;
+  assign ahead_in_row = 32'(u_mesh.u_words.word_q) <= column_word;
+  assign ahead_in_group = 32'(u_mesh.u_boxes.triangle_q) < step ||
+      (32'(u_mesh.u_boxes.triangle_q) == step && 32'(u_mesh.u_boxes.word_q) <= part);
+
+  localparam int unsigned GrownWidth = grown_width(W);
+  typedef logic [1:0][2:0][GrownWidth-1:0] grown_t;
+  function automatic logic right(grown_t grown, box_t box);
+    right = 1'b1;
+    for (int k = 0; k < 3; k++) begin
+      if (wide_t'($signed(grown[0][k])) != low(box, k) + move[k] - margin) right = 1'b0;
+      if (wide_t'($signed(grown[1][k])) != high(box, k) + move[k] + margin) right = 1'b0;
+    end
+  endfunction
+
+  grown_t grown_of_row, grown_of_word, grown_of_box;
+  for (genvar c = 0; c < 2; c++) begin : g_corner
+    for (genvar k = 0; k < 3; k++) begin : g_axis
+      assign grown_of_row[c][k]  = u_mesh.u_rows.grown[c][k];
+      assign grown_of_word[c][k] = u_mesh.u_words.read_grown_q[c][k];
+      assign grown_of_box[c][k]  = u_mesh.u_boxes.grown[c][k];
+    end
+  end
+
+  logic [RowQueueDepth-1:0] row_right;
+  for (genvar i = 0; i < RowQueueDepth; i++) begin : g_rows
+    logic [1:0] age;
+    logic of_row;
+    assign age = 2'(i) - u_mesh.u_rows.u_waiting.u_words.read_q[1:0];
+    assign of_row = 3'(age) < u_mesh.u_rows.u_waiting.held_q &&
+        32'(u_mesh.u_rows.u_waiting.u_words.memory_q[i].row) == row;
+    assign in_rows[i] = of_row && (age != '0 || ahead_in_row);
+    assign row_right[i] = !of_row || right(
+        u_mesh.u_rows.u_waiting.u_words.memory_q[i].grown, group_a
+    );
+  end
+  for (genvar i = 0; i < QueueDepth; i++) begin : g_queues
+    logic [$clog2(QueueDepth)-1:0] age_group, age_masked;
+    assign age_group = 2'(i) - u_mesh.u_group_pairs.u_words.read_q[1:0];
+    assign in_groups[i] = 3'(age_group) < u_mesh.u_group_pairs.held_q &&
+        32'(u_mesh.u_group_pairs.u_words.memory_q[i].a) == row &&
+        32'(u_mesh.u_group_pairs.u_words.memory_q[i].b) == column &&
+        (age_group != '0 || ahead_in_group);
+    assign age_masked = 2'(i) - u_mesh.u_masked_pairs.u_words.read_q[1:0];
+    assign in_masked[i] = 3'(age_masked) < u_mesh.u_masked_pairs.held_q &&
+        u_mesh.u_masked_pairs.u_words.memory_q[i].pairs.index == a &&
+        32'(u_mesh.u_masked_pairs.u_words.memory_q[i].pairs.word) == word &&
+        u_mesh.u_masked_pairs.u_words.memory_q[i].mask[lane];
+  end
+
+  logic [9:0] in_stages;
+  assign in_stages = {
+    u_mesh.u_rows.scanning_q && 32'(u_mesh.u_rows.next_q) <= row,
+    u_mesh.u_rows.read_valid_q && 32'(u_mesh.u_rows.read_group_q) == row,
+    u_mesh.u_rows.grown_valid_q && 32'(u_mesh.u_rows.grown_group_q) == row,
+    u_mesh.u_words.read_valid_q && 32'(u_mesh.u_words.read_row_q) == row &&
+        32'(u_mesh.u_words.read_word_q) == column_word,
+    32'(u_mesh.word.row) == row && 32'(u_mesh.word.word) == column_word &&
+        u_mesh.word_mask[column_lane],
+    32'(u_mesh.picked.row) == row && 32'(u_mesh.picked.word) == column_word &&
+        u_mesh.u_pick_group.mask_q[column_lane],
+    u_mesh.u_boxes.read_valid_q && u_mesh.u_boxes.read_index_q == a &&
+        32'(u_mesh.u_boxes.read_word_q) == word,
+    u_mesh.u_boxes.grown_valid_q && u_mesh.u_boxes.grown_index_q == a &&
+        32'(u_mesh.u_boxes.grown_word_q) == word,
+    u_mesh.boxed.pairs.index == a && 32'(u_mesh.boxed.pairs.word) == word &&
+        u_mesh.boxed.mask[lane],
+    u_mesh.pair_word.index == a && 32'(u_mesh.pair_word.word) == word &&
+        u_mesh.u_pick_pair.mask_q[lane]
+  };
+  localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + 2;
+  logic [Places-1:0] places;
+  logic somewhere, twice;
+  assign places = {in_stages, in_rows, in_groups, in_masked, skipped_q, issued_q};
+  always_comb begin
+    {somewhere, twice} = '0;
+    for (int i = 0; i < int'(Places); i++) begin
+      twice |= somewhere && places[i];
+      somewhere |= places[i];
+    end
+  end
+  logic read_here, offered_here, at_rest, in_run;
+  assign read_here = u_mesh.u_fetch.read_valid_q && u_mesh.u_fetch.read_a_q == a &&
+      u_mesh.u_fetch.read_b_q == b;
+  assign offered_here = u_mesh.core_valid && u_mesh.core_a == a && u_mesh.core_b == b;
+  assign at_rest = u_mesh.groups_idle && u_mesh.rows_idle && u_mesh.boxes_idle &&
+      !u_mesh.masked_valid && !u_mesh.pair_valid;
+  assign in_run = state inside {Start, Scan, Drain};
+
+  always_comb begin
+    if (rst_ni) begin
+      // The place of the pair.
+      assert (!followed_q || (somewhere && !twice));
+      assert (!followed_q || (read_here || offered_here || sent_q) == issued_q);
+      assert (!followed_q || !((read_here && offered_here) ||
+              (sent_q && (read_here || offered_here))));
+      assert (state != Scan || followed_q == present);
+      assert (followed_q || {skipped_q, issued_q, sent_q} == '0);
+      assert (!followed_q ||
+              (state inside {Scan, Drain, Report} ? present : state inside {Idle, Settle}));
+
+      // At rest between runs.
+      assert (in_run || (at_rest && u_mesh.u_near.in_flight_q == '0));
+      assert (state != Start || (at_rest && u_mesh.u_near.in_flight_q == '0));
+      assert (u_mesh.u_words.word_q == '0 ||
+              (u_mesh.row_valid && u_mesh.u_words.word_q <= u_mesh.u_words.last_word));
+      assert ({u_mesh.u_boxes.triangle_q, u_mesh.u_boxes.word_q} == '0 || u_mesh.group_pair_valid);
+      assert (32'(u_mesh.u_near.in_flight_q) == 32'(u_mesh.u_fetch.read_valid_q) +
+              32'(u_mesh.core_valid) + 32'(u_mesh.u_core.held_q));
+      assert (32'(u_mesh.u_core.held_q) <= u_mesh.u_core.Places);
+
+      assert (32'(u_mesh.count_a_o) <= Depth && 32'(u_mesh.count_b_o) <= Depth);
+
+      // The queues.
+      assert (u_mesh.u_rows.u_waiting.held_q == u_mesh.u_rows.u_waiting.u_words.write_q -
+              u_mesh.u_rows.u_waiting.u_words.read_q && u_mesh.u_rows.u_waiting.held_q <= 3'd4);
+      assert (u_mesh.u_group_pairs.held_q == u_mesh.u_group_pairs.u_words.write_q -
+              u_mesh.u_group_pairs.u_words.read_q && u_mesh.u_group_pairs.held_q <= 3'd4);
+      assert (u_mesh.u_masked_pairs.held_q == u_mesh.u_masked_pairs.u_words.write_q -
+              u_mesh.u_masked_pairs.u_words.read_q && u_mesh.u_masked_pairs.held_q <= 3'd4);
+      assert (!u_mesh.u_rows.u_waiting.ready_q || u_mesh.u_rows.u_waiting.held_q != 3'd4);
+      assert (!u_mesh.u_group_pairs.ready_q || u_mesh.u_group_pairs.held_q != 3'd4);
+      assert (!u_mesh.u_masked_pairs.ready_q || u_mesh.u_masked_pairs.held_q != 3'd4);
+
+      // What was asked for: refused where A moved leaves the range, so that no sum is cut.
+      if (state inside {Check, Start, Scan}) begin
+        assert (u_mesh.settled);
+        for (int k = 0; k < 3; k++) begin
+          assert (wide_t'($signed(u_mesh.shift[0][k])) == move[k] - margin);
+          assert (wide_t'($signed(u_mesh.shift[1][k])) == move[k] + margin);
+          assert ((state == Check && (u_mesh.u_control.overflow_q || u_mesh.empty_a)) || (low(
+              object_a, k
+          ) + move[k] >= -(wide_t'(1) <<< (W - 1)) && high(
+              object_a, k
+          ) + move[k] < (wide_t'(1) <<< (W - 1))));
+        end
+      end
+      assert (!(state inside {Start, Scan}) || !empty);
+      assert (!u_mesh.u_rows.scanning_q || !(state inside {Scan, Drain}) ||
+              32'(u_mesh.u_rows.next_q) < 32'(u_mesh.groups_a));
+
+      // The memories were read where the stages say.
+      assert (!u_mesh.u_rows.read_valid_q ||
+              u_mesh.u_store_a.group_at_q == u_mesh.u_rows.read_group_q);
+      assert (!u_mesh.u_words.read_valid_q ||
+              u_mesh.u_store_b.group_at_q == u_mesh.u_words.read_word_q);
+      assert (!u_mesh.u_boxes.read_valid_q ||
+              u_mesh.u_store_a.box_at_q == u_mesh.u_boxes.read_index_q);
+      assert (!u_mesh.u_boxes.grown_valid_q ||
+              u_mesh.u_store_b.box_at_q == u_mesh.u_boxes.grown_word_q);
+      assert (!u_mesh.u_fetch.read_valid_q ||
+              (u_mesh.u_store_a.triangle_at_q == u_mesh.u_fetch.read_a_q &&
+               u_mesh.u_store_b.triangle_at_q == u_mesh.u_fetch.read_b_q));
+
+      // What was read of the pair, grown and moved.
+      if (state == Scan) begin
+        assert (!in_stages[7] || right(grown_of_row, group_a));
+        assert (row_right == '1);
+        assert (!(u_mesh.u_words.read_valid_q && 32'(u_mesh.u_words.read_row_q) == row) || right(
+            grown_of_word, group_a
+        ));
+        assert (!(u_mesh.u_boxes.grown_valid_q && u_mesh.u_boxes.grown_index_q == a) || right(
+            grown_of_box, box_a
+        ));
+        assert (!offered_here || !followed_q ||
+                u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved});
+      end
+    end
+  end
+
+endmodule

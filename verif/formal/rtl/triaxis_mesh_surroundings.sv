@@ -1,0 +1,160 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Stand-ins in the proof of the engine's walk, with the ports of the real ones.
+
+// A mesh in memory: what is known of it is one triangle, whichever number it has: its vertices, its
+// box, that of its group, that of the mesh. Whatever else is read is anything. All of it is new while
+// the mesh is changed, and stays once it has settled: what the boxes are is shown by `engine_boxes`.
+module triaxis_mesh_store
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned Depth = 4096,
+    parameter int unsigned Group = 8,
+    parameter int unsigned Lanes = 8,
+    localparam int unsigned IndexWidth = $clog2(Depth),
+    localparam int unsigned WordWidth = address_width(Depth / Lanes),
+    localparam int unsigned GroupWordWidth = address_width(Depth / Group / Lanes)
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic clear_i,
+    input logic push_i,
+    input logic [9*W-1:0] triangle_i,
+    output logic [IndexWidth:0] count_o,
+    output logic overfull_o,
+    output logic settled_o,
+    output logic signed [W-1:0] object_o[2][3],
+    input logic triangle_read_i,
+    input logic [IndexWidth-1:0] triangle_index_i,
+    output logic [9*W-1:0] triangle_o,
+    input logic box_read_i,
+    input logic [WordWidth-1:0] box_word_i,
+    output logic signed [W-1:0] boxes_o[Lanes][2][3],
+    input logic group_read_i,
+    input logic [GroupWordWidth-1:0] group_word_i,
+    output logic signed [W-1:0] group_boxes_o[Lanes][2][3]
+);
+
+  // A box: lowest corner, highest corner.
+  typedef logic [1:0][2:0][W-1:0] box_t;
+  typedef logic [IndexWidth:0] count_t;
+
+  logic [IndexWidth-1:0] number_q, triangle_at_q;
+  logic [WordWidth-1:0] box_at_q;
+  logic [GroupWordWidth-1:0] group_at_q;
+  logic [9*W-1:0] triangle_q;
+  box_t object_q, group_q, box_q;
+  count_t count_q;
+  logic changed, settled_q;
+
+  // No drivers: anything at each clock.
+  logic free_settled, free_overfull;
+  logic [9*W-1:0] free_triangle, other_triangle;
+  box_t free_object, free_group, free_box, other_boxes[Lanes], other_groups[Lanes];
+
+  assign changed = clear_i || push_i;
+  assign settled_o = settled_q || free_settled;
+  assign overfull_o = free_overfull;
+  assign count_o = count_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      count_q   <= '0;
+      settled_q <= 1'b0;
+    end else begin
+      if (clear_i) count_q <= '0;
+      else if (push_i && count_q != count_t'(Depth)) count_q <= count_q + count_t'(1);
+      settled_q <= settled_o && !changed;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    number_q <= number_q;
+    if (!settled_o || changed) begin
+      triangle_q <= free_triangle;
+      object_q   <= free_object;
+      group_q    <= free_group;
+      box_q      <= free_box;
+    end
+    if (triangle_read_i) triangle_at_q <= triangle_index_i;
+    if (box_read_i) box_at_q <= box_word_i;
+    if (group_read_i) group_at_q <= group_word_i;
+  end
+
+  box_t boxes[Lanes], groups[Lanes];
+  assign triangle_o = triangle_at_q == number_q ? triangle_q : other_triangle;
+  for (genvar l = 0; l < Lanes; l++) begin : g_lane
+    assign boxes[l] = 32'(box_at_q) * Lanes + l == 32'(number_q) ? box_q : other_boxes[l];
+    assign groups[l] = 32'(group_at_q) * Lanes + l == 32'(number_q) / Group ? group_q :
+        other_groups[l];
+    for (genvar c = 0; c < 2; c++) begin : g_corner
+      for (genvar k = 0; k < 3; k++) begin : g_axis
+        assign boxes_o[l][c][k] = boxes[l][c][k];
+        assign group_boxes_o[l][c][k] = groups[l][c][k];
+      end
+    end
+  end
+  for (genvar c = 0; c < 2; c++) begin : g_corner
+    for (genvar k = 0; k < 3; k++) begin : g_axis
+      assign object_o[c][k] = object_q[c][k];
+    end
+  end
+
+  // Boxes are not empty, and lie within one another: shown by `engine_boxes`.
+  always_comb begin
+    for (int k = 0; k < 3; k++) begin
+      assume ($signed(object_q[0][k]) <= $signed(group_q[0][k]));
+      assume ($signed(group_q[0][k]) <= $signed(box_q[0][k]));
+      assume ($signed(box_q[0][k]) <= $signed(box_q[1][k]));
+      assume ($signed(box_q[1][k]) <= $signed(group_q[1][k]));
+      assume ($signed(group_q[1][k]) <= $signed(object_q[1][k]));
+    end
+  end
+
+endmodule
+
+// The core: takes pairs, and gives as many verdicts, at any clocks, of as many pairs at a time as its
+// queue has places: shown by `streams`. Verdicts are anything.
+// verilog_lint: waive module-filename
+module triaxis_core
+  import triaxis_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 0,
+    parameter int unsigned TAG = 16,
+    parameter bit EdgeBox = 1'b1,
+    parameter bit Gating = 1'b1,
+    localparam int unsigned DataWidth = 8 * ((18 * W + 7) / 8)
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic s_axis_tvalid_i,
+    output logic s_axis_tready_o,
+    input logic [DataWidth-1:0] s_axis_tdata_i,
+    input logic [TAG+M-1:0] s_axis_tuser_i,
+    output logic m_axis_tvalid_o,
+    input logic m_axis_tready_i,
+    output logic [15:0] m_axis_tdata_o,
+    output logic [TAG-1:0] m_axis_tuser_o
+);
+
+  localparam int unsigned Places = 2 ** $clog2(core_latency(W, M));
+  typedef logic [$clog2(Places):0] count_t;
+  count_t held_q;
+  logic free_ready, free_valid;
+  logic [15:0] free_verdict;
+  logic [TAG-1:0] free_user;
+
+  assign s_axis_tready_o = free_ready && held_q != count_t'(Places);
+  assign m_axis_tvalid_o = free_valid && held_q != '0;
+  assign m_axis_tdata_o  = free_verdict;
+  assign m_axis_tuser_o  = free_user;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) held_q <= '0;
+    else
+      held_q <= held_q + count_t'(s_axis_tvalid_i && s_axis_tready_o) -
+          count_t'(m_axis_tvalid_o && m_axis_tready_i);
+  end
+
+endmodule
