@@ -21,7 +21,7 @@ module triaxis_answer
     output logic [31:0] first_pair_o
 );
 
-  localparam int unsigned PairBits = $clog2(NearMax);  // a power of two
+  localparam int unsigned PairBits = $clog2(NearMax);  // NearMax is a power of two
 
   logic [31:0] from, held;
   near_pairs_t pairs;

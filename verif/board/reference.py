@@ -223,8 +223,9 @@ class BoardReference:
         self._expect_answer(self.held)
         if not self._replying:
             self.held.due = self.clock + _EXECUTED
-            acts = self.held.due + (self._pass(self.held) if command == Command.LOAD else 0)
-            self._at(acts, lambda _, frame=self.held: self._execute_lasting(frame))
+            load = command == Command.LOAD and len(self.held.payload) > 3
+            looked_at = self._pass(self.held.payload[3]) if load else 0
+            self._at(self.held.due + looked_at, lambda _, frame=self.held: self._execute_lasting(frame))
 
     def broken(self) -> None:
         """Take a byte without a stop bit."""
@@ -235,9 +236,8 @@ class BoardReference:
         if frame is self.held and self._early(frame):
             self._act(frame)
 
-    def _pass(self, frame: Frame) -> int:
-        """Return the clocks in which the triangles of a LOAD are looked at once."""
-        triangles = frame.payload[3] if len(frame.payload) > 3 else 0
+    def _pass(self, triangles: int) -> int:
+        """Return the clocks in which so many triangles of a LOAD are looked at once."""
         return triangles * (9 * coordinate_bytes(self.parameters.width) + 1)
 
     def _lasts(self, frame: Frame, code: Code, repeats: bool) -> int | None:
@@ -245,13 +245,12 @@ class BoardReference:
         command, payload = frame.command, frame.payload
         if frame.busy and command in (Command.HELLO, Command.ABORT):
             return None
-        if code == Code.VALUE and command == Command.LOAD and payload[0] < 2 and self._pass(frame):
-            looked_at = (self._beyond(payload) or 0) + 1
-            return self._pass(frame) // payload[3] * looked_at if payload[3] <= MOST_TRIANGLES else 0
+        if command == Command.LOAD and code == Code.VALUE and self._place_code(payload) == Code.OK:
+            return self._pass(1 + (self._beyond(payload) or 0))
         if code != Code.OK or repeats:
             return 0
         if command == Command.LOAD:
-            return 2 * self._pass(frame) + (payload[1:3] == bytes(2))
+            return 2 * self._pass(payload[3]) + (payload[1:3] == bytes(2))
         return _LASTS.get(command, 0)
 
     def _expect_answer(self, frame: Frame) -> None:
@@ -346,6 +345,11 @@ class BoardReference:
         return Code.OK if all(counts) else Code.EMPTY
 
     def _load_code(self, payload: bytes) -> Code:
+        code = self._place_code(payload)
+        return Code.VALUE if code == Code.OK and self._beyond(payload) is not None else code
+
+    def _place_code(self, payload: bytes) -> Code:
+        """Return the code of the answer to a LOAD whose coordinates are all in range."""
         mesh, first, triangles = struct.unpack_from("<BHB", payload)
         if mesh > 1 or not 1 <= triangles <= MOST_TRIANGLES:
             return Code.VALUE
@@ -353,7 +357,7 @@ class BoardReference:
             return Code.PLACE
         if first + triangles > self.parameters.depth:
             return Code.OVERFULL
-        return Code.OK if self._beyond(payload) is None else Code.VALUE
+        return Code.OK
 
     def _beyond(self, payload: bytes) -> int | None:
         """Return which triangle of a LOAD is the first with a coordinate out of range."""

@@ -736,7 +736,7 @@ class BoardResetsTest(BoardTest):
         await self.shown()
 
     async def executing(self) -> None:
-        """Press it at each clock in which LOAD, RUN, HELLO are executed; a clear run comes after each."""
+        """Press it at every second clock in which LOAD, RUN, HELLO are executed; a clear run comes after."""
         width = self.parameters.width
         for command, clocks in ((Command.LOAD, 110), (Command.RUN, 90), (Command.HELLO, 30)):
             for clock in range(0, clocks, 2):
@@ -748,7 +748,7 @@ class BoardResetsTest(BoardTest):
                     Command.RUN: self.asked(),
                 }.get(command, b"")
                 frame = framed(self.frame(command, payload))
-                await self.line(frame, Until.NOW, gap=_BYTE * len(frame) + clock + clock // 2 % 2)
+                await self.line(frame, Until.NOW, gap=_BYTE * len(frame) + clock)
                 await self.line(act=Act.UNPLUG, until=Until.NOW)
                 await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
 

@@ -178,6 +178,10 @@ def _registers(module: str, clocks: int = 2, **parameters: int) -> ModuleProof:
     return ModuleProof(f"triaxis_{module}", claim, Way.REGISTERS, parameters, taken, Way.REGISTERS, clocks)
 
 
+_OF_BOARD = (
+    "answer", "beat", "command", "crc32", "decimal", "display", "loader", "reply", "reset_sync", "runner",
+    "safety", "saturating_counter", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
+)  # fmt: skip
 # At widths at which provers end within a minute; those of W = 16 where they do.
 PROOFS = (
     _window("box", 8, W=16, M=16),
@@ -202,27 +206,5 @@ PROOFS = (
     _registers("run_control", W=8, MarginWidth=2),
     _registers("stream_fifo", Depth=4),
     _window("judge", 2, W=16, M=16, Depth=4096),
-    *(
-        _registers(module)
-        for module in (
-            "answer",
-            "beat",
-            "command",
-            "crc32",
-            "decimal",
-            "display",
-            "loader",
-            "reply",
-            "reset_sync",
-            "runner",
-            "safety",
-            "saturating_counter",
-            "session",
-            "slip_rx",
-            "slip_tx",
-            "uart_rx",
-            "uart_tx",
-            "watchdog",
-        )
-    ),
+    *(_registers(module) for module in _OF_BOARD),
 )
