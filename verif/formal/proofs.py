@@ -163,7 +163,7 @@ def _walk() -> SbyProof:
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         26,
         (
-            "queues of four places in the copy that is proved: `engine_queue` is of any",
+            "queues of four places in the copy that is proved, as in `engine_queue`",
             "what is read of a memory is what was written; boxes lie around their triangles: `engine_boxes`",
             "the core gives one verdict a pair, at any time: `streams`",
         ),
