@@ -282,13 +282,17 @@ module nexys4ddr_top
 
   // --- Replies --------------------------------------------------------------------------------------
 
-  triaxis_saturating_counter u_errors (
+  logic [11:0] errors;
+  triaxis_saturating_counter #(
+      .Width($bits(errors))
+  ) u_errors (
       .clk_i(clk),
       .rst_ni(rst_n),
       .events_i({link_error, foreign}),
-      .count_o(status.errors)
+      .count_o(errors)
   );
 
+  assign status.errors = 16'(errors);
   assign status.count_b = 16'(count_b);
   assign status.count_a = 16'(count_a);
   assign status.summary = summary;

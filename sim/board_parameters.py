@@ -71,8 +71,10 @@ class BoardParameters:
 
 
 _NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)")
-# In which times are short enough to be waited for again and again; the number has bytes that framing escapes.
-_WATCHDOG_CLOCKS, _BUILD_ID = 60_000, 0xC0DBDCDD
+# In which times are short enough to be waited for again and again, and no powers of two, by which a counter
+# could be right without being asked; the number has bytes that framing escapes.
+_TIMES = {"watchdog_clocks": 60_000, "clocks_per_bit": 6, "digit_clocks": 15}
+_BUILD_ID = 0xC0DBDCDD
 
 
 def is_board_configuration(name: str) -> bool:
@@ -89,4 +91,4 @@ def parse_board_configuration(name: str) -> BoardParameters:
             "as in board_w12_m5_d128_g8_l4"
         )
     sizes = [int(number) for number in match.groups()]
-    return BoardParameters(*sizes, watchdog_clocks=_WATCHDOG_CLOCKS, build_id=_BUILD_ID)
+    return BoardParameters(*sizes, **_TIMES, build_id=_BUILD_ID)

@@ -134,7 +134,11 @@ class Player {
         top_.uart_rx_i = 1;
         bench.Eval();
         Note();
-        for (int64_t i = 0; i < kResetClocks; ++i) Clock();
+        // With two states the reset of power-up is no edge: registers have its values from the first clock on.
+        bench.AssertOn(false);
+        Clock();
+        bench.AssertOn(true);
+        for (int64_t i = 1; i < kResetClocks; ++i) Clock();
     }
 
     // Returns what is wrong, if anything; `done`: the clocks that were run.
@@ -239,6 +243,7 @@ class Player {
         }
         if (lit == (digit_ < 0 ? 1 : 1 << digit_) && digit_clocks_ > 0) {
             --digit_clocks_;
+            pins_.bad_scans += first_;
         } else {
             const int next = (digit_ + 1) % kDigits;
             // The first digit after a reset is passed over in a clock.

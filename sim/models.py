@@ -18,7 +18,7 @@ BARE_TOP = "triaxis_bare_tb"
 # Sixteen of 32 bits fill the widest vectors that there are; more of them than caches hold are slower.
 LANES = 16
 
-CORE_SVA, MESH_SVA = (VERIF / block / "sva" for block in ("core", "mesh"))
+CORE_SVA, MESH_SVA, BOARD_SVA = (VERIF / block / "sva" for block in ("core", "mesh", "board"))
 
 
 def assertions(folder: Path) -> tuple[Path, ...]:
@@ -51,8 +51,8 @@ def lockstep_build(configuration: Configuration) -> Build:
 
 
 def asserted(build: Build) -> Build:
-    """Return a library that checks assertions: its RTL's, and the environment's of core and mesh engine."""
-    rules = {CORE_TOP: CORE_SVA, MESH_TOP: MESH_SVA}
+    """Return a library that checks assertions: its RTL's, and the environment's of its block."""
+    rules = {CORE_TOP: CORE_SVA, MESH_TOP: MESH_SVA, BOARD_TOP: BOARD_SVA}
     more = assertions(rules[build.top]) if build.top in rules else ()
     return replace(build, assertions=True, sources=(*build.sources, *more))
 

@@ -162,6 +162,7 @@ class Bench {
 
   Vtop& model() { return *model_; }
   bool asserted() const { return context_.errorCount() != 0; }
+  void AssertOn(bool on) { context_.assertOn(on); }
 
   void Eval() { model_->eval(); }
 
@@ -217,14 +218,17 @@ class Bench {
     }
   }
 
-  // What happens before the first clock in reset is no coverage: signals leave the simulator's initial values.
+  // What happens before the first clock in reset is no coverage: signals leave the simulator's initial values. Nor
+  // is it asserted: a reset that is no edge gives registers their values with this clock.
   template <typename Model>
   void LeaveInitialValues(Model& model) {
     if constexpr (requires { model.rst_ni; }) model.rst_ni = 0;
     if constexpr (requires { model.cpu_reset_ni; }) model.cpu_reset_ni = 0;
     SetClock(model, false);
     model.eval();
+    AssertOn(false);
     Clock();
+    AssertOn(true);
   }
 
   VerilatedContext context_;

@@ -14,7 +14,7 @@ from triaxis.sim.verilate import library
 
 _DIGITS = 8
 _CHUNK = 4096
-# Lit segments (bit 0 a .. bit 6 g) as characters. 5 and S look the same: on the left it is S.
+# Lit segments (bit 0 a .. bit 6 g, bit 7 the point) as characters. 5 and S look the same: on the left, S.
 _CHARACTERS = {
     0x00: " ", 0x3F: "0", 0x06: "1", 0x5B: "2", 0x4F: "3", 0x66: "4", 0x6D: "5", 0x7D: "6", 0x07: "7",
     0x7F: "8", 0x6F: "9", 0x40: "-", 0x79: "E", 0x50: "r", 0x5C: "o", 0x78: "t", 0x73: "P", 0x1C: "u",
@@ -47,8 +47,7 @@ class Pins(ctypes.Structure):
     @property
     def digits(self) -> str:
         """Return what the eight digits show, left to right; ``?`` where it is no known character."""
-        shown = [segments & 0x7F for segments in self.segments]
-        text = "".join(_CHARACTERS.get(segments, "?") for segments in reversed(shown))
+        text = "".join(_CHARACTERS.get(segments, "?") for segments in reversed(list(self.segments)))
         return text[: _DIGITS // 2].replace("5", "S") + text[_DIGITS // 2 :]
 
 

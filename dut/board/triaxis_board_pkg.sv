@@ -17,7 +17,7 @@
 //
 // The error counter counts frames with a bad CRC, bad stuffing, fewer than 13 or more than 256
 // bytes; framing errors of the line; frames that arrive before the last one was taken; and frames
-// of another session. It stays at 65,535. HELLO does not clear it.
+// of another session. It stays at 4,095. HELLO does not clear it.
 
 package triaxis_board_pkg;
 

@@ -38,7 +38,6 @@ module triaxis_display #(
   logic [3:0][3:0] digits;
   triaxis_decimal u_decimal (
       .clk_i,
-      .rst_ni,
       .number_i(near_i[13:0]),
       .digits_o(digits)
   );
@@ -58,14 +57,15 @@ module triaxis_display #(
     if (!rst_ni) begin
       count_q <= '0;
       digit_q <= '0;
-      seg_no  <= '1;
       an_no   <= '1;
     end else begin
       count_q <= count_q == '0 ? count_t'(DigitClocks - 1) : count_q - count_t'(1);
       if (count_q == '0) digit_q <= digit_q + 3'd1;
-      seg_no <= {1'b1, ~shown[digit_q]};
-      an_no  <= ~(8'd1 << digit_q);
+      an_no <= ~(8'd1 << digit_q);
     end
   end
+
+  // In reset no digit is lit.
+  always_ff @(posedge clk_i) seg_no <= {1'b1, ~shown[digit_q]};
 
 endmodule

@@ -33,6 +33,7 @@ module triaxis_reply
 );
 
   typedef logic [$clog2(ReplyHeadBytes+BodyBytes+1)-1:0] left_t;
+  typedef logic [8*(ReplyHeadBytes+BodyBytes)-1:0] bytes_t;
 
   typedef enum logic [2:0] {
     Idle,
@@ -43,13 +44,12 @@ module triaxis_reply
   } state_e;
 
   state_e state_q;
-  logic [8*(ReplyHeadBytes+BodyBytes)-1:0] bytes_q;
-  logic [8*BodyBytes-1:0] inverted_q;
+  bytes_t bytes_q, inverted_q;
   left_t left_q;
   body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
   logic [31:0] number_q, crc;
-  logic idle, taken, counted, last_byte;
+  logic idle, taken, last_byte;
 
   assign idle = state_q == Idle;
   assign ready_o = idle;
@@ -58,7 +58,6 @@ module triaxis_reply
   assign last_byte = left_q == left_t'(1);
   assign last_o = state_q == Crc && last_byte;
   assign taken = valid_o && ready_i;
-  assign counted = taken && state_q == Bytes;
   assign ring_read_o = state_q == Next;
   assign ring_number_o = number_q;
 
@@ -66,7 +65,7 @@ module triaxis_reply
       .clk_i,
       .rst_ni,
       .start_i(idle),
-      .valid_i(counted),
+      .valid_i(taken),
       .data_i (data_o),
       .crc_o  (crc)
   );
@@ -89,7 +88,7 @@ module triaxis_reply
     case (state_q)
       Idle: begin
         bytes_q <= reply_i;
-        inverted_q <= ~reply_i.body;
+        inverted_q <= ~reply_i >> 8 * ReplyHeadBytes;
         left_q <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
         inverted_bytes_q <= body_bytes_i;
         pairs_q <= pairs_i;
@@ -98,8 +97,8 @@ module triaxis_reply
       Next: begin
         inverted_bytes_q <= '0;
         if (inverted_bytes_q != '0) begin
-          bytes_q[8*BodyBytes-1:0] <= inverted_q;
-          left_q <= left_t'(inverted_bytes_q);
+          bytes_q <= inverted_q;
+          left_q  <= left_t'(inverted_bytes_q);
         end else begin
           bytes_q[31:0] <= ~crc;
           left_q <= left_t'(CrcBytes);

@@ -6,7 +6,7 @@
 // Latency: 1 clock.
 
 module triaxis_saturating_counter #(
-    parameter int unsigned Width = 16
+    parameter int unsigned Width = 12
 ) (
     input logic clk_i,
     input logic rst_ni,

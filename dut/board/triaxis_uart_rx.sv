@@ -3,9 +3,10 @@
 //
 // Computes: the bytes on a serial line (8 data bits, no parity, one stop bit). A low level that is
 // gone by the middle of the start bit is noise and starts nothing. A byte without a stop bit is
-// given as a framing error instead, once for however long the line stays low.
+// given with a framing error, once for however long the line stays low.
 // Widths: the clock counter holds 0 .. ClocksPerBit - 1.
-// Latency: 2 clocks of the synchroniser; a byte is given in the middle of its stop bit.
+// Latency: 2 clocks of the synchroniser, which a reset lasts at least: it needs none itself; a byte is
+// given in the middle of its stop bit.
 
 module triaxis_uart_rx #(
     parameter int unsigned ClocksPerBit = 50  // at least 4
@@ -32,7 +33,7 @@ module triaxis_uart_rx #(
     Start,
     Data,
     Stop,
-    Low
+    Rest
   } state_e;
 
   (* ASYNC_REG = "TRUE" *) logic [1:0] line_q;
@@ -44,25 +45,16 @@ module triaxis_uart_rx #(
   logic [2:0] bit_q;
   logic sample;
   assign sample = count_q == '0;
+  assign valid_o = state_q == Stop && sample;
+  assign framing_error_o = valid_o && !line;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      line_q <= '1;
       state_q <= Idle;
-      count_q <= '0;
-      bit_q <= '0;
-      valid_o <= 1'b0;
-      framing_error_o <= 1'b0;
+      bit_q   <= '0;
     end else begin
-      line_q <= {line_q[0], line_i};
-      valid_o <= 1'b0;
-      framing_error_o <= 1'b0;
-      count_q <= sample ? Whole : count_q - count_t'(1);
       case (state_q)
-        Idle: begin
-          count_q <= Half;
-          if (!line) state_q <= Start;
-        end
+        Idle:    if (!line) state_q <= Start;
         Start:   if (sample) state_q <= line ? Idle : Data;
         Data:
         if (sample) begin
@@ -70,18 +62,17 @@ module triaxis_uart_rx #(
           if (bit_q == 3'd7) state_q <= Stop;
         end
         Stop:
-        if (sample) begin
-          valid_o <= line;
-          framing_error_o <= !line;
-          state_q <= line ? Idle : Low;
-        end
+        if (sample) state_q <= Rest;
         default: if (line) state_q <= Idle;
       endcase
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (state_q == Data && sample) data_o <= {line, data_o[7:1]};
+    line_q <= {line_q[0], line_i};
+    if (state_q == Idle) count_q <= Half;
+    else count_q <= sample ? Whole : count_q - count_t'(1);
+    if (sample) data_o <= {line, data_o[7:1]};
   end
 
 endmodule

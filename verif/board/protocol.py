@@ -27,7 +27,7 @@ SHORTEST, LONGEST = 13, 256
 HEAD = struct.Struct("<BII")
 MOST_TRIANGLES, MOST_NEAR = 12, 32
 RING = 1024
-MOST_ERRORS = (1 << 16) - 1
+MOST_ERRORS = (1 << 12) - 1
 COUNTERS = ("cycles", "groups_skipped", "groups_opened", "pairs_skipped", "tested", "near")
 
 _STATUS = struct.Struct("<5B3i7I3H")

@@ -45,6 +45,8 @@ _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
 _EXECUTED = 23
+# Clocks from the verdict until then: what ends between changes nothing.
+_JUDGED = 1
 # How long HELLO and ABORT take where no run has to end first.
 _LASTS: dict[int, int] = {Command.HELLO: 2, Command.ABORT: 1}
 # Clocks from then until its reply's first bit has been seen, which tells that it was.
@@ -71,8 +73,8 @@ class BoardReference:
         self._numbers = count()
         self.pins = Pins(0b1010)
         self.beat_level = False
-        # The clock, and the one in which the last ABORT was executed.
-        self.clock = self.aborted = 0
+        # The clock, and the one in which the last frame had come.
+        self.clock = self.arrived = 0
         # Clocks in which the button is going to be pressed, as far as they are known.
         self.presses: list[int] = []
         self._reset()
@@ -89,8 +91,7 @@ class BoardReference:
         self._forget()
         self.go = self.armed = self.alive = self.expired = self.error = False
         self.errors = 0
-        self._kicked = -1
-        self._alive_window = 0
+        self.kicked = self._silent = -1
         self._beat_due, self._go_number = False, next(self._numbers)
 
     @property
@@ -156,10 +157,9 @@ class BoardReference:
         if run.state != State.RUNNING and not run.maybe_aborted and not (self.held and self.held.acted):
             held = (run.offered if run.state == State.DONE and not run.overflow else 0) - run.freed
             waiting, full = held > 0, held == RING
-        alive = bool(self.pins.value >> 5 & 1) if self.clock < self._alive_window else self.alive
         said = int(self.go) | (not self.go) << 1
         return (
-            said | said << 2 | pins.busy << 4 | alive << 5 | waiting << 6 | full << 7
+            said | said << 2 | pins.busy << 4 | self.alive << 5 | waiting << 6 | full << 7
             | self.expired << 8 | self.error << 9 | (self.errors & 0xFF) << 10
         )  # fmt: skip
 
@@ -218,6 +218,7 @@ class BoardReference:
         frame = self._receiver.byte(value, self.held is not None)
         if frame is None:
             return
+        self.arrived = self.clock
         command, sequence, session = HEAD.unpack(frame[:9])
         self.held = Frame(command, sequence, session, frame[9:-4], self.clock, busy=self.pins.busy)
         self._expect_answer(self.held)
@@ -296,12 +297,14 @@ class BoardReference:
         return (frame.session, frame.sequence, frame.command) == (self.session, self.sequence, self.command)
 
     def judge(self, frame: Frame) -> Code:
-        """Return the code of the answer to a frame, as things stand."""
+        """Return the code of the answer to a frame, as things stood when it was judged."""
+        judged = (frame.due or self.clock) - _JUDGED
+        alive, busy = self.alive or self._silent >= judged, self.busy or self.run.ended > judged
         command, payload = frame.command, frame.payload
         hello, mine = command == Command.HELLO, frame.session == self.session != 0
         if hello and not frame.session:
             return Code.VALUE
-        if not mine and (not hello or self.alive):
+        if not mine and (not hello or alive):
             return Code.SESSION
         if command not in list(Command):
             return Code.UNKNOWN
@@ -315,7 +318,7 @@ class BoardReference:
         if hello or self._repeats(frame):
             return Code.OK
         if command in (Command.LOAD, Command.MOVE, Command.RUN):
-            return Code.BUSY if self.busy else self._command_code(command, payload)
+            return Code.BUSY if busy else self._command_code(command, payload)
         return Code.OK
 
     def _last_pair(self) -> int:
@@ -374,23 +377,22 @@ class BoardReference:
     def _act(self, frame: Frame) -> None:
         """Let a frame that is executed have the effects that come first."""
         frame.acted, frame.state = True, self._state
-        if frame.command == Command.ABORT:
-            self.aborted = self.clock
         if frame.command not in (Command.RESULTS, Command.STATUS):
             self._disturb(Command(frame.command).name)
         if frame.command in (Command.HELLO, Command.RUN):
-            self.expired = self.error = False
+            # Silence that is noticed in the same clock is not forgotten.
+            self.expired, self.error = self._silent == self.clock, False
         if frame.command == Command.HELLO:
             self.session, self.sequence, self.command = frame.session, frame.sequence, frame.command
             self._kick(self.clock)
 
     def _kick(self, clock: int) -> None:
-        self.alive, self._kicked = True, clock
+        self.alive, self.kicked = True, clock
 
         def out(now: int) -> None:
-            if self._kicked != clock:
+            if self.kicked != clock:
                 return
-            self.alive, self.expired = False, True
+            self.alive, self.expired, self._silent = False, True, now
             self._at(now + 1, lambda _: self._disturb("watchdog"))
 
         self._at(clock + self.parameters.watchdog_clocks, out)
@@ -440,7 +442,9 @@ class BoardReference:
         if command == Command.HELLO:
             self._forget()
             return
-        self._at(self.clock + 1, self._kick)
+        # A sign of life in the last clock of the watchdog's time is in time.
+        self.kicked = self.clock + 1
+        self._at(self.kicked, self._kick)
         if command == Command.LOAD:
             mesh, first = payload[0], struct.unpack_from("<H", payload, 1)[0]
             given = loaded_triangles(payload, self.parameters.width)

@@ -16,10 +16,10 @@ from triaxis.verif.testbench.reports import ERROR, report
 
 # How many failures are described in full.
 _DESCRIBED = 10
-# Clocks between what is seen on a line and what the pins say of it: a byte goes through the synchroniser, the
-# line's register, SLIP and the frame; a reply's first bit is seen in its middle, and begins two clocks after
+# Clocks between what is seen on a line and what the pins say of it: a byte goes through the synchroniser,
+# SLIP and the frame; a reply's first bit is seen in its middle, three clocks on, and begins two clocks after
 # the frame was executed.
-_LATENCIES = {RX: 5, RX_BROKEN: 5, BEGIN: -4}
+_LATENCIES = {RX: 4, RX_BROKEN: 4, BEGIN: -5}
 _LINE = (RX, RX_BROKEN, TX, TX_BROKEN)
 # More than any of them.
 _HOLD = 8

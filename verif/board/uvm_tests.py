@@ -26,7 +26,9 @@ from triaxis.verif.testbench.table import Runs, listed
 # Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
 BOARD = "board_w12_m5_d128_g8_l4"
 
-_SHORT, _BYTE = 200, 40
+_SHORT, _BYTE = 200, 60
+# Clocks until a frame is executed that has come.
+_EXECUTED = 23
 _ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
 
 
@@ -240,6 +242,21 @@ class BoardFramesTest(BoardTest):
             )
             await self.line(until=Until.ANSWERED, act=Act.GLITCH, clocks=clocks)
             await self.resumed()
+        await self.soon()
+
+    async def soon(self) -> None:
+        """Begin a byte each number of clocks after noise, after a break, after another byte."""
+        for gap in range(9):
+            for act, clocks in ((Act.GLITCH, 1), (Act.BREAK, 2 * _BYTE)):
+                await self.line(act=act, clocks=clocks, until=Until.NOW, gap=clocks + gap)
+                await self.line(b"\xc0" + framed(self.frame(Command.STATUS)))
+                await self.resumed()
+            frame = framed(self.frame(Command.STATUS))
+            for noise in (0, 1):
+                await self.line(frame[:-1], Until.NOW, gap=_BYTE * (len(frame) - 1) + noise)
+                await self.line(act=Act.GLITCH, clocks=noise, until=Until.NOW, gap=noise + gap)
+                await self.line(frame[-1:])
+                await self.resumed()
 
     async def resumed(self) -> None:
         """Go on with the number that is due, whether or not the last frame was executed."""
@@ -428,6 +445,7 @@ class BoardSilenceTest(BoardTest):
         await self.clocks(self.parameters.watchdog_clocks)
         await self.alone()
         await self.others()
+        await self.at_the_end()
 
     async def kept_alive(self) -> None:
         """Speak just in time, by every command that changes nothing."""
@@ -457,6 +475,27 @@ class BoardSilenceTest(BoardTest):
         await self.hello()
         await self.clear_scene()
         await self.clear_run()
+
+    async def at_the_end(self) -> None:
+        """Let another master try, and ask for a run, at each clock around the end of the watchdog's time."""
+        reference = self.env.scoreboard.reference
+        await self.hello()
+        for command in (Command.HELLO, Command.RUN):
+            wait, late = 0, 0
+            for number in range(-1, 10):
+                await self.clear_scene()
+                await self.status()
+                if command == Command.HELLO:
+                    self.session ^= 1
+                kicked = reference.kicked
+                frame = framed(self.frame(command, self.asked() if command == Command.RUN else b""))
+                await self.line(frame[:-1], Until.SENT, gap=wait)
+                await self.line(frame[-1:], gap=_SHORT)
+                late = late or self.parameters.watchdog_clocks - _EXECUTED - 5 - (reference.arrived - kicked)
+                wait = late + max(number, 0)
+                await self.idle()
+                self.session, self.sequence = reference.session, reference.sequence
+                await self.status()
 
     async def others(self) -> None:
         """Let another master try, while the board has one and when it has none."""
@@ -509,7 +548,8 @@ class BoardAbortTest(BoardTest):
                 if command == Command.HELLO:
                     await self.status()
                     await self.scene(self.flat(0, count), self.corners(count))
-        await self.at_the_end()
+        await self.at_the_end(Command.ABORT)
+        await self.at_the_end(Command.MOVE, struct.pack("<3i", 1, 2, 3))
         await self.clear_run()
         await self.scene(self.cloud(count, 20), self.cloud(count, 20))
         for _ in range(4):
@@ -518,28 +558,29 @@ class BoardAbortTest(BoardTest):
         await self.run(Mode.ALL)
         await self.all_results()
 
-    async def at_the_end(self) -> None:
-        """Abort a clear run at each clock around its end: it gives no go that lasts."""
-        await self.scene(self.flat(0, 32), self.corners(32))
+    async def at_the_end(self, command: int, payload: bytes = b"") -> None:
+        """Ask for what ends a clear run, or would disturb it, at each clock around its end."""
+        await self.scene(self.flat(0, 48), self.corners(48))
         reference, wait, first = self.env.scoreboard.reference, 200, 0
-        await self.clear_run()
-        length = reference.run.ended - reference.run.start
-        for number in range(12):
-            await self.ended_by(Command.ABORT, Mode.COUNT, wait)
-            # How long after the run's beginning the abort was executed says how long to wait for its end.
-            first = first or length - 6 - (reference.aborted - reference.run.start)
-            wait = 200 + first + number
+        for number in range(-1, 12):
+            await self.move()
+            await self.clear_run()
+            length = reference.run.ended - reference.run.start
+            await self.ended_by(command, Mode.COUNT, wait, payload)
+            # How long after the run's beginning the frame had come says how long to wait for its end.
+            first = first or length - _EXECUTED - 6 - (reference.arrived - reference.run.start)
+            wait = 200 + first + max(number, 0)
 
-    async def ended_by(self, command: int, mode: int, wait: int) -> None:
+    async def ended_by(self, command: int, mode: int, wait: int, payload: bytes = b"") -> None:
         """Begin a run and end it so many clocks after its beginning."""
-        ended = framed(self.frame(command, ahead=2))
+        ended = framed(self.frame(command, payload, ahead=2))
         frame = framed(self.frame(Command.RUN, self.asked(mode)))
         # The last byte of the one and the whole other come while the run goes on.
         await self.line(frame[:-1], Until.SENT)
         await self.line(frame[-1:] + ended[:-1], Until.SENT, gap=wait)
         await self.line(ended[-1:], gap=_SHORT)
         await self.line(gap=_SHORT)
-        self.sequence += 2
+        self.sequence = self.env.scoreboard.reference.sequence
         await self.idle()
         await self.status()
 
@@ -599,13 +640,14 @@ class BoardFullTest(BoardTest):
         for first in range(RING, depth * depth + 1, RING):
             # Until the ring is full again.
             await self.clocks(2 * RING)
-            await self.results(first - depth // 4)
+            if first % (2 * RING):
+                await self.results(first - depth // 4)
             await self.results(first)
         await self.idle()
         await self.status()
-        # A longer one, most of which it waits.
+        # Another of about as many clocks, most of which it waits: ones where the other's number has zeros.
         await self.start(Mode.ALL)
-        await self.clocks(1 << 17)
+        await self.clocks(0x58000)
         await self.ask(Command.ABORT)
 
     async def counts(self) -> None:
@@ -649,7 +691,7 @@ class BoardFullTest(BoardTest):
 
     async def errors(self) -> None:
         """Begin and end frames of a byte each, which are too short."""
-        await self.silent(b"\xc0" + b"\x41\xc0" * 2100)
+        await self.silent(b"\xc0" + b"\x41\xc0" * 4200)
         await self.status()
 
     async def busy(self) -> None:
@@ -691,7 +733,7 @@ class BoardFullTest(BoardTest):
 
     async def numbers(self) -> None:
         """Show numbers with all digits, and count more than fit into them."""
-        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86)):
+        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86), (99, 101)):
             await self.scene(self.flat(0, count_a), self.flat(0, count_b))
             await self.run(Mode.COUNT)
             await self.digits()
@@ -756,7 +798,7 @@ class BoardResetsTest(BoardTest):
         """Press it while near pairs are shown, and while a frame is passed over that is too long."""
         await self.hello()
         await self.scene(self.flat(0, 3), self.flat(0, 3))
-        await self.run(Mode.COUNT)
+        await self.run()
         await self.digits()
         await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
         await self.digits()

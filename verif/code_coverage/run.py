@@ -34,6 +34,7 @@ from triaxis.sim.detector import DetectorPlayer
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
+    BOARD_SVA,
     CORE_SVA,
     MESH_SVA,
     assertions,
@@ -141,7 +142,7 @@ def covered(configuration: Measured) -> Build:
         case None:
             build, rules = detector_build(DETECTOR_WIDTH), ()
         case BoardParameters():
-            build, rules = board_build(configuration), ()
+            build, rules = board_build(configuration), assertions(BOARD_SVA)
         case MeshConfiguration():
             build, rules = mesh_build(configuration), assertions(MESH_SVA)
         case _:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.models import CORE_SVA, MESH_SVA
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.verif.faults.broken_rtl import FOLDER
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.failures import Blame, HungError
+from triaxis.verif.testbench.settings import Block
 from triaxis.verif.testbench.simulation import RunResult, run, run_settings
 
 RUNS = FOLDER / "runs"
@@ -18,6 +19,7 @@ RUNS = FOLDER / "runs"
 _JUDGED_ONE_IN = 100
 
 _TIMED = re.compile(r"\[(\d+)\] %Error: .*Assertion failed in \S*?(\w+): (.*)")
+_SVA = {Block.CORE: CORE_SVA, Block.MESH: MESH_SVA, Block.BOARD: BOARD_SVA}
 # The end of a traceback: the exception's type, and what it says.
 _RAISED = re.compile(r"(?:[\w.]+\.)?(AssertionError|HungError|InputError): (.*)")
 _PS_PER_CLOCK = 1000 * PERIOD_NS
@@ -67,7 +69,7 @@ def design_sign_of(result: RunResult) -> Sign | None:
     refused stimulus, says nothing of the design.
     """
     rule = _broken_rule(result)
-    if rule and rule.by in _rules(MESH_SVA if result.settings.of_mesh_engine else CORE_SVA):
+    if rule and rule.by in _rules(_SVA[result.settings.block]):
         return rule
     found = [sign for sign in _scoreboard_signs(result) if sign.by == Blame.DESIGN]
     if result.failing_pairs is None:

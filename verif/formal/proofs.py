@@ -313,7 +313,7 @@ def board_proofs() -> tuple[SbyProof, ...]:
                 "For all time: the count of errors grows by what happens in a clock, two things at most, and "
                 "stays at the largest number that it can show.",
                 ("board/triaxis_saturating_counter",),
-                {"Width": 16},
+                {"Width": 12},
                 3,
             ),
             cover_from_reset=False,

@@ -20,8 +20,7 @@ KILLERS = Sources(
     ),
     (
         "verif/mutation/*.toml",
-        "verif/core/sva/*",
-        "verif/mesh/sva/*",
+        "verif/*/sva/*",
         *TEST_DATA,
         "verif/formal/rtl/*.sv",
         "requirements.lock",

@@ -13,6 +13,7 @@ from triaxis.sim.board_parameters import BoardParameters, parse_board_configurat
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
+    BOARD_SVA,
     CORE_SVA,
     MESH_SVA,
     assertions,
@@ -173,8 +174,8 @@ class BoardTarget(EngineTarget):
 
     @property
     def assertions(self) -> tuple[Path, ...]:
-        """Return none: whatever the board says is compared clock by clock."""
-        return ()
+        """Return the files of verif/board/sva/ that go with it."""
+        return assertions(BOARD_SVA)
 
     def made(self, dut: Path) -> Build:
         """Return the usual build of the RTL in a folder."""

@@ -13,7 +13,7 @@ from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
 from triaxis.sim.build import rtl_hash
-from triaxis.sim.models import CORE_SVA, MESH_SVA
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.sim.paths import ROOT
 from triaxis.verif.core.detector_check import SEED_VECTORS
 from triaxis.verif.faults.catching import signed_off_names
@@ -47,7 +47,7 @@ def inventory() -> Inventory:
         checks=frozenset(CHECKS),
         assertions=frozenset(
             name
-            for folder in (CORE_SVA, MESH_SVA)
+            for folder in (CORE_SVA, MESH_SVA, BOARD_SVA)
             for path in sorted(folder.glob("*.sv"))
             for name in assertion_names(path)
         ),

@@ -143,12 +143,13 @@ def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:
     """Return the library that a run drives; None where it drives pins of the simulator itself."""
     if settings.agent == PIN:
         return None
-    if settings.block is Block.BOARD:
-        return board_build(settings.board_parameters, dut)
-    of_mesh = settings.of_mesh_engine
-    build = (
-        mesh_build(settings.mesh_configuration, dut) if of_mesh else core_build(settings.configuration, dut)
-    )
+    match settings.block:
+        case Block.BOARD:
+            build = board_build(settings.board_parameters, dut)
+        case Block.MESH:
+            build = mesh_build(settings.mesh_configuration, dut)
+        case _:
+            build = core_build(settings.configuration, dut)
     if settings.soak:
         return build
     # Where no volume is planned, a model that is compiled in half the time is there sooner.

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.models import CORE_SVA, MESH_SVA, assertions
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA, assertions
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
 from triaxis.verif.code_coverage.state_machines import StateMachine, covers, state_machines
 from triaxis.verif.testbench.assertions import assertion_names, with_antecedents
@@ -53,7 +53,7 @@ def test_each_state_and_arc_has_a_cover_property() -> None:
 
 
 def test_each_left_side_of_an_assertion_has_a_cover_property(tmp_path: Path) -> None:
-    for path in (*assertions(CORE_SVA), *assertions(MESH_SVA)):
+    for path in (*assertions(CORE_SVA), *assertions(MESH_SVA), *assertions(BOARD_SVA)):
         text = with_antecedents(path)
         sides = text.count("|->") + text.count("|=>")
         assert text.count("Antecedent : cover property") == sides <= len(assertion_names(path))

@@ -7,7 +7,7 @@
 `include "triaxis_formal.svh"
 
 module triaxis_saturating_counter_formal #(
-    parameter int unsigned Width = 16
+    parameter int unsigned Width = 12
 ) (
     input logic clk_i,
     input logic rst_ni,

@@ -6,8 +6,6 @@
 // that was low in its middle and before a stop bit that was high; a byte whose stop bit was low is
 // told as an error, once, and nothing begins before the line was high again.
 
-`include "triaxis_formal.svh"
-
 module triaxis_uart_rx_formal #(
     parameter int unsigned ClocksPerBit = 50
 ) (
@@ -24,15 +22,24 @@ module triaxis_uart_rx_formal #(
   logic [7:0] data_o;
   triaxis_uart_rx #(.ClocksPerBit(ClocksPerBit)) u_rx (.*);
 
-  `TRIAXIS_RESET_FIRST
-
-  // The line two clocks ago; clocks since it fell; its levels in the middles of the bits so far.
+  // The line two clocks ago; clocks since it fell; its levels in the middles of the bits so far. The
+  // line's rest: from the middle of a stop bit until it is high.
   logic [1:0] line_q;
-  logic line, under_way_q, low_q, in_middle, done_q;
+  logic line, under_way_q, rest_q, in_middle;
   clocks_t clocks_q;
   logic [9:0] levels_q;
   logic [3:0] bit_number;
   assign line = line_q[1];
+
+  // A reset at the beginning that fills the synchroniser; any later.
+  logic [1:0] started_q = '0;
+  always_ff @(posedge clk_i) started_q <= {started_q[0], 1'b1};
+  always_comb begin
+    Reset : assume (started_q[1] || !rst_ni);
+    assert (!started_q[0] || u_rx.line_q[0] == line_q[0]);
+    assert (!started_q[1] || (started_q[0] && u_rx.line_q[1] == line_q[1]));
+  end
+
   always_comb begin
     in_middle  = 1'b0;
     bit_number = '0;
@@ -45,21 +52,18 @@ module triaxis_uart_rx_formal #(
   end
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      line_q <= '1;
-      {under_way_q, low_q, done_q} <= '0;
+      {under_way_q, rest_q} <= '0;
       clocks_q <= '0;
       levels_q <= '1;
     end else begin
-      line_q <= {line_q[0], line_i};
-      done_q <= in_middle && bit_number == 4'd9;
       if (in_middle) levels_q[bit_number] <= line;
       if (under_way_q) begin
         clocks_q <= clocks_q + clocks_t'(1);
         // A start bit that is over by its middle is none.
         if (in_middle && (bit_number == 4'd9 || (bit_number == '0 && line))) under_way_q <= 1'b0;
-        if (in_middle && bit_number == 4'd9) low_q <= !line;
-      end else if (low_q) begin
-        low_q <= !line;
+        if (in_middle && bit_number == 4'd9) rest_q <= 1'b1;
+      end else if (rest_q) begin
+        rest_q <= !line;
       end else if (!line) begin
         under_way_q <= 1'b1;
         clocks_q <= clocks_t'(1);
@@ -67,9 +71,14 @@ module triaxis_uart_rx_formal #(
     end
   end
 
-  // Two bits since the first clock.
-  logic [1:0] bits_q = 2'd0;
-  always_ff @(posedge clk_i) if (in_middle && !bits_q[1]) bits_q <= bits_q + 2'd1;
+  always_ff @(posedge clk_i) line_q <= {line_q[0], line_i};
+
+  logic ends;
+  assign ends = in_middle && bit_number == 4'd9;
+
+  // A bit since the first clock.
+  logic bit_seen_q = 1'b0;
+  always_ff @(posedge clk_i) bit_seen_q <= bit_seen_q || in_middle;
 
   // Where the count of a bit and its number must be.
   clocks_t bit_clocks;
@@ -85,22 +94,20 @@ module triaxis_uart_rx_formal #(
 
   always_comb begin
     if (rst_ni) begin
-      Given : assert (valid_o == (done_q && levels_q[9]));
+      Given : assert (valid_o == ends);
       InTheMiddles : assert (!valid_o || (data_o == levels_q[8:1] && !levels_q[0]));
-      Framing : assert (framing_error_o == (done_q && !levels_q[9]));
-      SeenByte : cover (valid_o && data_o == 8'hC5 && bits_q[1]);
-      SeenFraming : cover (framing_error_o && bits_q[1]);
+      Framing : assert (framing_error_o == (ends && !line));
+      SeenByte : cover (valid_o && data_o == 8'hC5 && bit_seen_q);
+      SeenFraming : cover (framing_error_o && bit_seen_q);
       // What makes it inductive.
       assert (state <= 3'd4);
-      assert (u_rx.line_q == line_q);
       assert (under_way_q == (state inside {3'd1, 3'd2, 3'd3}));
-      assert (low_q == (state == 3'd4));
+      assert (rest_q == (state == 3'd4));
       assert (!under_way_q || clocks_q + clocks_t'(u_rx.count_q) == bit_clocks);
       assert (state != 3'd1 || 32'(u_rx.count_q) < Middle);
       assert (!under_way_q || 32'(u_rx.count_q) < ClocksPerBit);
       assert (state == 3'd2 || u_rx.bit_q == '0);
       assert (!(state inside {3'd2, 3'd3}) || !levels_q[0]);
-      assert (!done_q || (!levels_q[0] && data_o == levels_q[8:1]));
       for (int i = 0; i < 8; i++) begin
         assert (state != 3'd2 || 3'(i) >= u_rx.bit_q ||
                 data_o[3'd0 - u_rx.bit_q + 3'(i)] == levels_q[i+1]);

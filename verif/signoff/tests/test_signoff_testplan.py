@@ -11,7 +11,7 @@ from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
-from triaxis.sim.models import CORE_SVA, MESH_SVA
+from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.signoff.testplan import check_plan, inventory
@@ -88,7 +88,7 @@ def test_a_missing_and_an_illegal_bin_fail_their_owner_alone(model, item, bin_, 
 
 
 def test_assertions_are_all_of_those_in_the_files(tmp_path):
-    for path in (*CORE_SVA.glob("*.sv"), *MESH_SVA.glob("*.sv")):
+    for path in (*CORE_SVA.glob("*.sv"), *MESH_SVA.glob("*.sv"), *BOARD_SVA.glob("*.sv")):
         text = re.sub(r"//.*", "", path.read_text())
         found = assertion_names(path)
         assert len(set(found)) == len(found) == len(re.findall(r"\bassert property\b", text))

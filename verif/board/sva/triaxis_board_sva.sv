@@ -1,0 +1,149 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rules of what goes on between the board's parts, bound from outside the RTL: of its streams, of what
+// a frame may do and when, of go.
+
+module triaxis_board_sva
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned RingEntries = 1024
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    // The engine's streams.
+    input logic load_tvalid,
+    input logic load_tready,
+    input logic [1:0] load_tuser,
+    input logic run_tvalid,
+    input logic run_tready,
+    // Frames, and their replies.
+    input logic frame_full,
+    input logic frame_release,
+    input logic [$clog2(MaxFrameBytes)-1:0] frame_length,
+    input logic reply_valid,
+    input logic reply_ready,
+    input logic receiving,
+    input logic line,
+    input logic line_ready,
+    // What frames do.
+    input code_e code,
+    input logic executes,
+    input logic changes,
+    input logic ends,
+    input logic forgets,
+    input logic busy,
+    input logic meshes_empty,
+    input logic [31:0] near_held,
+    // Go.
+    input logic fault,
+    input logic go_o,
+    input logic stop_o,
+    input logic beat_o
+);
+
+  QuietInReset :
+  assert property (@(posedge clk_i) !rst_ni |->
+      !load_tvalid && !run_tvalid && !reply_valid && !executes && !frame_full)
+  else $error("in a reset something is offered, or done");
+
+  LineIdleInReset :
+  assert property (@(posedge clk_i) !rst_ni |-> line && line_ready && !receiving)
+  else $error("in a reset something is sent, or received");
+
+  StopInReset :
+  assert property (@(posedge clk_i) !rst_ni |-> stop_o && !go_o && !beat_o)
+  else $error("no stop in a reset");
+
+  // What is offered and not taken stays as it is.
+  EmptyingHeld :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      load_tvalid && !load_tready |=> load_tvalid && $stable(
+      load_tuser
+  ))
+  else $error("the emptying of a mesh changed while it waited");
+
+  FrameHeld :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      frame_full && !frame_release |=> frame_full && $stable(
+      frame_length
+  ))
+  else $error("a frame changed before its reply");
+
+  // The loader and the runner look at no handshake: nothing of theirs may wait.
+  TrianglesTakenAtOnce :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      load_tvalid && !load_tuser[1] |-> load_tready)
+  else $error("a triangle was lost: the engine did not take it");
+
+  RunsTakenAtOnce :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) run_tvalid |-> run_tready)
+  else $error("a run was lost: the engine did not take it");
+
+  RepliesTakenAtOnce :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) reply_valid |-> reply_ready)
+  else $error("a reply was lost: another one was under way");
+
+  OnlyWhatIsAcceptedIsDone :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) executes |-> code == CodeOk)
+  else $error("a frame was executed that is refused");
+
+  NothingChangesDuringRuns :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) changes |-> !busy)
+  else $error("meshes, pose or run changed while a run was going on");
+
+  ForgetsAtRest :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) forgets |-> !busy)
+  else $error("a session began before the last run had ended");
+
+  ForgetsMeshes :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) forgets |=> meshes_empty)
+  else $error("a session began with triangles of another");
+
+  RingBounded :
+  assert property (@(posedge clk_i) near_held <= 32'(RingEntries))
+  else $error("more near pairs are held than there is place for");
+
+  Antivalent :
+  assert property (@(posedge clk_i) go_o != stop_o)
+  else $error("go and stop are the same");
+
+  GoEnds :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) ends || changes || fault |=> !go_o)
+  else $error("go is said after what ends it");
+
+  BeatOnlyWithGo :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) beat_o |-> go_o || $past(go_o))
+  else $error("a beat without go");
+
+endmodule
+
+bind nexys4ddr_top triaxis_board_sva u_sva (
+    .clk_i(clk),
+    .rst_ni(rst_n),
+    .load_tvalid,
+    .load_tready,
+    .load_tuser,
+    .run_tvalid,
+    .run_tready(unused_ready),
+    .frame_full,
+    .frame_release,
+    .frame_length,
+    .reply_valid,
+    .reply_ready,
+    .receiving(u_receiver.u_uart.state_q != '0),
+    .line(uart_tx_o),
+    .line_ready(u_transmitter.slip_ready),
+    .code,
+    .executes(hello || load || move || run || free || abort),
+    .changes(load || move || run),
+    .ends(hello || abort),
+    .forgets(forget),
+    .busy,
+    .meshes_empty(count_a == '0 && count_b == '0),
+    .near_held(ring_written - ring_freed),
+    .fault(link_error || refused || !alive),
+    .go_o,
+    .stop_o,
+    .beat_o
+);
