@@ -784,7 +784,8 @@ class BoardResetsTest(BoardTest):
             for clock in range(0, clocks, 2):
                 await self.hello()
                 await self.scene(self.flat(0, 2), self.flat(5, 2))
-                await self.clear_run()
+                await self.start()
+                await self.idle()
                 payload = {
                     Command.LOAD: load_payload(0, 0, self.flat(0, 2), width),
                     Command.RUN: self.asked(),
