@@ -18,8 +18,8 @@ from triaxis.verif.mutation.syntax import SourceFile, read_source
 SIGNED_OF_BOARD = frozenset(
     f"triaxis_{name}.sv"
     for name in (
-        "answer", "beat", "command", "crc32", "frame_rx", "judge", "loader", "receiver", "reset_sync", "runner",
-        "safety", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
+        "answer", "beat", "command", "crc32", "frame_rx", "judge", "loader", "receiver", "reset_sync",
+        "runner", "safety", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
     )
 )  # fmt: skip
 
