@@ -49,6 +49,14 @@ def _ends() -> Iterator[str]:
     yield from (f"{one} ends {state}" for one, state in product(what, ("go", "a promise of go")))
 
 
+def _moments() -> Iterator[str]:
+    """Clocks from the end of a run, or of the watchdog's time, to what would end or need it."""
+    for command, what in (("ABORT", "run"), ("MOVE", "run"), ("HELLO", "silence"), ("RUN", "silence")):
+        # An ABORT two clocks before the end ends the run itself, later.
+        for clocks in range(-1 if command == "ABORT" else -2, 3):
+            yield f"{command} {clocks:+d}, {what}"
+
+
 def _runs() -> Iterator[str]:
     for mode in MODES:
         yield from (
@@ -68,6 +76,7 @@ def board_model(name: str, width: int) -> CoverModel[View]:
         ("board_done", "commands executed, or sent again x what the outputs say", _done()),
         ("board_refused", "codes of refusals x command", _refused(width)),
         ("board_ends", "what ends go, or a run or its result that could still give it", _ends()),
+        ("board_moments", "commands, clocks from the end of a run or of the watchdog's time", _moments()),
         ("board_runs", "mode x how a run ended", _runs()),
         (
             "board_line",

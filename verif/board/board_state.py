@@ -48,7 +48,8 @@ class Pins:
 class Frame:
     """A whole frame that the board holds, since ``end``; ``acted``: its effects were seen.
 
-    ``due``: the clock in which it is executed; 0 where it waits for the reply before to end.
+    ``due``: the clock in which it is executed; 0 where it waits for the reply before to end. ``silence``:
+    that in which the watchdog's time is over if it is not.
     """
 
     command: int
@@ -60,6 +61,7 @@ class Frame:
     due: int = 0
     busy: bool = False
     state: str = ""
+    silence: int = 0
 
 
 @dataclass

@@ -44,7 +44,7 @@ _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
 _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
-_EXECUTED = 23
+EXECUTED = 23
 # Clocks from the verdict until then: what ends between changes nothing.
 _JUDGED = 1
 # How long HELLO and ABORT take where no run has to end first.
@@ -83,6 +83,7 @@ class BoardReference:
         self._timers: list[tuple[int, int, Callable[[int], None]]] = []
         self._receiver = FrameReceiver(self._failed)
         self.held: Frame | None = None
+        self._answered: Frame | None = None
         self._line = bytearray()
         self._spoke = 0
         self._replying = self._opened = False
@@ -192,6 +193,7 @@ class BoardReference:
             if run.near
             else f"clear, {'' if self.armed else 'no '}go"
         )
+        self._moment(self.held or self._answered)
         if not run.maybe_aborted:
             self._happened("board_runs", f"{Mode(run.mode).name}, {said}")
         if self.armed and clear and (not run.maybe_aborted or self.pins.go):
@@ -220,10 +222,13 @@ class BoardReference:
             return
         self.arrived = self.clock
         command, sequence, session = HEAD.unpack(frame[:9])
-        self.held = Frame(command, sequence, session, frame[9:-4], self.clock, busy=self.pins.busy)
+        silence = self.kicked + self.parameters.watchdog_clocks
+        self.held = Frame(
+            command, sequence, session, frame[9:-4], self.clock, busy=self.pins.busy, silence=silence
+        )
         self._expect_answer(self.held)
         if not self._replying:
-            self.held.due = self.clock + _EXECUTED
+            self.held.due = self.clock + EXECUTED
             load = command == Command.LOAD and len(self.held.payload) > 3
             looked_at = self._pass(self.held.payload[3]) if load else 0
             self._at(self.held.due + looked_at, lambda _, frame=self.held: self._execute_lasting(frame))
@@ -299,7 +304,7 @@ class BoardReference:
     def judge(self, frame: Frame) -> Code:
         """Return the code of the answer to a frame, as things stood when it was judged."""
         judged = (frame.due or self.clock) - _JUDGED
-        alive, busy = self.alive or self._silent >= judged, self.busy or self.run.ended > judged
+        alive, busy = self.alive or self._silent >= judged, self.busy or self.run.ended >= judged
         command, payload = frame.command, frame.payload
         hello, mine = command == Command.HELLO, frame.session == self.session != 0
         if hello and not frame.session:
@@ -411,6 +416,8 @@ class BoardReference:
         lasts = self._lasts(frame, code, repeats)
         if frame.due and lasts is not None and self.clock != frame.due + lasts:
             self._wrong(f"a reply begins, due at {frame.due + lasts}")
+        self._answered = frame
+        self._moment(frame)
         name = Command(frame.command).name if frame.command in list(Command) else "another"
         if code == Code.OK:
             state = frame.state if frame.acted else self._state
@@ -423,6 +430,13 @@ class BoardReference:
             self._at(self.clock + 1, lambda _: self._refuse(code))
         # After the pins of this clock.
         self._pending = lambda: self._answer(frame, code)
+
+    def _moment(self, frame: Frame | None) -> None:
+        """Tell of a frame that was executed, or refused, about when a run or the watchdog's time ended."""
+        if frame is None or not frame.due or frame.command not in list(Command):
+            return
+        for what, end in (("run", self.run.ended), ("silence", frame.silence)):
+            self._happened("board_moments", f"{Command(frame.command).name} {frame.due - end:+d}, {what}")
 
     def _refuse(self, code: Code) -> None:
         if code == Code.SESSION:

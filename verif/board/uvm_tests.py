@@ -21,14 +21,13 @@ from triaxis.verif.board.protocol import (
     load_payload,
     stuffed,
 )
+from triaxis.verif.board.reference import EXECUTED
 from triaxis.verif.testbench.table import Runs, listed
 
 # Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
 BOARD = "board_w12_m5_d128_g8_l4"
 
 _SHORT, _BYTE = 200, 60
-# Clocks until a frame is executed that has come.
-_EXECUTED = 23
 _ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
 
 
@@ -481,18 +480,18 @@ class BoardSilenceTest(BoardTest):
         reference = self.env.scoreboard.reference
         await self.hello()
         for command in (Command.HELLO, Command.RUN):
-            wait, late = 0, 0
-            for number in range(-1, 10):
+            wait = 0
+            for number in range(11):
                 await self.clear_scene()
                 await self.status()
                 if command == Command.HELLO:
                     self.session ^= 1
                 kicked = reference.kicked
                 frame = framed(self.frame(command, self.asked() if command == Command.RUN else b""))
-                await self.line(frame[:-1], Until.SENT, gap=wait)
+                await self.line(frame[:-1], Until.NOW, gap=_BYTE * 40 + wait)
                 await self.line(frame[-1:], gap=_SHORT)
-                late = late or self.parameters.watchdog_clocks - _EXECUTED - 5 - (reference.arrived - kicked)
-                wait = late + max(number, 0)
+                after = reference.arrived + EXECUTED - kicked
+                wait += 1 if number else self.parameters.watchdog_clocks - 5 - after
                 await self.idle()
                 self.session, self.sequence = reference.session, reference.sequence
                 await self.status()
@@ -542,9 +541,7 @@ class BoardAbortTest(BoardTest):
         await self.scene(self.flat(0, count), self.corners(count))
         for command in (Command.ABORT, Command.ABORT, Command.HELLO):
             for _ in range(6):
-                await self.ended_by(
-                    command, Mode(int(self.rng.integers(3))), int(self.rng.integers(200, 3000))
-                )
+                await self.ended_by(command, Mode(int(self.rng.integers(3))), int(self.rng.integers(2800)))
                 if command == Command.HELLO:
                     await self.status()
                     await self.scene(self.flat(0, count), self.corners(count))
@@ -553,36 +550,40 @@ class BoardAbortTest(BoardTest):
         await self.clear_run()
         await self.scene(self.cloud(count, 20), self.cloud(count, 20))
         for _ in range(4):
-            await self.ended_by(Command.ABORT, Mode.ALL, int(self.rng.integers(200, 1500)))
+            await self.ended_by(Command.ABORT, Mode.ALL, int(self.rng.integers(1300)))
             await self.results(0)
         await self.run(Mode.ALL)
         await self.all_results()
 
     async def at_the_end(self, command: int, payload: bytes = b"") -> None:
         """Ask for what ends a clear run, or would disturb it, at each clock around its end."""
-        await self.scene(self.flat(0, 48), self.corners(48))
-        reference, wait, first = self.env.scoreboard.reference, 200, 0
-        for number in range(-1, 12):
+        await self.scene(self.flat(0, 64), self.corners(64))
+        reference, wait = self.env.scoreboard.reference, 0
+        for number in range(13):
             await self.move()
             await self.clear_run()
             length = reference.run.ended - reference.run.start
-            await self.ended_by(command, Mode.COUNT, wait, payload)
-            # How long after the run's beginning the frame had come says how long to wait for its end.
-            first = first or length - _EXECUTED - 6 - (reference.arrived - reference.run.start)
-            wait = 200 + first + max(number, 0)
+            after = await self.ended_by(command, Mode.COUNT, wait, payload)
+            # How long after its run's beginning the first came says how long the others wait for the end.
+            wait += 1 if number else length - 6 - after
 
-    async def ended_by(self, command: int, mode: int, wait: int, payload: bytes = b"") -> None:
-        """Begin a run and end it so many clocks after its beginning."""
+    async def ended_by(self, command: int, mode: int, wait: int, payload: bytes = b"") -> int:
+        """Begin a run and end it some time later; return how many clocks after its beginning."""
         ended = framed(self.frame(command, payload, ahead=2))
         frame = framed(self.frame(Command.RUN, self.asked(mode)))
-        # The last byte of the one and the whole other come while the run goes on.
+        # The last byte of the one and the whole other come while the run goes on; the other's end at a clock
+        # that does not depend on how many of its bytes are escaped.
+        longest = _BYTE * (22 + len(payload))
         await self.line(frame[:-1], Until.SENT)
-        await self.line(frame[-1:] + ended[:-1], Until.SENT, gap=wait)
+        await self.line(frame[-1:] + ended[:-1], Until.NOW, gap=longest + wait)
         await self.line(ended[-1:], gap=_SHORT)
         await self.line(gap=_SHORT)
-        self.sequence = self.env.scoreboard.reference.sequence
         await self.idle()
+        reference = self.env.scoreboard.reference
+        after = reference.arrived + EXECUTED - reference.run.start
+        self.sequence = reference.sequence
         await self.status()
+        return after
 
 
 @listed(
@@ -726,8 +727,13 @@ class BoardFullTest(BoardTest):
     async def meanwhile(self) -> None:
         """Ask for near pairs while a long run goes on that has none, and while one goes on that has a few."""
         await self.move()
-        for b in (self.corners(64), np.concatenate([self.corners(63), self.flat(0)])):
-            await self.scene(self.flat(0, 64), b)
+        between = np.tile(np.array([[10, 3, 0], [3, 10, 0], [9, 5, 0]], np.int64), (63, 1, 1))
+        for a, b in (
+            (self.flat(0, 64), self.corners(64)),
+            (self.flat(0, 64), np.concatenate([self.corners(63), self.flat(0)])),
+            (np.concatenate([self.flat(0, 9), self.corners(55)]), np.concatenate([self.flat(), between])),
+        ):
+            await self.scene(a, b)
             await self.start(Mode.ALL)
             await self.all_results()
 
