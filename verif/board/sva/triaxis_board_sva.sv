@@ -6,9 +6,7 @@
 
 module triaxis_board_sva
   import triaxis_board_pkg::*;
-#(
-    parameter int unsigned RingEntries = 1024
-) (
+(
     input logic clk_i,
     input logic rst_ni,
     // The engine's streams.
@@ -34,7 +32,7 @@ module triaxis_board_sva
     input logic forgets,
     input logic busy,
     input logic meshes_empty,
-    input logic [31:0] near_held,
+    input logic near_fit,
     // Go.
     input logic fault,
     input logic go_o,
@@ -101,7 +99,7 @@ module triaxis_board_sva
   else $error("a session began with triangles of another");
 
   RingBounded :
-  assert property (@(posedge clk_i) near_held <= 32'(RingEntries))
+  assert property (@(posedge clk_i) near_fit)
   else $error("more near pairs are held than there is place for");
 
   Antivalent :
@@ -141,7 +139,7 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .forgets(forget),
     .busy,
     .meshes_empty(count_a == '0 && count_b == '0),
-    .near_held(ring_written - ring_freed),
+    .near_fit(ring_written - ring_freed <= 32'(u_ring.Entries)),
     .fault(link_error || refused || !alive),
     .go_o,
     .stop_o,
