@@ -1,8 +1,13 @@
 """The board's environment: its tests pass; lies are seen."""
 
+import shutil
+
 import pytest
 
+from triaxis.sim.models import BOARD_SVA, assertions
+from triaxis.sim.paths import DUT
 from triaxis.verif.board.uvm_tests import BOARD
+from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.settings import BURST, Block
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import names_of
@@ -22,6 +27,26 @@ SAID = {
     "BoardLitLateTest": "the displays begin",
     "BoardNothingTest": "nothing was checked",
 }
+
+# For each rule of sva/: RTL that breaks it, and a test that shows it.
+BROKEN = (
+    ("QuietInReset", "loader", "state_q <= Idle;\n    end", "state_q <= state_q;\n    end", "Resets"),
+    ("LineIdleInReset", "uart_tx", "      left_q  <= '0;\n", "", "Resets"),
+    ("StopInReset", "safety", "stop_q <= 1'b1;\n    end else", "stop_q <= stop_q;\n    end else", "Resets"),
+    ("EmptyingHeld", "loader", "if (both_q && tready_i)", "if (both_q)", "Abort"),
+    ("FrameHeld", "frame_rx", "if (release_i)", "if (over)", "Frames"),
+    ("TrianglesTakenAtOnce", "judge", "busy_i ? CodeBusy : load_code", "load_code", "Full"),
+    ("RunsTakenAtOnce", "judge", "busy_i ? CodeBusy : run_code", "run_code", "Full"),
+    ("RepliesTakenAtOnce", "command", "if (full_i && reply_ready_i)", "if (full_i)", "Go"),
+    ("OnlyWhatIsAcceptedIsDone", "command", "Act && code_q == CodeOk", "Act", "Refusals"),
+    ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : move_value", "move_value", "Abort"),
+    ("ForgetsAtRest", "command", "state_q == HelloEnd && load_done", "state_q == HelloEnd", "Abort"),
+    ("ForgetsMeshes", "loader", "emptied = both_q && mesh_q", "emptied = both_q", "Smoke"),
+    ("RingBounded", "near_ring", "write = tvalid_i && !full_o", "write = tvalid_i", "Full"),
+    ("Antivalent", "safety", "stop_q <= !go_d;", "stop_q <= !go_q;", "Smoke"),
+    ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
+    ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
+)  # fmt: skip
 
 # Those that press the button.
 PRESSED = ("BoardGoTest", "BoardFullTest", "BoardSilenceTest", "BoardResetsTest", "BoardMixedTest")
@@ -45,3 +70,23 @@ def test_a_lie_fails_the_test(tmp_path, seed, name):
     assert not result.passed
     log = result.log.read_text()
     assert SAID[name] in log, log[-3000:]
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize(("rule", "module", "right", "wrong", "test"), BROKEN, ids=[one[0] for one in BROKEN])
+def test_what_breaks_a_rule_is_told_by_it(tmp_path, seed, rule, module, right, wrong, test):
+    dut = tmp_path / "dut"
+    shutil.copytree(DUT, dut)
+    source = dut / "board" / f"triaxis_{module}.sv"
+    text = source.read_text()
+    assert text.count(right) == 1
+    source.write_text(text.replace(right, wrong))
+    settings = run_settings(f"Board{test}Test", BOARD, seed, 40, folder=tmp_path / "run", agent=BURST)
+    result = run(settings, dut)
+    assert not result.passed
+    assert f"u_sva.{rule}:" in result.log.read_text()
+
+
+def test_every_rule_is_seen_broken():
+    rules = [name.rpartition(".")[2] for path in assertions(BOARD_SVA) for name in assertion_names(path)]
+    assert sorted(rules) == sorted(one[0] for one in BROKEN)
