@@ -1,12 +1,10 @@
 """The board's environment: its tests pass; lies are seen."""
 
-import shutil
-
 import pytest
 
 from triaxis.sim.models import BOARD_SVA, assertions
-from triaxis.sim.paths import DUT
 from triaxis.verif.board.uvm_tests import BOARD
+from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.settings import BURST, Block
 from triaxis.verif.testbench.simulation import run, run_settings
@@ -75,14 +73,8 @@ def test_a_lie_fails_the_test(tmp_path, seed, name):
 @pytest.mark.regress
 @pytest.mark.parametrize(("rule", "module", "right", "wrong", "test"), BROKEN, ids=[one[0] for one in BROKEN])
 def test_what_breaks_a_rule_is_told_by_it(tmp_path, seed, rule, module, right, wrong, test):
-    dut = tmp_path / "dut"
-    shutil.copytree(DUT, dut)
-    source = dut / "board" / f"triaxis_{module}.sv"
-    text = source.read_text()
-    assert text.count(right) == 1
-    source.write_text(text.replace(right, wrong))
     settings = run_settings(f"Board{test}Test", BOARD, seed, 40, folder=tmp_path / "run", agent=BURST)
-    result = run(settings, dut)
+    result = run(settings, broken_rtl(tmp_path, (f"board/triaxis_{module}.sv", right, wrong)))
     assert not result.passed
     assert f"u_sva.{rule}:" in result.log.read_text()
 
