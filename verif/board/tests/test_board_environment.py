@@ -40,7 +40,7 @@ BROKEN = (
     ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : move_value", "move_value", "Abort"),
     ("ForgetsAtRest", "command", "state_q == HelloEnd && load_done", "state_q == HelloEnd", "Abort"),
     ("ForgetsMeshes", "loader", "emptied = both_q && mesh_q", "emptied = both_q", "Smoke"),
-    ("RingBounded", "near_ring", "write = tvalid_i && !full_o", "write = tvalid_i", "Full"),
+    ("RingBounded", "near_ring", "freed_q <= free_to_i;", "freed_q <= free_to_i + 32'd1;", "Smoke"),
     ("Antivalent", "safety", "stop_q <= !go_d;", "stop_q <= !go_q;", "Smoke"),
     ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
     ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
