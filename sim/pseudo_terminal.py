@@ -120,9 +120,13 @@ class ServedBoard:
         self.unplug()
 
     def unplug(self) -> None:
-        """Stop the board's clock and take the port away; the board can be stepped afterwards."""
+        """Stop the board's clock and take the port away, and what is on the line with it.
+
+        The board can be stepped afterwards.
+        """
         self._end.set()
         self._thread.join()
+        self.top.unplug()
         if self._plugged:
             self._plugged = False
             self._terminal.close()

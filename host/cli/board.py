@@ -13,8 +13,8 @@ from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.pseudo_terminal import PseudoTerminal, Wire, serve
 from triaxis.sim.simulated_board import SimulatedTop
 
-# Of the simulated board, some 0.2 s: it runs about 250,000 clocks a second.
-_WATCHDOG_CLOCKS = 50_000
+# Of the simulated board, some 0.25 s: it runs about 800,000 clocks a second.
+_WATCHDOG_CLOCKS = 200_000
 
 
 def add_status(parser: argparse.ArgumentParser) -> None:
