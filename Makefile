@@ -72,7 +72,7 @@ nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds, and all
 four-state: $(READY) $(YOSYS) ## the tests on the pins with unknown values (Debian: apt-get install iverilog)
 	@$(BIN)/triaxis regress four-state --seed $(SEED)
 
-mutate: $(READY) $(YOSYS) ## change dut/ in 5,300 ways; see each noticed by a test, or shown to change nothing
+mutate: $(READY) $(YOSYS) ## change dut/ in 5,800 ways; see each noticed by a test, or shown to change nothing
 	@$(BIN)/triaxis prove mutate --seed $(SEED)
 
 faults: $(READY) ## build every fault of the catalogue and see it caught

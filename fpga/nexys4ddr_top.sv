@@ -254,7 +254,7 @@ module nexys4ddr_top
       .near_o(near_count)
   );
 
-  logic ring_clear, ring_full, ring_read;
+  logic ring_clear, ring_full;
   logic [31:0] ring_number;
   logic [2*IndexWidth-1:0] ring_data;
 
@@ -268,14 +268,12 @@ module nexys4ddr_top
       .clear_i(ring_clear),
       .drop_i(aborting),
       .free_i(free),
-      .free_to_i(request.fields[31:0]),
       .freed_o(ring_freed),
       .written_o(ring_written),
       .full_o(ring_full),
       .tvalid_i(near_tvalid),
       .tready_o(near_tready),
       .tdata_i(near_tdata),
-      .read_i(ring_read),
       .number_i(ring_number),
       .data_o(ring_data)
   );
@@ -338,7 +336,6 @@ module nexys4ddr_top
       .body_bytes_i(body_bytes),
       .pairs_i(reply_pairs),
       .first_pair_i(first_pair),
-      .ring_read_o(ring_read),
       .ring_number_o(ring_number),
       .ring_data_i(ring_data),
       .line_o(uart_tx_o)

@@ -34,10 +34,10 @@ module triaxis_answer
   assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
 
   // Only the bytes that are sent count. The number of a run is the first of a status.
-  logic [8*BodyBytes-1:0] body;
+  logic [BodyBits-1:0] body;
   body_bytes_t body_bytes;
   always_comb begin
-    body = {8'(pairs), from, status_i};
+    body = {pairs, from, status_i};
     body_bytes = body_bytes_t'(StatusBytes);
     case (request_i.command)
       CmdHello: begin

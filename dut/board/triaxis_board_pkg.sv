@@ -21,14 +21,16 @@
 
 package triaxis_board_pkg;
 
-  localparam logic [7:0] ProtocolVersion = 8'd3;
+  typedef logic [7:0] byte_t;
+
+  localparam byte_t ProtocolVersion = 8'd3;
 
   // --- Framing --------------------------------------------------------------------------------------
 
-  localparam logic [7:0] SlipEnd = 8'hC0;
-  localparam logic [7:0] SlipEsc = 8'hDB;
-  localparam logic [7:0] SlipEscEnd = 8'hDC;
-  localparam logic [7:0] SlipEscEsc = 8'hDD;
+  localparam byte_t SlipEnd = 8'hC0;
+  localparam byte_t SlipEsc = 8'hDB;
+  localparam byte_t SlipEscEnd = 8'hDC;
+  localparam byte_t SlipEscEsc = 8'hDD;
 
   localparam int unsigned MaxFrameBytes = 256;
   localparam int unsigned HeaderBytes = 9;
@@ -40,7 +42,7 @@ package triaxis_board_pkg;
 
   // --- Commands -------------------------------------------------------------------------------------
 
-  typedef enum logic [7:0] {
+  typedef enum byte_t {
     CmdHello = 8'h01,
     CmdLoad = 8'h02,
     CmdMove = 8'h03,
@@ -50,7 +52,7 @@ package triaxis_board_pkg;
     CmdAbort = 8'h07
   } command_e;
 
-  typedef enum logic [7:0] {
+  typedef enum byte_t {
     CodeOk = 8'd0,
     CodeUnknown = 8'd1,
     CodeLength = 8'd2,
@@ -74,7 +76,6 @@ package triaxis_board_pkg;
   localparam int unsigned LoadMax = 12;  // triangles a frame
   localparam int unsigned NearMax = 32;  // near pairs a reply
 
-  typedef logic [7:0] byte_t;
   // So wide that no frame which a line keeps back can be one of the numbers that are due again.
   typedef logic [31:0] sequence_t;
 
@@ -145,11 +146,12 @@ package triaxis_board_pkg;
   // Command, sequence number, session, code.
   localparam int unsigned ReplyHeadBytes = HeaderBytes + 1;
   localparam int unsigned BodyBytes = StatusBytes + 5;  // RESULTS: status, from, k; then the pairs
+  localparam int unsigned BodyBits = 8 * (BodyBytes - 1) + $clog2(NearMax + 1);  // k ends it
   localparam int unsigned NearPairBytes = 4;
 
   // A reply: so many bytes of the body, the same inverted, then so many near pairs from the ring.
   typedef struct packed {
-    logic [8*BodyBytes-1:0] body;
+    logic [BodyBits-1:0] body;
     code_e code;
     logic [31:0] session;
     sequence_t sequence_number;

@@ -4,10 +4,11 @@
 // Computes: a run's near pairs, kept until the host frees them. A full ring stalls the engine, but
 // for a run that is being aborted: what finds no place is dropped. Nothing is freed meanwhile (the
 // abort is answered first), so the pairs held are always the first of the run. Pairs are numbered
-// from the run's first; those from freed_o up to written_o are held.
+// from the run's first; those from freed_o up to written_o are held. With free_i the host has those
+// before number_i, the one that it asks for next.
 // Widths: numbers of pairs 32 bits, above the engine's at most 31 (Depth <= 32,768). Entries is a
 // power of two, so that the low bits of a pair's number are its address.
-// Latency: 1 clock from address_i to data_o.
+// Latency: 1 clock from number_i to data_o.
 
 module triaxis_near_ring #(
     parameter int unsigned Width   = 24,
@@ -18,7 +19,6 @@ module triaxis_near_ring #(
     input logic clear_i,
     input logic drop_i,
     input logic free_i,
-    input logic [31:0] free_to_i,  // freed_o .. written_o
     output logic [31:0] freed_o,
     output logic [31:0] written_o,
     output logic full_o,
@@ -27,8 +27,7 @@ module triaxis_near_ring #(
     output logic tready_o,
     input logic [Width-1:0] tdata_i,
 
-    input logic read_i,
-    input logic [31:0] number_i,
+    input logic [31:0] number_i,  // with free_i: freed_o .. written_o
     output logic [Width-1:0] data_o
 );
 
@@ -54,7 +53,7 @@ module triaxis_near_ring #(
       freed_q   <= '0;
     end else begin
       if (write) written_q <= written_q + 32'd1;
-      if (free_i) freed_q <= free_to_i;
+      if (free_i) freed_q <= number_i;
     end
   end
 
@@ -66,7 +65,7 @@ module triaxis_near_ring #(
       .write_i(write),
       .write_address_i(written_q[AddressWidth-1:0]),
       .write_data_i(tdata_i),
-      .read_i,
+      .read_i(1'b1),
       .read_address_i(number_i[AddressWidth-1:0]),
       .read_data_o(data_o)
   );

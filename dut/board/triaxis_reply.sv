@@ -5,8 +5,8 @@
 // then near pairs out of the ring, then the CRC over all. The inverted body has a register of its
 // own: a fault in either shows.
 // Widths: at most 10 + 2 * 56 + 32 * 4 + 4 = 254 bytes of the 256 that a frame may have.
-// Latency: 1 clock to the first byte; a byte a clock but for two clocks before a near pair, one
-// before the inverted body and one before the CRC.
+// Latency: 1 clock to the first byte; a byte a clock but for one before the inverted body, a near
+// pair and the CRC. The line takes longer for a byte: in that clock none is taken.
 
 module triaxis_reply
   import triaxis_board_pkg::*;
@@ -21,35 +21,35 @@ module triaxis_reply
     input body_bytes_t body_bytes_i,
     input near_pairs_t pairs_i,
     input logic [31:0] first_pair_i,
-    // The ring.
-    output logic ring_read_o,
+    // The ring: data of the number a clock before.
     output logic [31:0] ring_number_o,
     input logic [2*IndexWidth-1:0] ring_data_i,  // {index in B, index in A}
     // The frame.
     output logic valid_o,
-    input logic ready_i,
+    input logic taken_i,  // only while valid_o
     output byte_t data_o,
     output logic last_o
 );
 
   typedef logic [$clog2(ReplyHeadBytes+BodyBytes+1)-1:0] left_t;
-  typedef logic [8*(ReplyHeadBytes+BodyBytes)-1:0] bytes_t;
+  typedef logic [8*ReplyHeadBytes+BodyBits-1:0] bytes_t;
+  typedef logic [8*BodyBytes-1:0] inverted_t;
 
-  typedef enum logic [2:0] {
+  typedef enum logic [1:0] {
     Idle,
     Bytes,
     Next,
-    Pair,
     Crc
   } state_e;
 
   state_e state_q;
-  bytes_t bytes_q, inverted_q;
+  bytes_t bytes_q;
+  inverted_t inverted_q;
   left_t left_q;
   body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
   logic [31:0] number_q, crc;
-  logic idle, taken, last_byte;
+  logic idle, last_byte;
 
   assign idle = state_q == Idle;
   assign ready_o = idle;
@@ -57,15 +57,13 @@ module triaxis_reply
   assign data_o = bytes_q[7:0];
   assign last_byte = left_q == left_t'(1);
   assign last_o = state_q == Crc && last_byte;
-  assign taken = valid_o && ready_i;
-  assign ring_read_o = state_q == Next;
   assign ring_number_o = number_q;
 
   triaxis_crc32 u_crc (
       .clk_i,
       .rst_ni,
       .start_i(idle),
-      .valid_i(taken),
+      .valid_i(taken_i),
       .data_i (data_o),
       .crc_o  (crc)
   );
@@ -76,10 +74,9 @@ module triaxis_reply
     end else begin
       case (state_q)
         Idle: if (valid_i) state_q <= Bytes;
-        Bytes: if (taken && last_byte) state_q <= Next;
-        Next: state_q <= inverted_bytes_q != '0 ? Bytes : pairs_q == '0 ? Crc : Pair;
-        Pair: state_q <= Bytes;
-        default: if (taken && last_byte) state_q <= Idle;
+        Bytes: if (taken_i && last_byte) state_q <= Next;
+        Next: state_q <= inverted_bytes_q == '0 && pairs_q == '0 ? Crc : Bytes;
+        default: if (taken_i && last_byte) state_q <= Idle;
       endcase
     end
   end
@@ -88,7 +85,7 @@ module triaxis_reply
     case (state_q)
       Idle: begin
         bytes_q <= reply_i;
-        inverted_q <= ~reply_i >> 8 * ReplyHeadBytes;
+        inverted_q <= ~inverted_t'(reply_i.body);
         left_q <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
         inverted_bytes_q <= body_bytes_i;
         pairs_q <= pairs_i;
@@ -97,23 +94,22 @@ module triaxis_reply
       Next: begin
         inverted_bytes_q <= '0;
         if (inverted_bytes_q != '0) begin
-          bytes_q <= inverted_q;
+          bytes_q <= bytes_t'(inverted_q);
           left_q  <= left_t'(inverted_bytes_q);
+        end else if (pairs_q != '0) begin
+          bytes_q[31:0] <= {
+            16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])
+          };
+          left_q <= left_t'(NearPairBytes);
+          pairs_q <= pairs_q - near_pairs_t'(1);
+          number_q <= number_q + 32'd1;
         end else begin
           bytes_q[31:0] <= ~crc;
           left_q <= left_t'(CrcBytes);
         end
       end
-      Pair: begin
-        bytes_q[31:0] <= {
-          16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])
-        };
-        left_q <= left_t'(NearPairBytes);
-        pairs_q <= pairs_q - near_pairs_t'(1);
-        number_q <= number_q + 32'd1;
-      end
       default:
-      if (taken) begin
+      if (taken_i) begin
         bytes_q <= bytes_q >> 8;
         left_q  <= left_q - left_t'(1);
       end

@@ -18,7 +18,6 @@ module triaxis_transmitter
     input body_bytes_t body_bytes_i,
     input near_pairs_t pairs_i,
     input logic [31:0] first_pair_i,
-    output logic ring_read_o,
     output logic [31:0] ring_number_o,
     input logic [2*IndexWidth-1:0] ring_data_i,
     output logic line_o
@@ -38,11 +37,10 @@ module triaxis_transmitter
       .body_bytes_i,
       .pairs_i,
       .first_pair_i,
-      .ring_read_o,
       .ring_number_o,
       .ring_data_i,
       .valid_o(reply_valid),
-      .ready_i(reply_ready),
+      .taken_i(reply_ready),
       .data_o (reply_data),
       .last_o (reply_last)
   );

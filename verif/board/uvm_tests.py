@@ -739,7 +739,7 @@ class BoardFullTest(BoardTest):
 
     async def numbers(self) -> None:
         """Show numbers with all digits, and count more than fit into them."""
-        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86), (99, 101)):
+        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86), (99, 101), (100, 100)):
             await self.scene(self.flat(0, count_a), self.flat(0, count_b))
             await self.run(Mode.COUNT)
             await self.digits()
@@ -802,10 +802,11 @@ class BoardResetsTest(BoardTest):
                 await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
 
     async def shown(self) -> None:
-        """Press it while near pairs are shown, and while a frame is passed over that is too long."""
+        """Press it while near pairs are shown, some of them freed, and in a frame too long."""
         await self.hello()
         await self.scene(self.flat(0, 3), self.flat(0, 3))
         await self.run()
+        await self.results(4)
         await self.digits()
         await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
         await self.digits()

@@ -344,7 +344,7 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
 
 def _mutate(options: argparse.Namespace) -> int:
     restricted = options.file is not None or options.mutant is not None
-    found = catalogue(whole=restricted)
+    found = catalogue()
     if restricted:
         found = found.restricted(options.file, options.mutant)
     with progress_bar("mutants", len(found.mutants)) as progress:

@@ -13,16 +13,6 @@ from triaxis.verif.mutation.mutant import RUNTIME, Mutant, macro_mutants
 from triaxis.verif.mutation.statements import Host, hosts, input_ports, shared_enumerators
 from triaxis.verif.mutation.syntax import SourceFile, read_source
 
-# Modules of the board of which every mutant is known to be killed, or shown to be equivalent. Those of the
-# others are played by `triaxis prove mutate --file 'board/*'`.
-SIGNED_OF_BOARD = frozenset(
-    f"triaxis_{name}.sv"
-    for name in (
-        "answer", "beat", "command", "crc32", "frame_rx", "judge", "loader", "receiver", "reset_sync",
-        "runner", "safety", "session", "slip_rx", "slip_tx", "uart_rx", "uart_tx", "watchdog",
-    )
-)  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Catalogue:
@@ -67,12 +57,11 @@ def _file_names(mutant: Mutant) -> tuple[str, ...]:
     return mutant.file.rpartition("/")[2], mutant.file, f"dut/{mutant.file}"
 
 
-def catalogue(dut: Path = DUT, whole: bool = False) -> Catalogue:
-    """Return all mutants of the RTL in a folder; of the board's those signed off, or ``whole``: all."""
+def catalogue(dut: Path = DUT) -> Catalogue:
+    """Return all mutants of the RTL in a folder."""
     below = sorted(mesh_files(dut))
     # Those of the core come first, then the mesh engine: their numbers stay whatever is done above.
-    above = sorted(set(rtl_files(dut)) - set(below))
-    paths = [*below, *(path for path in above if whole or path.name in SIGNED_OF_BOARD)]
+    paths = [*below, *sorted(set(rtl_files(dut)) - set(below))]
     sources = tuple(read_source(path, dut) for path in paths if path.suffix == ".sv")
     ports = input_ports(sources)
     shared = shared_enumerators(sources)

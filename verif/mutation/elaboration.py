@@ -131,8 +131,8 @@ def _constant(source: SourceFile, node: Node) -> Iterator[_Change]:
 
 def _type(source: SourceFile, node: Node) -> Iterator[_Change]:
     for dimension in below(node.type):
-        if kind(dimension) == "VariableDimension":
-            high = next(child for child in below(dimension) if kind(child) == "SimpleRangeSelect").left
+        if kind(dimension) == "SimpleRangeSelect":
+            high = dimension.left
             yield "type", span(node), _at(high, f"{source.of(high)} - 1")
 
 

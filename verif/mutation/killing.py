@@ -32,6 +32,7 @@ from triaxis.verif.mutation.targets import (
     Elaborated,
     EngineTarget,
     elaborated,
+    ordered,
     right_latencies,
 )
 from triaxis.verif.testbench.settings import RunSettings
@@ -233,9 +234,13 @@ class Hunt:
         excused = [model for model in models if model.name in self.excused]
         others = [model for model in models if model.name not in self.excused]
         brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
+        orders: dict[tuple[RunSettings, ...], list[Model]] = {}
+        for model in others:
+            orders.setdefault(ordered(stage.tests, model.name.partition("/")[0]), []).append(model)
         # The original goes first, with all tests: where it fails, nothing else is believed.
-        shares = [([*healthy, *others[:: self.jobs]], stage.tests)]
-        shares += [(others[number :: self.jobs], stage.tests) for number in range(1, self.jobs)]
+        shares = [(healthy, stage.tests)]
+        for tests, models in orders.items():
+            shares += [(models[number :: self.jobs], tests) for number in range(self.jobs)]
         with temporary() as folder, _threads(self.jobs) as pool:
             trials: list[Trials] = []
             for number, (share, tests) in enumerate([*shares, (excused, brief)]):

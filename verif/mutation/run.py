@@ -44,7 +44,7 @@ def mutate(
     start, timeline = time.perf_counter(), Timeline()
     rtl, killers = rtl_hash(dut), killers_hash()
     sweep()
-    everything = catalogue(dut, whole=bool(files or names or chosen))
+    everything = catalogue(dut)
     found = chosen or (everything.restricted(files, names) if files or names else everything)
     entries = read_equivalents(equivalents)
     if fresh:

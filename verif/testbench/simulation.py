@@ -40,8 +40,9 @@ from triaxis.verif.testbench.table import configurations
 from triaxis.verif.testbench.trials import Trials
 from triaxis.verif.testbench.waves import DUMP, finished
 
-# How often an error line of the log is repeated to the user.
+# So many error lines of the log are repeated to the user, and how one is known.
 _SHOWN = 5
+_MARKS = ("ERROR", "%Error", "CRITICAL", "Error:")
 
 
 @dataclass(frozen=True)
@@ -131,12 +132,14 @@ def _errors(log: Path) -> tuple[str, ...]:
     if not log.exists():
         return ("the simulator wrote no log",)
     found: list[str] = []
-    for line in log.read_text(errors="replace").splitlines():
-        if "ERROR" in line or "%Error" in line or "CRITICAL" in line or "Error:" in line:
+    with log.open(errors="replace") as lines:
+        for line in lines:
             text = line.strip()
-            if text not in found:
+            if any(mark in text for mark in _MARKS) and text not in found:
                 found.append(text)
-    return tuple(found[:_SHOWN]) or ("no error line in the log: the simulator ended early",)
+            if len(found) == _SHOWN:
+                break
+    return tuple(found) or ("no error line in the log: the simulator ended early",)
 
 
 def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:

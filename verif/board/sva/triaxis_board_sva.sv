@@ -24,6 +24,8 @@ module triaxis_board_sva
     input logic receiving,
     input logic line,
     input logic line_ready,
+    input logic byte_valid,
+    input logic byte_taken,
     // What frames do.
     input code_e code,
     input logic executes,
@@ -67,6 +69,11 @@ module triaxis_board_sva
       frame_length
   ))
   else $error("a frame changed before its reply");
+
+  // A reply is made up while the line is busy with the byte before.
+  ByteTakenIsThere :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) byte_taken |-> byte_valid)
+  else $error("a byte of a reply was taken while there was none");
 
   // The loader and the runner look at no handshake: nothing of theirs may wait.
   TrianglesTakenAtOnce :
@@ -132,6 +139,8 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .receiving(u_receiver.u_uart.state_q != '0),
     .line(uart_tx_o),
     .line_ready(u_transmitter.slip_ready),
+    .byte_valid(u_transmitter.reply_valid),
+    .byte_taken(u_transmitter.reply_ready),
     .code,
     .executes(hello || load || move || run || free || abort),
     .changes(load || move || run),

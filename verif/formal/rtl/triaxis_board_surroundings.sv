@@ -155,7 +155,6 @@ module triaxis_transmitter
     input body_bytes_t body_bytes_i,
     input near_pairs_t pairs_i,
     input logic [31:0] first_pair_i,
-    output logic ring_read_o,
     output logic [31:0] ring_number_o,
     input logic [2*IndexWidth-1:0] ring_data_i,
     output logic line_o
@@ -163,7 +162,7 @@ module triaxis_transmitter
 
   logic free_ready;
   assign ready_o = free_ready;
-  assign {ring_read_o, ring_number_o} = '0;
+  assign ring_number_o = '0;
   assign line_o = 1'b1;
 
 endmodule
@@ -196,14 +195,12 @@ module triaxis_near_ring #(
     input logic clear_i,
     input logic drop_i,
     input logic free_i,
-    input logic [31:0] free_to_i,
     output logic [31:0] freed_o,
     output logic [31:0] written_o,
     output logic full_o,
     input logic tvalid_i,
     output logic tready_o,
     input logic [Width-1:0] tdata_i,
-    input logic read_i,
     input logic [31:0] number_i,
     output logic [Width-1:0] data_o
 );

@@ -37,7 +37,7 @@ from triaxis.verif.mutation.killing import Hunt
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
-from triaxis.verif.mutation.targets import ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN
+from triaxis.verif.mutation.targets import BOARD, ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN, SECOND, ordered
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials
 
@@ -146,6 +146,15 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypat
 
 
 @pytest.mark.prover
+def test_what_shows_most_mutants_of_a_module_comes_second():
+    tests = BOARD.tests(1)
+    assert SECOND.keys() <= {mutant.module for mutant in catalogue().mutants}
+    for module in (*SECOND, "triaxis_judge"):
+        of_module = ordered(tests, module)
+        assert sorted(of_module, key=tests.index) == list(tests)
+        assert [one.test for one in of_module[:2]] == ["BoardSmokeTest", SECOND.get(module, tests[1].test)]
+
+
 def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     wrong = of("triaxis_extent", "relational", "points_i[i] > points_i")
     right = of("triaxis_extent", "relational", "points_i[i] <= points_i")
@@ -156,7 +165,7 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     assert wrong.id in message
     assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
     # Of registers: what is between them may differ, no reset, and no register.
-    of_board = {mutant.id: mutant for mutant in catalogue(whole=True).mutants}
+    of_board = {mutant.id: mutant for mutant in catalogue().mutants}
     entry = Equivalent((), "reason", REGISTERS, "triaxis_safety", {}, "nothing changes")
     assert prove(entry, [of_board["triaxis_safety/identifier/e2ef846d"]]) is None
     for wrong in ("triaxis_safety/deletion/133ee2a2", "triaxis_safety/operand/cbaf7dae"):
