@@ -94,8 +94,8 @@ module triaxis_reply
       Next: begin
         inverted_bytes_q <= '0;
         if (inverted_bytes_q != '0) begin
-          bytes_q <= bytes_t'(inverted_q);
-          left_q  <= left_t'(inverted_bytes_q);
+          bytes_q[8*BodyBytes-1:0] <= inverted_q;
+          left_q <= left_t'(inverted_bytes_q);
         end else if (pairs_q != '0) begin
           bytes_q[31:0] <= {
             16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])
