@@ -33,7 +33,6 @@ module triaxis_reply
 
   typedef logic [$clog2(ReplyHeadBytes+BodyBytes+1)-1:0] left_t;
   typedef logic [8*ReplyHeadBytes+BodyBits-1:0] bytes_t;
-  typedef logic [8*BodyBytes-1:0] inverted_t;
 
   typedef enum logic [1:0] {
     Idle,
@@ -43,8 +42,7 @@ module triaxis_reply
   } state_e;
 
   state_e state_q;
-  bytes_t bytes_q;
-  inverted_t inverted_q;
+  bytes_t bytes_q, inverted_q;
   left_t left_q;
   body_bytes_t inverted_bytes_q;  // not yet handed to bytes_q
   near_pairs_t pairs_q;
@@ -85,7 +83,7 @@ module triaxis_reply
     case (state_q)
       Idle: begin
         bytes_q <= reply_i;
-        inverted_q <= ~inverted_t'(reply_i.body);
+        inverted_q <= ~bytes_t'(reply_i.body);
         left_q <= left_t'(ReplyHeadBytes) + left_t'(body_bytes_i);
         inverted_bytes_q <= body_bytes_i;
         pairs_q <= pairs_i;
@@ -94,8 +92,8 @@ module triaxis_reply
       Next: begin
         inverted_bytes_q <= '0;
         if (inverted_bytes_q != '0) begin
-          bytes_q[8*BodyBytes-1:0] <= inverted_q;
-          left_q <= left_t'(inverted_bytes_q);
+          bytes_q <= inverted_q;
+          left_q  <= left_t'(inverted_bytes_q);
         end else if (pairs_q != '0) begin
           bytes_q[31:0] <= {
             16'(ring_data_i[IndexWidth+:IndexWidth]), 16'(ring_data_i[IndexWidth-1:0])
