@@ -35,6 +35,9 @@ module triaxis_board_sva
     input logic busy,
     input logic meshes_empty,
     input logic near_fit,
+    input logic free,
+    input logic [31:0] free_to,
+    input logic [31:0] asked,
     // Go.
     input logic fault,
     input logic go_o,
@@ -105,6 +108,11 @@ module triaxis_board_sva
   assert property (@(posedge clk_i) disable iff (!rst_ni) forgets |=> meshes_empty)
   else $error("a session began with triangles of another");
 
+  // The reply tells the ring where, and is under way for no other frame then.
+  FreesWhatWasAsked :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) free |-> free_to == asked)
+  else $error("pairs are freed up to another than the frame asks for");
+
   RingBounded :
   assert property (@(posedge clk_i) near_fit)
   else $error("more near pairs are held than there is place for");
@@ -149,6 +157,9 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .busy,
     .meshes_empty(count_a == '0 && count_b == '0),
     .near_fit(ring_written - ring_freed <= 32'(u_ring.Entries)),
+    .free,
+    .free_to(ring_number),
+    .asked(request.fields[31:0]),
     .fault(link_error || refused || !alive),
     .go_o,
     .stop_o,

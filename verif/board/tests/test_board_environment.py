@@ -41,6 +41,7 @@ BROKEN = (
     ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : move_value", "move_value", "Abort"),
     ("ForgetsAtRest", "command", "state_q == HelloEnd && load_done", "state_q == HelloEnd", "Abort"),
     ("ForgetsMeshes", "loader", "emptied = both_q && mesh_q", "emptied = both_q", "Smoke"),
+    ("FreesWhatWasAsked", "reply", "number_q <= first_pair_i;", "number_q <= first_pair_i + 32'd1;", "Smoke"),
     ("RingBounded", "near_ring", "freed_q <= number_i;", "freed_q <= number_i + 32'd1;", "Smoke"),
     ("Antivalent", "safety", "stop_q <= !go_d;", "stop_q <= !go_q;", "Smoke"),
     ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
@@ -77,7 +78,10 @@ def test_what_breaks_a_rule_is_told_by_it(tmp_path, seed, rule, module, right, w
     settings = run_settings(f"Board{test}Test", BOARD, seed, 40, folder=tmp_path / "run", agent=BURST)
     result = run(settings, broken_rtl(tmp_path, (f"board/triaxis_{module}.sv", right, wrong)))
     assert not result.passed
-    assert f"u_sva.{rule}:" in result.log.read_text()
+    log = result.log.read_text()
+    assert f"u_sva.{rule}:" in log
+    # One that fails at every clock does not fill the disk.
+    assert log.count("Assertion failed") < 2000
 
 
 def test_every_rule_is_seen_broken(tmp_path):

@@ -264,6 +264,11 @@ CASES = [
 ]
 
 
+def test_faults_are_of_the_rtl_as_it_is(tmp_path):
+    for name, _, file, right, wrong, _ in BROKEN + AXES:
+        broken_rtl(tmp_path / name, (file, right, wrong))
+
+
 @pytest.mark.parametrize(("proof", "file", "right", "wrong", "message"), CASES)
 def test_proof_fails(tmp_path, proof, file, right, wrong, message):
     # A proof must fail because it sees the fault, not because the tool does not come to an end.

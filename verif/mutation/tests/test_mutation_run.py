@@ -145,7 +145,6 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypat
     assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
-@pytest.mark.prover
 def test_what_shows_most_mutants_of_a_module_comes_second():
     tests = BOARD.tests(1)
     assert SECOND.keys() <= {mutant.module for mutant in catalogue().mutants}
@@ -155,6 +154,7 @@ def test_what_shows_most_mutants_of_a_module_comes_second():
         assert [one.test for one in of_module[:2]] == ["BoardSmokeTest", SECOND.get(module, tests[1].test)]
 
 
+@pytest.mark.prover
 def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     wrong = of("triaxis_extent", "relational", "points_i[i] > points_i")
     right = of("triaxis_extent", "relational", "points_i[i] <= points_i")
