@@ -45,7 +45,8 @@ def _directed(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool) -> None:
         return partial(hunt.selected, Stage(target, target.tests(hunt.seed)), runtime)
 
     def built(target: AnyTarget) -> Callable[[], None]:
-        return partial(hunt.built, Stage(target, target.tests(hunt.seed), False), others)
+        tests = target.tests(hunt.seed)[: target.quick_tests]
+        return partial(hunt.built, Stage(target, tests, False), others)
 
     # What takes least to build first.
     quick = [replace(target, exact_core=True) for target in engines]
@@ -67,7 +68,7 @@ def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: 
     steps: Steps = []
     for target in targets:
         if target.assertions:
-            stage = Stage(target, target.tests(hunt.seed), number=len(steps))
+            stage = Stage(target, target.tests(hunt.seed), speed=target.speed, number=len(steps))
             steps.append(partial(hunt.built, stage, others))
     # Only pairs close to a decision on a long axis show a piece that is cut.
     for target in FULL_PIECES if of_core else ():

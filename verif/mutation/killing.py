@@ -10,6 +10,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_compl
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import mkdtemp
 from threading import BoundedSemaphore, Event, Lock
 
 from triaxis.golden.errors import InputError
@@ -37,11 +38,11 @@ from triaxis.verif.mutation.targets import (
 )
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_trials
-from triaxis.verif.testbench.trials import Model, Trials
+from triaxis.verif.testbench.trials import Model, Trials, Verdict
 
 # Mutants with a library of their own that a stage tries at a time: that many libraries are on the disk.
 _AT_A_TIME = 72
-_OF_ALL_KINDS = ("MixedTest", "MeshRandomTest")
+_OF_ALL_KINDS = ("MixedTest", "MeshRandomTest", "BoardMixedTest")
 _PACKAGE = "core/triaxis_pkg.sv"
 _LATENCIES = Killed("LatencyTable", "triaxis_pkg", "wrong latency", 0)
 # A model without a mutant, which every test must pass.
@@ -150,8 +151,9 @@ class Hunt:
             return
         library = self._library(stage.target)
         models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
+        original = Model(_ORIGINAL, str(library))
         with self.timeline.span(f"{stage.name}: {len(alive)} in one library"):
-            self._try(stage, models, Model(_ORIGINAL, str(library)))
+            self._try(stage, models, original, {test.test for test in stage.tests}, [original])
 
     def built(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
         """Try mutants that need a library each; one that is elaborated to what the original is needs none.
@@ -173,7 +175,8 @@ class Hunt:
     def _build(self, stage: Stage, alive: Sequence[Mutant]) -> None:
         original = elaboration_hash(stage.target, self.dut, stage.assertions)
         with temporary() as whole, _threads(self.jobs) as pool:
-            healthy = stage.library(self.dut, whole / "original")
+            healthy = Model(_ORIGINAL, str(stage.library(self.dut, whole / "original")))
+            passed: set[str] = set()
             for start in range(0, len(alive), _AT_A_TIME):
                 if self._ended.is_set():
                     return
@@ -183,8 +186,7 @@ class Hunt:
                         for number, mutant in enumerate(alive[start : start + _AT_A_TIME])
                     ]
                     models = [model for job in jobs if (model := job.result())]
-                    # Once is enough: what runs on it is the same each time.
-                    self._try(stage, models, None if start else Model(_ORIGINAL, str(healthy)))
+                    self._try(stage, models, healthy, passed)
 
     def _own_library(self, stage: Stage, mutant: Mutant, original: str, folder: Path) -> Model | None:
         if self._ended.is_set():
@@ -221,14 +223,20 @@ class Hunt:
             if not known:
                 self._progress(1)
 
-    def _try(self, stage: Stage, models: Sequence[Model], original: Model | None) -> None:
-        """Let the tests run on the models, in as many simulators as there are jobs, and on the original."""
+    def _try(
+        self, stage: Stage, models: Sequence[Model], original: Model, passed: set[str],
+        beside: Sequence[Model] = (),
+    ) -> None:  # fmt: skip
+        """Let the tests run on the models, in as many simulators as there are jobs.
+
+        What a test notices counts where the original passes it. ``passed``: the tests of which that is known,
+        or soon will be, as the original is ``beside`` the models; it is given the others that notice
+        something, afterwards: on a slow model those are few of all tests.
+        """
         if self._ended.is_set():
             return
-        name = stage.target.name
-        healthy = [original] if original else []
         if stage.target.combinational:
-            self._ask_wrapper(stage, [*healthy, *models])
+            self._ask_wrapper(stage, [original, *models])
             return
         # Those that are shown to be equivalent are tried all the same, but by one test.
         excused = [model for model in models if model.name in self.excused]
@@ -237,26 +245,47 @@ class Hunt:
         orders: dict[tuple[RunSettings, ...], list[Model]] = {}
         for model in others:
             orders.setdefault(ordered(stage.tests, model.name.partition("/")[0]), []).append(model)
-        # The original goes first, with all tests: where it fails, nothing else is believed.
-        shares = [(healthy, stage.tests)]
+        # The original goes first: where it fails, nothing else is believed.
+        shares = [(list(beside), stage.tests)]
         for tests, models in orders.items():
             shares += [(models[number :: self.jobs], tests) for number in range(self.jobs)]
-        with temporary() as folder, _threads(self.jobs) as pool:
-            trials: list[Trials] = []
-            for number, (share, tests) in enumerate([*shares, (excused, brief)]):
-                place = folder / str(number)
-                place.mkdir()
-                if share:
-                    there = tuple(replace(test, folder=str(place)) for test in tests)
-                    trials.append(Trials(there, tuple(share), place))
+        with temporary() as folder:
+            verdicts: list[Verdict] = []
             # Whatever ends a long run, what it found out is kept.
             try:
-                list(pool.map(self._run, trials))
+                self._simulate(folder, [*shares, (excused, brief)], verdicts)
+                noticing = {verdict.test for verdict in verdicts if verdict.symptom} - passed
+                tests = tuple(test for test in stage.tests if test.test in noticing)
+                self._simulate(folder, [([original], tests)] if tests else [], verdicts)
+                self._note(stage, [verdict for verdict in verdicts if verdict.name == _ORIGINAL])
+                passed |= noticing
             finally:
-                for verdict in (verdict for done in trials for verdict in done.verdicts() if verdict.symptom):
-                    said = _first_line(verdict.symptom)
-                    self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs), stage.number)
+                self._note(stage, [verdict for verdict in verdicts if verdict.test in passed])
         self.store.save()
+
+    def _note(self, stage: Stage, verdicts: Iterable[Verdict]) -> None:
+        for verdict in verdicts:
+            if verdict.symptom:
+                said, name = _first_line(verdict.symptom), stage.target.name
+                killed = Killed(verdict.test, name, said, verdict.pairs)
+                self._notice(verdict.name, killed, stage.number)
+
+    def _simulate(
+        self, folder: Path, shares: Sequence[tuple[list[Model], tuple[RunSettings, ...]]],
+        verdicts: list[Verdict],
+    ) -> None:  # fmt: skip
+        """Run each share of the models with its tests; add what came of it, whatever ends this."""
+        trials: list[Trials] = []
+        for share, tests in shares:
+            if share:
+                place = Path(mkdtemp(dir=folder))
+                there = tuple(replace(test, folder=str(place)) for test in tests)
+                trials.append(Trials(there, tuple(share), place))
+        try:
+            with _threads(self.jobs) as pool:
+                list(pool.map(self._run, trials))
+        finally:
+            verdicts += [verdict for done in trials for verdict in done.verdicts()]
 
     def _run(self, trials: Trials) -> None:
         with self._slots:

@@ -6,7 +6,7 @@ And which parts of dut/ a target elaborates, and what the package's functions gi
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
@@ -23,7 +23,7 @@ from triaxis.sim.models import (
     mesh_build,
 )
 from triaxis.sim.paths import DUT, VERIF
-from triaxis.sim.verilate import QUICK, Build
+from triaxis.sim.verilate import MANY, QUICK, Build
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, RunSettings
@@ -58,8 +58,12 @@ _BOARD_VOLUME = 1000
 SECOND = {
     "triaxis_decimal": "BoardFullTest",
     "triaxis_display": "BoardFullTest",
+    "triaxis_frame_rx": "BoardFramesTest",
     "triaxis_near_ring": "BoardFullTest",
+    "triaxis_safety": "BoardGoTest",
     "triaxis_saturating_counter": "BoardFullTest",
+    "triaxis_slip_rx": "BoardFramesTest",
+    "triaxis_uart_rx": "BoardFramesTest",
 }
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
@@ -82,10 +86,16 @@ def ordered(tests: tuple[RunSettings, ...], module: str) -> tuple[RunSettings, .
 
 @dataclass(frozen=True)
 class Target:
-    """The core in one configuration, or (``combinational``) the wrapper around it, which has no clock."""
+    """The core in one configuration, or (``combinational``) the wrapper around it, which has no clock.
+
+    Of a target, mutants with a build each are tried by ``quick_tests`` of the short tests on what compiles
+    soonest. For what these leave, and all other tests, it is compiled at ``speed``, with assertions.
+    """
 
     configuration: Configuration
     combinational: bool = False
+    quick_tests: ClassVar[int] = len(_CORE_TESTS)
+    speed: ClassVar[str] = QUICK
 
     @property
     def name(self) -> str:
@@ -135,6 +145,8 @@ class EngineTarget:
     exact_core: bool = False
 
     combinational = False
+    quick_tests: ClassVar[int] = len(_MESH_TESTS)
+    speed: ClassVar[str] = QUICK
 
     @property
     def name(self) -> str:
@@ -179,6 +191,8 @@ class BoardTarget(EngineTarget):
 
     configuration: BoardParameters  # pyright: ignore[reportIncompatibleVariableOverride]
     exact_core: bool = True
+    quick_tests: ClassVar[int] = 1
+    speed: ClassVar[str] = MANY
     chosen: tuple[str, ...] = tuple(_BOARD_TESTS)
 
     @property
