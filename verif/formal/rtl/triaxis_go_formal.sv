@@ -246,6 +246,18 @@ module triaxis_go_formal
     else was_go_q <= go_o;
   end
 
+  // What the runner has been told since the reset: a HELLO cuts what goes on, and then has it forget.
+  logic cut_q, forgot_q;
+  logic [3:0] told;
+  assign told = {u_top.forget, u_top.move, u_top.run, u_top.cut};
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) {cut_q, forgot_q} <= '0;
+    else begin
+      cut_q <= cut_q || u_top.cut;
+      forgot_q <= forgot_q || u_top.forget;
+    end
+  end
+
   always_comb begin
     Antivalent : assert (go_o != stop_o);
     StopInReset : assert (rst_n || !go_o);
@@ -272,6 +284,10 @@ module triaxis_go_formal
         NothingWrong : assert (!wrong_q);
         HeardInTime : assert (age_q <= age_t'(WatchdogClocks));
       end
+      // As `board_runs` assumes of commands.
+      ToldInOrder :
+      assert ((told & (told - 4'd1)) == '0 && !(u_top.busy && told[3:1] != '0) &&
+              (cut_q || !u_top.forget) && (forgot_q || told[2:1] == '0));
       BeatOnlyWithGo : assert (!beat_o || go_o || was_go_q);
       FitsTheMesh :
       assert (!load || u_top.load_tuser[1] || engine_count[u_top.load_tuser[0]] < 17'(Depth));
@@ -314,6 +330,8 @@ module triaxis_go_formal
 
   always_comb begin
     if (rst_n) begin
+      assert (cut_q || (u_top.u_command.u_session.session_q == '0 && state != HelloEnd));
+      assert (forgot_q || state == HelloEnd || u_top.u_command.u_session.session_q == '0);
       // The command: states, and what is read of the frame.
       assert (state == '0 || (u_top.frame_full && u_top.u_mesh.awake_q));
       assert (8'(u_top.u_command.place_q) < 8'(RequestBytes) || state == Judge);

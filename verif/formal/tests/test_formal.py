@@ -190,6 +190,10 @@ BROKEN = (
      "ClocksPerBit / 2 - 1", "ClocksPerBit / 2 - 2", "check"),
     ("a byte without a stop bit", "board_bytes", "board/triaxis_uart_rx.sv",
      "valid_o && !line;", "1'b0;", "Framing"),
+    ("a run's cycles cut", "board_runs", "board/triaxis_runner.sv",
+     "summary_q   <= done_summary_i;", "summary_q   <= done_summary_i & ~summary_t'(32'h8000_0000);", "Told"),
+    ("a run's status is that of the run before", "board_runs", "board/triaxis_runner.sv",
+     "      engine_status_q <= StatusNone;\n    end\n    if (done", "    end\n    if (done", "Status"),
     ("errors are counted from 0 again", "board_errors", "board/triaxis_saturating_counter.sv",
      "sum[Width] ? '1 : sum[Width-1:0]", "sum[Width-1:0]", "Counted"),
 )  # fmt: skip
@@ -198,6 +202,7 @@ BROKEN = (
 MISWIRED = (
     ("refusals are not told", ".refused_i(refused)", ".refused_i(1'b0)"),
     ("errors of the line are not told", ".link_error_i(link_error)", ".link_error_i(1'b0)"),
+    ("a HELLO ends no run", "assign cut = abort || hello;", "assign cut = abort;"),
     ("any frame is a sign of life", ".kick_i(kick)", ".kick_i(kick || refused)"),
     ("go at each end of a run", ".engine_status_i(done_status),\n      .near_i(near_count)",
      ".engine_status_i(StatusComplete),\n      .near_i(near_count)"),

@@ -1,0 +1,135 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is said of a run is what the engine said at its end: every number of the summary, whole, until the next run or
+// HELLO; zeros before. Its number, pose, mode and margin are those it was started with.
+
+`include "triaxis_formal.svh"
+
+module triaxis_runner_formal
+  import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
+#(
+    parameter int unsigned W = 16,
+    parameter int unsigned M = 16,
+    localparam int unsigned RunBits = move_width(W)
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic forget_i,
+    input logic move_i,
+    input logic run_i,
+    input logic abort_i,
+    input logic [8*FieldBytes-1:0] fields_i,
+    input logic done_tvalid_i,
+    input status_e done_status_i,
+    input summary_t done_summary_i
+);
+
+  logic busy_o, aborting_o, run_tvalid_o;
+  pose_t pose_o, run_pose_o;
+  byte_t run_number_o;
+  run_state_e run_state_o;
+  logic [1:0] run_mode_o;
+  logic [31:0] run_margin_o;
+  status_e engine_status_o;
+  summary_t summary_o;
+  logic [3*RunBits-1:0] run_tdata_o;
+  logic [M+1:0] run_tuser_o;
+
+  triaxis_runner #(
+      .W(W),
+      .M(M)
+  ) u_runner (
+      .*
+  );
+
+  `TRIAXIS_RESET_FIRST
+
+  // A HELLO comes before anything else, and ends what goes on, first.
+  logic ended_q, known_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) {ended_q, known_q} <= '0;
+    else begin
+      if (abort_i) ended_q <= 1'b1;
+      if (forget_i) known_q <= 1'b1;
+    end
+  end
+
+  logic [3:0] commands;
+  assign commands = {forget_i, move_i, run_i, abort_i};
+  always_comb begin
+    OneAtATime : assume ((commands & (commands - 4'd1)) == '0);
+    HelloFirst : assume (known_q || !(move_i || run_i));
+    EndsFirst : assume (ended_q || !forget_i);
+    NotInRuns : assume (!busy_o || !(forget_i || move_i || run_i));
+    EndsRuns : assume (busy_o || !done_tvalid_i);
+  end
+
+  // What has happened since the last HELLO, event by event.
+  logic going_q, over_q, aborted_q;
+  summary_t told_q;
+  status_e  status_q;
+  pose_t moved_q, begun_q;
+  logic [33:0] asked_q;
+  byte_t runs_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {going_q, over_q} <= '0;
+    end else if (forget_i) begin
+      {going_q, over_q} <= '0;
+    end else begin
+      if (run_i) {going_q, over_q} <= 2'b10;
+      if (done_tvalid_i) {going_q, over_q} <= 2'b01;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (forget_i) begin
+      moved_q <= '0;
+      begun_q <= '0;
+      asked_q <= '0;
+      runs_q <= '0;
+      aborted_q <= 1'b0;
+    end
+    if (move_i) moved_q <= fields_i[95:0];
+    if (run_i) begin
+      begun_q <= moved_q;
+      asked_q <= {fields_i[39:8], fields_i[1:0]};
+      runs_q <= runs_q + 8'd1;
+      aborted_q <= 1'b0;
+    end
+    if (abort_i && going_q) aborted_q <= 1'b1;
+    if (done_tvalid_i) begin
+      told_q   <= done_summary_i;
+      status_q <= done_status_i;
+    end
+  end
+
+  logic [3*RunBits-1:0] run_pose;
+  for (genvar k = 0; k < 3; k++) begin : g_pose
+    assign run_pose[k*RunBits+:RunBits] = run_pose_o[k][RunBits-1:0];
+  end
+
+  always_comb begin
+    if (rst_ni) begin
+      Going : assert (busy_o == going_q);
+      State : assert (run_state_o == (going_q ? RunGoing : over_q ? RunDone : RunNever));
+      if (ended_q) Aborting : assert (aborting_o == (going_q && aborted_q));
+      Told : assert (summary_o == (over_q ? told_q : '0));
+      if (known_q) begin
+        Status : assert (engine_status_o == (over_q ? status_q : StatusNone));
+        Number : assert (run_number_o == runs_q);
+        Present : assert (pose_o == moved_q);
+        Started : assert (run_pose_o == begun_q);
+        Asked : assert ({run_margin_o, run_mode_o} == asked_q);
+        if (run_tvalid_o) begin
+          Handed : assert (going_q && run_tuser_o == {run_mode_o, run_margin_o[M-1:0]});
+          HandedPose : assert (run_tdata_o == run_pose);
+        end
+        SeenLong : cover (over_q && summary_o.cycles[31] && run_number_o == 8'd2);
+      end
+    end
+  end
+
+endmodule
