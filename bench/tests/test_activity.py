@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 
-import numpy as np
 import pytest
 
 from triaxis.bench import activity
@@ -33,45 +32,6 @@ UNGATED = Configuration(8, 0, edge_box=False, gating=False)
 @pytest.fixture
 def stream(rng):
     return random_stream(rng, 2000, GATED.width)
-
-
-def toggles(sequence, bits):
-    """Return the toggles of a register of so many bits that starts at 0 and takes the values in turn."""
-    words = np.concatenate([[0], sequence]) & ((1 << bits) - 1)
-    return int(np.bitwise_count((words[1:] ^ words[:-1]).astype(np.uint64)).sum())
-
-
-def trapezoids(pairs):
-    """Return the factors of all trapezoids of the smallest core: along edges, and between in one view."""
-    a, b = pairs[:, 0], pairs[:, 1]
-    for k in range(3):
-        ways = [(t[:, v], t[:, (v + 1) % 3]) for t in (a, b) for v in range(3)]
-        ways += [(a[:, i], b[:, j]) for i in range(3) for j in range(3)] if k == 2 else []
-        for start, end in ways:
-            x, y = (k + 1) % 3, (k + 2) % 3
-            yield start[:, x] + end[:, x], end[:, y] - start[:, y]
-
-
-@pytest.mark.simulator
-@pytest.mark.regress
-@pytest.mark.parametrize("configuration", [GATED, UNGATED], ids=lambda c: c.name)
-def test_toggles_are_exactly_those_of_the_pairs_that_pass(tmp_path, stream, configuration):
-    file = tmp_path / "core.saif"
-    assert trace(stream, configuration, file).multipliers == 27 + 20
-    passing = stream.pairs[stream.undecided] if configuration.gating else stream.pairs
-    factors = list(trapezoids(passing))
-    measured = read_saif(file)
-    found = [path for path in measured.instances if path.endswith("/u_mul")]
-    assert len(found) == len(factors) == 27
-    bits = configuration.width + 1
-    counted = {
-        signal: sum(measured.inside(path, signal) for path in found) for signal in ("a_i", "b_i", "piece_q")
-    }
-    assert counted == {
-        "a_i": sum(toggles(a, bits) for a, _ in factors),
-        "b_i": sum(toggles(b, bits) for _, b in factors),
-        "piece_q": sum(toggles(a * b, 2 * bits) for a, b in factors),
-    }
 
 
 @pytest.mark.simulator

@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.bench import harness, mesh_cycles
+from triaxis.bench import mesh_cycles
 from triaxis.bench.harness import StoredSteps
-from triaxis.bench.mesh_cycles import CONFIGURATION, Bound, Case, Row, bench_mesh, cases
-from triaxis.bench.peers import MESH_PEERS, TRIANGLE_PEERS
+from triaxis.bench.mesh_cycles import Bound, Case, Row, bench_mesh, cases
+from triaxis.bench.peers import TRIANGLE_PEERS
 from triaxis.bench.peers.peer import present
-from triaxis.bench.skipping.run import stage_answer
-from triaxis.bench.skipping.scenes import SURFACES
-from triaxis.bench.skipping.software import Meeting, ask_peer
 from triaxis.host.engines import SceneRun
 
 
@@ -50,24 +47,6 @@ def test_absent_packages_say_so(monkeypatch):
     assert {peer.distribution for peer, _ in there} <= {"libcgal-dev"}
     reasons = {each.name: each.why_absent for each in told}
     assert len(reasons) == len(TRIANGLE_PEERS) and "libGL" in (reasons["Open3D"] or "")
-
-
-def ready(peer):
-    _, (told,) = present([peer])
-    if told.version is None:
-        pytest.skip(f"{peer.name}: {told.why_absent}")
-
-
-@pytest.mark.parametrize("peer", MESH_PEERS, ids=lambda peer: peer.name)
-def test_packages_find_the_facets_that_we_find(peer, rng, monkeypatch):
-    """On integers, in general position."""
-    ready(peer)
-    monkeypatch.setattr(harness, "_ALONE_ROUNDS", 1)
-    a, b = SURFACES[0].make(400, rng)
-    near = stage_answer(a, b, 0, CONFIGURATION).near
-    answer = ask_peer(peer, [Meeting(a, b, near)])
-    assert len(near) > 100 and (answer.missed, answer.extra) == (0, 0)
-    assert answer.found == len(near) or peer.boxes_only
 
 
 TOUCHING = np.zeros((3, 3, 3), np.int64)

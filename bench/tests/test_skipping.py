@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 from triaxis.bench import harness
-from triaxis.bench.mesh_cycles import CONFIGURATION
 from triaxis.bench.peers.peer import Peer, PeerAbsentError, Question
 from triaxis.bench.skipping import report, run, software
-from triaxis.bench.skipping.run import Stages, measure_scene, run_skipping, stage_answer
+from triaxis.bench.skipping.run import Stages, measure_scene, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, SkippingScene, skipping_scenes
 from triaxis.bench.skipping.software import Growth, GrowthPoint, Meeting, ask_peer, contradictions
-from triaxis.golden.scene import boxes_of
 from triaxis.host.cli import main
 
 
@@ -24,30 +22,6 @@ def quickly(monkeypatch):
 
 def block(rng, count, place, size=300):
     return rng.integers(-2000, 2001, (count, 1, 3)) + rng.integers(-size, size + 1, (count, 3, 3)) + place
-
-
-def decided_by_boxes(a, b, margin):
-    """Return how many pairs a box axis separates, in groups or not."""
-    low_a, high_a = boxes_of(a).transpose(1, 0, 2)
-    low_b, high_b = boxes_of(b).transpose(1, 0, 2)
-    apart = (low_a[:, None] - high_b[None] > margin) | (low_b[None] - high_a[:, None] > margin)
-    return int(apart.any(2).sum())
-
-
-@pytest.mark.parametrize("margin", [0, 60])
-def test_every_pair_is_counted_once(rng, margin):
-    a, b = block(rng, 300, 0, 600), block(rng, 200, 2000, 600)
-    found = stage_answer(a, b, margin, CONFIGURATION)
-    counted = found.stages
-    assert counted.pairs == 300 * 200
-    assert counted.before_boxes + counted.boxes == decided_by_boxes(a, b, margin)
-    assert counted.near == len(found.near) and found.clocks.core == counted.tested
-    assert min(counted.rows, counted.groups, counted.boxes, counted.normals, counted.edges, counted.near) > 0
-    # Meshes beyond the engine's depth are counted in parts.
-    parts = stage_answer(a, b, margin, replace(CONFIGURATION, depth=64))
-    assert (parts.stages.pairs, parts.stages.tested) == (counted.pairs, counted.tested)
-    np.testing.assert_array_equal(parts.near, found.near)
-    assert stage_answer(a, b + 20_000, 0, CONFIGURATION).stages == Stages(objects=300 * 200)
 
 
 @pytest.mark.simulator

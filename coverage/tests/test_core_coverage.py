@@ -1,51 +1,12 @@
 """What pairs and answers hit in the model of the core."""
 
 import numpy as np
-import pytest
 
 from triaxis.coverage.core_coverage import CoreCoverage
-from triaxis.coverage.core_sample import Build, CoreSample, CoreView, Decision
+from triaxis.coverage.core_sample import Build, CoreSample
 from triaxis.coverage.report import report
-from triaxis.coverage.tests.core_samples import samples, true_words
+from triaxis.coverage.tests.core_samples import true_words
 from triaxis.golden.bulk import bulk_facts
-from triaxis.verif.core.stimulus.families import mixed
-
-VIEWED = (Build(8, 8, True, True), Build(16, 0, False, True), Build(32, 32, True, False))
-
-
-@pytest.fixture(params=VIEWED, ids=lambda build: build.name)
-def view(request, rng):
-    build = request.param
-    found = mixed(rng, 6000, build.width, build.largest_margin)
-    pairs = found.pairs.astype(np.int64)
-    (sample,) = samples(rng, build, pairs, found.margins)
-    waits = rng.integers(0, 2, (2, len(pairs)), np.uint8)
-    return CoreView(build, CoreSample(sample.facts, sample.margins, sample.words, *waits))
-
-
-def bits(mask):
-    return {n for n in range(32) if int(mask) >> n & 1}
-
-
-def test_axes_that_decide(view):
-    none, kinds = view.build.axes, set()
-    for i in range(len(view.facts)):
-        one = view.facts[i : i + 1]
-        # The axes that separate it in this build.
-        separating = {n for n in bits(one.separating[0]) if view.build.edge_box or n < 14}
-        assert view.near[i] == (not separating)
-        boxed = bool(separating & {0, 1, 2})
-        decision = Decision.NEAR if not separating else Decision.BOX if boxed else Decision.OTHER
-        kinds.add(decision)
-        assert view.decision[i] == decision
-        assert view.lowest[i] == min(separating, default=0)
-        sole = separating if len(separating) == 1 else set()
-        assert view.sole[i] == min(sole, default=none)
-        assert view.sole_step[i] == min(sole & bits(one.clear_step[0]), default=none)
-        if sole:
-            assert view.side[i] == (min(sole) in bits(one.below[0]))
-    assert kinds == set(Decision)
-
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
 
@@ -109,13 +70,3 @@ def test_wrong_answers_hit_illegal_bins():
     gated = sampled([clear], [0], [0x0204])
     flags = next(i for i in report(gated.model, gated.counts).items if i.name == "flags")
     assert [i.bin for i in flags.illegal_hits] == ["clear by box / A degenerate"]
-
-
-def test_a_faulty_fact_shows_as_an_illegal_hit(rng):
-    build = Build(8, 0, True, True)
-    (sample,) = samples(rng, build, rng.integers(0, 3, (4000, 2, 3, 3)), np.zeros(4000, np.int64))
-    sample.facts.rank_a[:] = 0
-    coverage = CoreCoverage(8, 0)
-    coverage.sample(sample)
-    wrong = {item.name for item in report(coverage.model, coverage.counts).items if item.illegal_hits}
-    assert {"sole_axis", "relation", "decision"} <= wrong

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from dataclasses import replace
-from itertools import chain, permutations
 from typing import Any
 
 import numpy as np
@@ -27,14 +26,6 @@ IGNORED = Exclusion(Kind.IGNORE, "dull", "a test", lambda parity, size: parity =
 ILLEGAL = Exclusion(Kind.ILLEGAL, "no such", "a test", lambda parity, size: size == 1)
 BOTH = CoverItem("both", "both", (PARITY, SIZE), (IGNORED, ILLEGAL), lambda parity, size: 1 + parity)
 MODEL = CoverModel("numbers", (BOTH, CoverItem("bits", "bits", (BITS,))))
-
-
-def test_bins_goals_and_exclusions_of_a_cross():
-    # The last point varies fastest, and the first exclusion holds.
-    assert [b.name for b in BOTH.bins] == ["even / small", "even / large", "odd / small", "odd / large"]
-    assert [b.exclusion for b in BOTH.bins] == [None, IGNORED, None, ILLEGAL]
-    assert BOTH.goals.tolist() == [1, 0, 2, 0]
-    assert BOTH.illegal.tolist() == [False, False, False, True]
 
 
 def test_the_hash_follows_everything_that_is_defined(tmp_path):
@@ -129,14 +120,6 @@ def merge(model, parts):
 
 def flat(counts):
     return {name: hits.tolist() for name, hits in counts.hits.items()}
-
-
-def test_merging_is_counting_all(rng):
-    numbers = rng.integers(0, 100, (3, 8)).tolist()
-    for order in permutations(numbers):
-        x, y, z = map(counted, order)
-        for merged in (merge(DIGITS, [merge(DIGITS, [x, y]), z]), merge(DIGITS, [x, merge(DIGITS, [y, z])])):
-            assert flat(merged) == flat(counted([*chain(*numbers)]))
 
 
 def test_counts_of_another_model_or_definition_are_refused(tmp_path):

@@ -66,16 +66,3 @@ def test_an_outcome_that_cannot_be_is_illegal():
     coverage.sample([replace(ROW, status=2), replace(ROW, mode=3)])
     found = [one.bin for item in report(coverage.model, coverage.counts).items for one in item.illegal_hits]
     assert found == ["all / first", "none / complete", "none / some"]
-
-
-def test_builds_have_the_bins_that_they_can_reach():
-    def totals(build):
-        coverage = MeshCoverage(build)
-        return {item.name: item.total for item in report(coverage.model, coverage.counts).items}
-
-    bare = totals(replace(BUILD, name="bare", pins=False, cycle_bits=32))
-    assert bare["mesh_abort"] == 3 and "mesh_near_wait" not in bare and "mesh_cycles" not in bare
-    single = totals(MeshBuild("single", 10, 0, 8, 8, 1, 32, False))
-    assert single["mesh_group_gaps"] == 6 and "mesh_margin" not in single and "mesh_last_word" not in single
-    # Empty, one, group - 1, several (2..6), depth, overfull.
-    assert single["mesh_sizes"] == 6 * 6

@@ -1,6 +1,7 @@
 """What is reported of counts: goals, exclusions, illegal hits; the page that lists every bin."""
 
-from html.parser import HTMLParser
+import re
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -38,27 +39,12 @@ def test_complete_means_all_goals_and_nothing_illegal():
     assert (percent([done]), percent([])) == (100.0, 0.0)
 
 
-class Reader(HTMLParser):
-    """Collects text and attributes of a page."""
-
-    def __init__(self):
-        super().__init__()
-        self.texts, self.attributes = [], []
-
-    def handle_starttag(self, tag, attrs):
-        self.attributes += [(tag, *pair) for pair in attrs]
-
-    def handle_data(self, data):
-        self.texts.append(data.strip())
-
-
 def test_the_page_lists_every_bin_with_reasons_and_needs_no_network(tmp_path):
-    database, reader = CoverageDatabase([MODEL]), Reader()
+    database = CoverageDatabase([MODEL])
     database.add(counted(0, 0, 1, 3, 4))
     write_page(tmp_path / "page.html", database)
-    reader.feed((tmp_path / "page.html").read_text())
-    wanted = {"<small>", "medium", "large", "huge", "dull & long", "none is that large", "missing"}
-    assert wanted | {"1 of 3", "tests/b", "vast: 1 hits"} <= set(reader.texts)
-    assert all(key not in ("src", "action") for _, key, _ in reader.attributes)
-    assert all(value.startswith("#") for _, key, value in reader.attributes if key == "href")
-    assert not [a for a in reader.attributes if a[0] in ("script", "link", "img", "iframe")]
+    page = (tmp_path / "page.html").read_text()
+    wanted = ("<small>", "medium", "large", "huge", "dull & long", "none is that large", "missing")
+    for text in (*wanted, "1 of 3", "tests/b", "vast: 1 hits"):
+        assert escape(text) in page
+    assert not re.search(r'<(script|link|img|iframe)\b|\b(src|action)=|\bhref="[^#]', page)

@@ -3,18 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.core_proofs import CATEGORIES as PROOFS
-from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import Kind
-from triaxis.coverage.report import report
 from triaxis.coverage.waiver_upkeep import (
-    exclusion_records,
     other_rtl,
     waiver_problems,
     waiver_records,
@@ -147,25 +143,6 @@ def test_waivers_that_are_not_those_measured_are_a_problem(spoil, said):
     spoil(changed)
     [problem] = waiver_problems(changed)
     assert said in problem
-
-
-def full(parameters, spoilt=""):
-    """Report a build all of whose goals are met; one excluded bin of an item is hit as well."""
-    model = core_model(*parameters)
-    hits = {item.name: item.goals.copy() for item in model.items}
-    if spoilt:
-        [item] = [item for item in model.items if item.name == spoilt]
-        hits[spoilt][np.flatnonzero(item.illegal)[0]] = 3
-    return report(model, Counts(model.name, model.hash, hits))
-
-
-def test_an_excluded_bin_of_the_core_that_is_hit_is_a_problem():
-    assert full((16, 0)).problems == [] and full((16, 0)).complete
-    for item in ("answer", "flags", "sole_axis", "relation", "contact", "decision"):
-        found = full((16, 0), item)
-        [problem] = found.problems
-        assert problem.startswith(f"coverage core_w16_m0, {item}: illegal bin ") and not found.complete
-        assert [r["item"] for r in exclusion_records([found]) if r["hits"]] == [item]
 
 
 @pytest.mark.parametrize("parameters", CORES)

@@ -1,16 +1,12 @@
 """What builds take: DSP blocks by our count and by the synthesiser's, cells, block RAM, limits."""
 
-import json
-import shutil
-
 import pytest
 
 from triaxis.fpga.board_build import BOARD_LIMITS, TOP, WHOLE_PART, XC7A100T, Resources
-from triaxis.fpga.dsp_count import DspCount, DspCounts, count_dsps
+from triaxis.fpga.dsp_count import DspCount, DspCounts
 from triaxis.fpga.resources import Build, Row, count, memories, synthesise
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import DUT, rtl_sources
-from triaxis.sim.programs import read_slang, run_to_result, yosys
+from triaxis.sim.paths import DUT
 
 # Blocks of the whole core as yosys 0.69 maps it (`synth_xilinx -flatten`, then its mapping to DSP blocks), by
 # width, margin bits and the edge x box axes.
@@ -27,15 +23,6 @@ SYNTHESISED = {
     (24, 1, 1): 170,
 }
 
-# Width and margin bits: around the number of bits from which a margin takes blocks.
-THRESHOLDS = [(8, 1), (12, 2), (16, 4), (16, 5), (16, 16), (24, 1), (26, 4), (32, 18)]
-MAPPING = (
-    "synth_xilinx -family xc7 -flatten -noiopad -top triaxis_threshold -run begin:map_dsp; "
-    "techmap -map +/mul2dsp.v -map +/xilinx/xc7_dsp_map.v -D DSP_A_MAXWIDTH=25 -D DSP_B_MAXWIDTH=18 "
-    "-D DSP_A_MAXWIDTH_PARTIAL=18 -D DSP_A_MINWIDTH=2 -D DSP_B_MINWIDTH=2 -D DSP_Y_MINWIDTH=9 "
-    "-D DSP_SIGNEDONLY=1 -D DSP_NAME=$__MUL25X18"
-)
-
 
 def test_builds_take_what_the_synthesiser_takes():
     counts = DspCounts(DUT)
@@ -44,38 +31,6 @@ def test_builds_take_what_the_synthesiser_takes():
     assert counts.board(16, 16, 4096, 8, 8).dsps == 126
     with pytest.raises(InputError, match=r"W = 16, M = 17.*does not elaborate"):
         counts.core(16, 17)
-
-
-@pytest.mark.regress
-@pytest.mark.synthesiser
-def test_thresholds_take_what_the_installed_synthesiser_takes(tmp_path):
-    shapes = {
-        f"t_{components}_{width}_{bits}": {
-            "M": bits,
-            "Components": components,
-            "CWidth": 2 * width + 2 if components == 3 else width + 1,
-        }
-        for width, bits in THRESHOLDS
-        for components in (2, 3)
-    }
-    names = ("pkg", "delay", "sum", "narrow_mul", "mul", "threshold")
-    sources = [path for path in rtl_sources() if path.stem.removeprefix("triaxis_") in names]
-    # The tool has a /tmp of its own, so it must find its files where it stands.
-    for path in (*sources, DUT / "core" / "triaxis_stage.svh"):
-        shutil.copy(path, tmp_path)
-    script = "; ".join(
-        f"{read_slang([path.name for path in sources], 'triaxis_threshold', shape)}; {MAPPING}; "
-        f"tee -q -o {name}.json stat -json; design -reset"
-        for name, shape in shapes.items()
-    )
-    last = tmp_path / f"{list(shapes)[-1]}.json"
-    run_to_result([str(yosys()), "-p", script], last, tmp_path / "log", tmp_path)
-    counted = [
-        count_dsps(sources, DUT / "core", "triaxis_threshold", shape).dsps for shape in shapes.values()
-    ]
-    statistics = [json.loads((tmp_path / f"{name}.json").read_text()) for name in shapes]
-    assert counted == [each["design"]["num_cells_by_type"].get("DSP48E1", 0) for each in statistics]
-    assert min(counted) == 0 < max(counted)
 
 
 def test_cells_are_counted_as_what_they_occupy():

@@ -1,7 +1,5 @@
 import json
 
-import pytest
-
 from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest, logic_depth
 
 _OUTPUTS = {"O", "Q", "P", "CO", "PCOUT"}
@@ -99,33 +97,3 @@ def test_a_carry_chain_is_one_level_as_many_cells_and_runs_upwards_only(tmp_path
     assert (levels.cells, levels.levels) == (("LUT1", "CARRY4", "CARRY4"), 2)
     # A lower bit of the first takes longer to the chain's end than the last one with a table before it.
     assert tightest(module, tmp_path).path == LogicPath("a_q", "c_q", ("CARRY4", "CARRY4"), 1, 1.203, 1)
-
-
-@pytest.mark.parametrize(
-    ("registers", "cells", "cells_ns"),
-    [
-        ({}, ("LUT1", "DSP48E1", "LUT1"), 4.619),
-        ({"MREG": 1}, ("LUT1", "DSP48E1"), 2.414),
-        ({"AREG": 1, "MREG": 1}, ("LUT1",), 0.848),
-        ({"AREG": 1, "MREG": 1, "PREG": 1}, ("LUT1",), 0.848),
-    ],
-)
-def test_registers_inside_a_dsp_block_cut_paths(tmp_path, registers, cells, cells_ns):
-    none = dict.fromkeys(("AREG", "BREG", "CREG", "MREG", "PREG"), 0)
-    module = _Module()
-    module.register("in", "a_q")
-    module.add("LUT1", I0="a_q", O="x1")
-    module.add("DSP48E1", none | registers, A="x1", B="1", C="0", P="p", CLK="clk")
-    module.add("LUT1", I0="p", O="x2")
-    module.register("x2", "b_q")
-    found = tightest(module, tmp_path).path
-    assert (found.cells, found.cells_ns) == (cells, cells_ns)
-
-
-def test_what_a_dsp_block_gives_takes_longer_without_its_last_register(tmp_path):
-    for last, cells_ns in ((0, 2.305), (1, 0.434)):
-        module = _Module()
-        module.add("DSP48E1", {"AREG": 1, "BREG": 1, "MREG": 1, "PREG": last}, A="0", P="p", CLK="clk")
-        module.register("p", "b_q")
-        found = tightest(module, tmp_path).path
-        assert (found.end, found.cells_ns, found.wires) == ("b_q", cells_ns, 1)

@@ -5,7 +5,7 @@ import pytest
 
 from triaxis.golden.scene import apart, boxes_of
 from triaxis.host import broadphase
-from triaxis.host.broadphase import Work, candidates
+from triaxis.host.broadphase import candidates
 
 
 def found(a, b, margin):
@@ -89,23 +89,3 @@ def test_blocks_are_bounded(rng, monkeypatch):
     for i, _ in candidates(a, b, 5):
         assert len(i) <= 100 or i[0] == i[-1]
     assert_same(a, b, 5)
-
-
-def rough_surface(rng, side):
-    """Return a surface of 2 side^2 facets over a square, with a roughness as large as its facets."""
-    x, y = np.meshgrid(np.arange(side + 1), np.arange(side + 1), indexing="ij")
-    vertex = 16 * np.stack([x, y, np.zeros_like(x)], -1) + rng.integers(-8, 9, (side + 1, side + 1, 3))
-    corners = vertex[:-1, :-1], vertex[1:, :-1], vertex[1:, 1:], vertex[:-1, 1:]
-    quads = [np.stack([corners[0], corners[k], corners[k + 1]], 2) for k in (1, 2)]
-    return np.concatenate([quad.reshape(-1, 3, 3) for quad in quads])
-
-
-def test_comparisons_grow_like_the_facets(rng):
-    compared = []
-    for side in (32, 128):
-        a, b = (rng.permutation(rough_surface(rng, side)) for _ in "ab")
-        work = Work()
-        assert sum(len(i) for i, _ in candidates(a, b + np.array([5, 5, 12]), 0, work)) > len(a)
-        compared.append(work.compared)
-    # The exponent, over 16 times the facets.
-    assert np.log(compared[1] / compared[0]) / np.log(16) < 1.1

@@ -114,15 +114,6 @@ def test_check_never_misses_and_alarms_only_in_the_band(check):
         check("--resolution", 0.25, "--clearance", clearance, "--engine", "bulk", status=status)
 
 
-def test_files_that_are_none_are_refused(check, meshes):
-    whole = meshes[0].read_bytes()
-    for content, why in ((whole[:-10], f"{meshes[0]}: "), (b"", "empty file")):
-        meshes[0].write_bytes(content)
-        assert why in check(status=2)
-    meshes[0].unlink()
-    assert "cannot read" in check(status=2)
-
-
 @pytest.mark.skipif(mesh_data() is None, reason="no real meshes: set TRIAXIS_DATA to a folder with vmc/*.stl")
 @pytest.mark.parametrize("engine", ["bulk", pytest.param("rtl", marks=LONG)])
 def test_real_meshes(check, engine):

@@ -75,6 +75,8 @@ def test_broken_files_are_refused_in_a_line(tmp_path, content, message):
     with pytest.raises(InputError, match=message) as caught:
         read_stl(path)
     assert str(caught.value).startswith(f"{path}: ") and "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="cannot read"):
+        read_stl(tmp_path / "none.stl")
 
 
 VARIANTS = {

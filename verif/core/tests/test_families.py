@@ -11,16 +11,8 @@ from triaxis.golden.axes import axis_vector
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.exact import dot
 from triaxis.golden.facts import Facts
-from triaxis.golden.pairs import check_pairs, coordinate_range
+from triaxis.golden.pairs import check_pairs
 from triaxis.verif.core.stimulus.families import FAMILIES, TOUCHING, mixture
-from triaxis.verif.core.stimulus.general import (
-    ORIENTATION,
-    SPAN,
-    all_corners,
-    largest_pairs,
-    orientations,
-    spans,
-)
 from triaxis.verif.core.stimulus.near_miss import (
     box,
     edge_box,
@@ -92,41 +84,6 @@ def test_features_touch_and_no_more(rng, name, width):
     assert (supports[proper] == SUPPORTS[name]).all()
     touching = proper & (facts.level != 0)
     assert (touching == proper).all() if name != "face-face" else facts.coplanar.all()
-
-
-@pytest.mark.parametrize("name", TOUCHING)
-def test_pairs_touch_at_any_margin(rng, name):
-    stimulus = family_of([(TOUCHING[name], 1)])(rng, 3000, 16, (1 << 16) - 1)
-    with_margin = stimulus[stimulus.margins > 0]
-    assert len(with_margin) > 1500
-    assert np.median(with_margin.margins) > 50
-    facts = facts_of(with_margin)
-    assert facts.near.all()
-    # One less, and all are clear that have a direction to go; in one plane, they may still overlap.
-    less = bulk_facts(with_margin.pairs, with_margin.margins - 1)
-    assert (less.near & (facts.level != 0)).sum() == 0
-    assert (facts.level != 0).mean() > 0.9 or name == "face-face"
-
-
-@pytest.mark.parametrize("width", [8, 16])
-def test_largest_pairs_reach_both_bounds_with_both_signs(rng, width):
-    low, high = coordinate_range(width)
-    pairs = largest_pairs(rng, 4000, width).astype(np.int64)
-    assert pairs.min() == low
-    assert pairs.max() == high
-    cube = (high - low) ** 3
-    found = [orientations(pairs, vertex) for vertex in range(3)]
-    assert np.max(found) == ORIENTATION * cube
-    assert np.min(found) == -ORIENTATION * cube
-    found = [spans(pairs, i, j, (j + 2) % 3) for i in range(3) for j in range(3)]
-    assert np.max(found) == SPAN * cube
-    assert np.min(found) == -SPAN * cube
-
-
-def test_no_corner_lies_beyond_the_bounds():
-    corners = all_corners()
-    assert max(np.abs(orientations(corners, v)).max() for v in range(3)) == ORIENTATION
-    assert max(np.abs(spans(corners, i, j, (j + 2) % 3)).max() for i in range(3) for j in range(3)) == SPAN
 
 
 def _gap(c, a, b):

@@ -1,7 +1,6 @@
 """The variants of pairs are what they say, the core answers them alike, and an answer that is not is seen."""
 
 from itertools import permutations
-from typing import Any
 
 import numpy as np
 import pytest
@@ -147,36 +146,3 @@ def test_variants_are_those_that_numpy_makes(rng, width, kind):
     turned ^= np.where(symmetry.REFLECTED[symmetries], -1, 0)[:, None].astype(kind)
     found = symmetry.rearranged(pairs, rows, orders, symmetries)
     assert found.dtype == kind and (found.reshape(-1, 6, 3) == turned).all()
-    # Moved: by the draws of the same generator, block by block.
-    moved = symmetry.random_translations(np.random.default_rng(4), found, width)
-    draws = np.random.default_rng(4)
-    for block, there in ((found[:2048], moved[:2048]), (found[2048:], moved[2048:])):
-        points = block.reshape(-1, 6, 3).astype(np.int64)
-        places = (high - low + 1 - np.ptp(points, 1)).astype(np.uint64)
-        drawn = draws.integers(0, 1 << 32, (3, len(block)), np.uint32).T.astype(np.uint64)
-        shift = low - points.min(1) + (drawn * places >> np.uint64(32)).astype(np.int64)
-        assert (there.reshape(-1, 6, 3) == points + shift[:, None]).all()
-    if kind is np.int32:
-        points = found.reshape(-1, 6, 3).astype(np.int64)
-        middle = -((points.min(1) + points.max(1)) // -2)
-        assert (symmetry.centred(found).reshape(-1, 6, 3) == points - middle[:, None]).all()
-
-
-def test_what_is_no_variant_is_refused(rng):
-    pairs, zeros = np.zeros((3, 2, 3, 3), np.int32), np.zeros(3, np.uint8)
-    for rows, orders, symmetries in (
-        (zeros + 3, zeros, zeros),
-        (zeros, zeros + 72, zeros),
-        (zeros, zeros, zeros + 48),
-        (zeros, zeros[1:], zeros),
-    ):
-        with pytest.raises(ValueError, match="rows"):
-            symmetry.rearranged(pairs, rows, orders, symmetries)
-    of_no_use: list[Any] = [pairs[:, :1], pairs.astype(">i4"), pairs.astype(np.float32), pairs[0]]
-    for wrong in of_no_use:
-        with pytest.raises(ValueError, match="must be int32 or int64"):
-            symmetry.random_translations(rng, wrong, 8)
-        with pytest.raises(ValueError, match="must be int32 or int64"):
-            symmetry.random_orders(rng, wrong)
-    with pytest.raises(ValueError, match="must be int32 or int64"):
-        symmetry.centred(pairs[:, :1])

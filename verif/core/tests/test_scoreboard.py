@@ -33,10 +33,12 @@ class Traffic:
     def returned(self, part=slice(None), words=None, tags=None):
         words = self.words if words is None else words
         tags = self.tags if tags is None else tags
-        return ResultBatch(words[part], tags[part], np.zeros(len(tags[part]), np.int64))
+        clocks = np.arange(len(tags))[part] + FIRST_CLOCK
+        return ResultBatch(words[part], tags[part], np.zeros(len(tags[part]), np.int64), clocks)
 
 
 CONFIGURATION = Configuration(16, 16)
+FIRST_CLOCK = 1000
 COUNT = 150
 
 
@@ -53,6 +55,7 @@ def test_any_flipped_bit_of_a_result_is_told_with_the_pairs_before(traffic, bit)
     for part in (slice(0, 100), slice(100, None)):
         checker.check(traffic.sent(part), traffic.returned(part, words))
     failure = checker.failures[0]
+    assert failure.message.startswith("result 104 at clock 1103: ") and failure.record()["clock"] == 1103
     assert (failure.pair == traffic.pairs[103]).all()
     assert (failure.context == traffic.pairs[39:103]).all()
     assert (failure.context_margins == traffic.margins[39:103]).all()

@@ -12,73 +12,10 @@ from triaxis.verif.core.kept_cases import read_cases
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.counterexample.explaining import explain_failures
 from triaxis.verif.counterexample.finding import BareCore, Symptom
-from triaxis.verif.counterexample.shrinking import Budget, minimise, shrink
+from triaxis.verif.counterexample.shrinking import Budget, minimise
 
 CONFIGURATION = Configuration(8, 8)
 NO_MARGIN = np.zeros(1, np.int64)
-
-
-def gaps(pairs):
-    """Return the gaps on the three box axes (N, 3), negative where the boxes overlap."""
-    low, high = pairs.min(2), pairs.max(2)
-    return np.maximum(low[:, 1] - high[:, 0], low[:, 0] - high[:, 1])
-
-
-def touching_taken_for_clear(pairs, margins):
-    """A wrong test of boxes: an axis separates where its gap is just as wide as the margin."""
-    wide = gaps(pairs) - margins[:, None]
-    return (wide >= 0).any(1) & ~(wide > 0).any(1)
-
-
-def test_a_sign_fault_becomes_tiny_and_any_budget_gives_what_fails(rng):
-    pairs = rng.integers(-1000, 1001, (20_000, 2, 3, 3))
-    margins = gaps(pairs).max(1).clip(0)
-    chosen = np.flatnonzero(touching_taken_for_clear(pairs, margins))[:3]
-    assert len(chosen) == 3
-    calls = []
-
-    def fails(pairs, margins):
-        calls.append(len(pairs))
-        return touching_taken_for_clear(pairs, margins)
-
-    for pair, margin in zip(pairs[chosen], margins[chosen].tolist(), strict=True):
-        small, less = shrink(pair, margin, fails)
-        # Two equal points.
-        assert (np.count_nonzero(small), less) == (0, 0)
-        for budget in (0, 1, 2, 5):
-            calls.clear()
-            small, less = shrink(pair, margin, fails, Budget(budget))
-            assert touching_taken_for_clear(small[None], np.array([less]))[0]
-            assert len(calls) <= budget + 1
-
-    # A batch in which everything seems to fail leads nowhere that does not fail alone.
-    small, _ = shrink(
-        rng.integers(100, 120, (2, 3, 3)), 9, lambda pairs, _: (pairs[:, 0, 0, 0] >= 100) | (len(pairs) > 1)
-    )
-    assert small[0, 0, 0] >= 100
-
-
-def stale(streams, margins):
-    """A fault in a sequence: the last pair fails where some pair before it had x = 77 at A1, and the
-    pair after that one a margin above 2.
-    """
-    seen = (streams[:, :-2, 0, 0, 0] == 77) & (margins[:, 1:-1] > 2)
-    return seen.any(1) & (streams[:, -1, 1, 2, 2] > 5)
-
-
-def test_a_stream_becomes_short_and_small(rng):
-    pairs, margins = rng.integers(-100, 60, (64, 2, 3, 3)), rng.integers(0, 50, 64)
-    pairs[17, 0, 0, 0], margins[18], pairs[63, 1, 2, 2] = 77, 40, 50
-    small = minimise(Stream(pairs, margins), stale)
-    assert len(small) == 3
-    assert small.pairs.ravel().nonzero()[0].tolist() == [0, 53]
-    assert (small.pairs[0, 0, 0, 0], small.pair[1, 2, 2]) == (77, 6)
-    assert small.margins.tolist() == [0, 3, 0]
-    for calls in (0, 3, 10):
-        partial = minimise(Stream(pairs, margins), stale, Budget(calls))
-        assert stale(partial.pairs[None], partial.margins[None])[0]
-    with pytest.raises(ValueError, match="does not fail"):
-        minimise(Stream(pairs[:17], margins[:17]), stale)
 
 
 class HangingEngine:

@@ -1,6 +1,5 @@
 """A register counts as looked at where an assertion depends on it, and only there."""
 
-import json
 import shutil
 from dataclasses import replace
 
@@ -14,8 +13,6 @@ from triaxis.verif.formal.cone import (
     Register,
     all_registers,
     by_modules,
-    hierarchy,
-    read_cone,
     read_unproved,
 )
 from triaxis.verif.formal.proof import Result
@@ -48,12 +45,6 @@ def test_without_an_assertion_its_registers_are_in_no_cone(tmp_path, monkeypatch
 
 
 @pytest.mark.prover
-def test_algebra_looks_at_the_registers_that_it_passes(tmp_path):
-    # The multiplier of narrow pieces is closed in this proof, and has one of its own.
-    assert set(by_modules(proved("multiply_wide", tmp_path))) == {"triaxis_mul", "triaxis_sum"}
-
-
-@pytest.mark.prover
 def test_all_registers_are_those_of_every_module_that_has_some(tmp_path):
     every = all_registers(DUT, tmp_path)
     having = {
@@ -70,49 +61,6 @@ def test_all_registers_are_those_of_every_module_that_has_some(tmp_path):
         Register("triaxis_delay", "g_regs.g_stage.stage_q"),
         Register("triaxis_verdict", "flags_2"),
     } <= every
-
-
-def _cell(kind, name="", **ports):
-    directions = {port: "output" if port in ("Q", "Y") else "input" for port in ports}
-    return {
-        "type": kind, "connections": ports, "port_directions": directions,
-        "parameters": {"MEMID": f"\\{name}"}, "attributes": {},
-    }  # fmt: skip
-
-
-def test_the_cone_ends_where_nothing_drives(tmp_path):
-    (tmp_path / "harness.sv").write_text(
-        "module harness; unit u_unit (); stand_in u_other (); endmodule\n"
-        "module unit; endmodule\nmodule stand_in; endmodule\n"
-    )
-    cells = {
-        "check": _cell("$assert", A=[2], EN=["1"]),
-        "$driver$u_unit.a_q": _cell("$anyinit", D=[3], Q=[2]),
-        # Renamed by yosys: called as its output is.
-        "$auto$ff.cc:1": _cell("$dffe", D=[4], Q=[3]),
-        "or": _cell("$or", A=[5], B=[6], Y=[4]),
-        "$driver$u_other.c_q[1]": _cell("$dff", D=[7], Q=[5]),
-        # Net 6 is free: what drove it was cut. What nobody reads is in no cone.
-        "$driver$u_unit.d_q": _cell("$dff", D=[2], Q=[8]),
-        "memory": _cell("$mem_v2", "u_unit.g_on[3].memory_q", A=[2], Q=[7]),
-    }
-    nets = {"u_unit.b_q": {"hide_name": 0, "bits": [3]}, "$x": {"hide_name": 1, "bits": [3]}}
-    path = tmp_path / "cone.json"
-    path.write_text(json.dumps({"modules": {"harness": {"cells": cells, "netnames": nets}}}))
-    found = read_cone(path, [tmp_path / "harness.sv"], "harness", frozenset({"unit"}))
-    assert {one.name for one in found} == {"a_q", "b_q", "g_on.memory_q"}
-    # One that stands in for another module is no register of dut/.
-    both = read_cone(path, [tmp_path / "harness.sv"], "harness", frozenset({"unit", "stand_in"}))
-    assert both - found == {Register("stand_in", "c_q")}
-    with pytest.raises(InputError, match="one flat module, top"):
-        read_cone(path, [], "top", frozenset())
-
-
-def test_one_name_of_two_modules_is_refused(tmp_path):
-    path = tmp_path / "a.sv"
-    path.write_text("module a; if (1) begin b u_x (); end else begin c u_x (); end endmodule\n")
-    with pytest.raises(InputError, match="u_x: instances of two modules"):
-        hierarchy([path])
 
 
 def test_a_reason_that_no_longer_applies_is_a_problem():

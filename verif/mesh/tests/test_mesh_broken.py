@@ -67,12 +67,3 @@ def test_an_engine_that_loses_triangles_or_groups_is_not_believed(monkeypatch):
     monkeypatch.setattr(MeshEngine, "load_unchecked", with_one_triangle_less)
     with pytest.raises(CoreError, match="holds 8 of the 9 triangles of A"):
         MeshEngineScene(FACETS, FACETS, ENGINE).run((0, 0, 0), 0)
-
-
-def test_engines_come_and_go_in_any_order():
-    first, second = MeshEngine(ENGINE), MeshEngine(ENGINE)
-    del second
-    third = MeshEngine(ENGINE)
-    del first
-    third.load(FACETS, FACETS)
-    assert third.run().near_count

@@ -5,9 +5,10 @@ import os
 import subprocess
 import threading
 import time
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import asdict, replace
 from functools import cache, partial
-from itertools import permutations
+from itertools import permutations, product
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -33,13 +34,14 @@ from triaxis.verif.mutation.equivalence import (
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
+from triaxis.verif.mutation.killing import _ORIGINAL as ORIGINAL
 from triaxis.verif.mutation.killing import Hunt
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.targets import BOARD, ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN, SECOND, ordered
 from triaxis.verif.testbench.simulation import run_trials
-from triaxis.verif.testbench.trials import Model, Trials
+from triaxis.verif.testbench.trials import Model, Trials, Verdict
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -294,6 +296,36 @@ def hunt(seed, progress=lambda _: None):
     """Return a hunt that knows of no mutant."""
     store = outcomes.Store(DUT, seed, True)
     return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), progress, Timeline())
+
+
+@pytest.mark.parametrize(
+    ("original", "error", "killed"),
+    [
+        ("", None, {"m/1": "TouchingTest", "m/2": "MixedTest"}),
+        ("wrong", InputError, {"m/1": "TouchingTest"}),
+        (None, KeyboardInterrupt, {"m/1": "TouchingTest"}),
+    ],
+)
+def test_what_a_test_notices_counts_where_the_original_passes_it(seed, monkeypatch, original, error, killed):
+    """Of two tests the original is known to pass one; asked about the other, it says this, or never does."""
+    known, other = (replace(MAIN.tests(seed)[0], test=name) for name in ("TouchingTest", "MixedTest"))
+    symptoms = {("m/1", known.test): "wrong", ("m/2", other.test): "wrong", (ORIGINAL, other.test): original}
+
+    def simulate(trials):
+        for model, test in product(trials.models, trials.tests):
+            symptom = symptoms.get((model.name, test.test), "")
+            if symptom is None:
+                raise KeyboardInterrupt
+            with trials.results.open("a") as file:
+                file.write(json.dumps(asdict(Verdict(model.name, test.test, symptom, 1))) + "\n")
+
+    monkeypatch.setattr(killing, "run_trials", simulate)
+    hunting, stage = hunt(seed), killing.Stage(MAIN, (known, other))
+    models, passed = [Model("m/1", ""), Model("m/2", "")], {known.test}
+    with pytest.raises(error) if error else nullcontext():
+        hunting._try(stage, models, Model(ORIGINAL, ""), passed)
+    assert {name: how.test for name, how in hunting.killed.items()} == killed
+    assert passed == ({known.test} if error else {known.test, other.test})
 
 
 def test_stages_side_by_side_simulate_no_more_at_a_time_than_there_are_jobs(seed, monkeypatch):
