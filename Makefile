@@ -18,6 +18,8 @@ export VERILATOR
 SEED ?= 1
 # Where regressions run: local, slurm or lsf.
 LAUNCHER ?= local
+# make signoff WHOLE=1: four states and the netlist too, and nothing may be absent (Debian: apt-get install coq iverilog).
+WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
@@ -26,7 +28,7 @@ LAUNCHER ?= local
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
-	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER"
+	@echo "Variables: PYTHON (3.11 or newer), VERILATOR (5.036 or newer), SEED, TEST, CONFIG, GRID, LAUNCHER, WHOLE=1 (signoff)"
 
 setup: $(READY) ## create .venv with the pinned dependencies
 
@@ -59,8 +61,8 @@ $(VENV)/.ready-peers: requirements-peers.lock $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
 	@touch $@
 
-signoff: $(READY) $(YOSYS) ## simulate, measure, prove, try every mutant: verdict and report in build/signoff/
-	@$(BIN)/triaxis signoff --seed $(SEED)
+signoff: $(READY) $(YOSYS) ## lint, simulate, measure, prove, try every mutant: verdict and report in build/signoff/
+	@$(BIN)/triaxis signoff --seed $(SEED) $(if $(WHOLE),--whole)
 
 regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least once, on dvsim, and the tests too long for `make test`
 	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
@@ -75,7 +77,7 @@ four-state: $(READY) $(YOSYS) ## the tests on the pins with unknown values (Debi
 mutate: $(READY) $(YOSYS) ## change dut/ in 5,800 ways; see each noticed by a test, or shown to change nothing
 	@$(BIN)/triaxis prove mutate --seed $(SEED)
 
-faults: $(READY) ## build every fault of the catalogue and see it caught
+faults: $(READY) ## put in the faults of the replaced design and of the board, and see each caught
 	@$(BIN)/triaxis prove faults --seed $(SEED)
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs

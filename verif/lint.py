@@ -3,9 +3,10 @@
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,6 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import BUILD, DUT, ROOT, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.verilate import elaboration
-from triaxis.verif.signoff.testplan import check_plan
 
 # Builds that differ in what they elaborate.
 _BUILDS = (
@@ -45,6 +45,10 @@ _BOARD_BUILDS = (
 )
 
 
+# A finding of Verilator, or of verible, which names the place first; what else they print explains it.
+_FINDING = re.compile(r"%(?:Warning|Error)[^:]*: (?!Exiting)|\S+\.svh?:")
+
+
 def _bin(name: str) -> str:
     return str(Path(sys.executable).with_name(name))
 
@@ -56,10 +60,49 @@ def _told(what: str, good: bool, output: str = "") -> bool:
 
 
 def _run(what: str, command: Sequence[str]) -> bool:
-    answer = subprocess.run(
+    answer = _answer(command)
+    return _told(what, answer.returncode == 0, answer.stdout + answer.stderr)
+
+
+def _answer(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
         command, cwd=ROOT, env=verilator().environment(), capture_output=True, text=True, check=False
     )
-    return _told(what, answer.returncode == 0, answer.stdout + answer.stderr)
+
+
+def rtl_linters() -> dict[str, list[str]]:
+    """Return the commands of the linters of all SystemVerilog, by name; they change nothing."""
+    found: dict[str, list[str]] = {}
+    for top, parameters, sources, name in _elaborations():
+        files = map(str, [*rtl_sources(), *sources])
+        command = [*elaboration(top, parameters), "--lint-only", "-Wall", *files]
+        found[f"verilator -Wall {top} {name}".rstrip()] = command
+    found["verible lint"] = [_bin("verible-verilog-lint"), *_systemverilog()]
+    found["verible format"] = [*_verible_format(), "--verify"]
+    return found
+
+
+def _systemverilog() -> list[str]:
+    folders = (DUT, VERIF, ROOT / "fpga")
+    return [str(path) for folder in folders for path in sorted(folder.rglob("*.sv"))]
+
+
+def _verible_format() -> list[str]:
+    return [_bin("verible-verilog-format"), "--inplace", *_systemverilog()]
+
+
+def lint_rtl(linters: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    """Run these linters; return what each found, a line each: none where it is content."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        answers = pool.map(_answer, linters.values())
+        return {what: _findings(answer) for what, answer in zip(linters, answers, strict=True)}
+
+
+def _findings(answer: subprocess.CompletedProcess[str]) -> list[str]:
+    """Return the findings; one that failed without any has its exit code as its finding."""
+    lines = (answer.stdout + answer.stderr).replace(f"{ROOT}/", "").splitlines()
+    found = list(dict.fromkeys(line.strip() for line in lines if _FINDING.match(line)))
+    return found or ([f"exit code {answer.returncode}"] if answer.returncode else [])
 
 
 def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
@@ -72,13 +115,6 @@ def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
         yield "nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()], board.name
     yield TIMING_TOP, {"W": 16}, [TIMING_HARNESS], ""
     yield "CollisionDetector", {"W": 16}, [], ""
-
-
-def _testplan() -> bool:
-    """Check that the testplan names everything there is, and nothing else."""
-    plan, problems = check_plan()
-    said = "".join(f"{problem}\n" for problem in problems)
-    return _told(f"testplan, {len(plan.testpoints)} testpoints", not problems, said)
 
 
 def _types() -> bool:
@@ -107,23 +143,17 @@ def _link_package() -> None:
 
 def lint(fix: bool) -> bool:
     """Return whether everything is clean; with ``fix``, format first."""
-    folders = (DUT, VERIF, ROOT / "fpga")
-    systemverilog = [str(path) for folder in folders for path in sorted(folder.rglob("*.sv"))]
-    verible = [_bin("verible-verilog-format"), "--inplace", *systemverilog]
     good = True
     if fix:
-        good &= _run("verible format", verible)
+        good &= _run("verible format", _verible_format())
         good &= _run("ruff fix", [_bin("ruff"), "check", "--fix", "."])
         good &= _run("ruff format", [_bin("ruff"), "format", "."])
     # What takes longest first.
-    checks: list[Callable[[], bool]] = [_types, _testplan]
-    for top, parameters, sources, name in _elaborations():
-        files = map(str, [*rtl_sources(), *sources])
-        command = [*elaboration(top, parameters), "--lint-only", "-Wall", *files]
-        checks.append(partial(_run, f"verilator -Wall {top} {name}".rstrip(), command))
+    checks: list[Callable[[], bool]] = [_types]
     for what, command in (
-        ("verible lint", [_bin("verible-verilog-lint"), *systemverilog]),
-        ("verible format", [*verible, "--verify"]),
+        # By its command: the sign-off, to which the testplan belongs, imports this.
+        ("testplan", [_bin("triaxis"), "coverage", "plan"]),
+        *rtl_linters().items(),
         ("ruff check", [_bin("ruff"), "check", "."]),
         ("ruff format", [_bin("ruff"), "format", "--check", "."]),
         ("import-linter", [_bin("lint-imports"), "--no-cache"]),

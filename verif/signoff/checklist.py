@@ -80,6 +80,9 @@ def _item(name: str, entry: Any, path: Path) -> Item:
     if len(kinds) != 1 or len(entry) != 3 or not kinds < set(_ANSWERS):
         raise InputError(f"{path}: {name}: {entry}: must hold item, asks, and one of {', '.join(_ANSWERS)}")
     (kind,) = kinds
+    # Of no figure and of no file all would be well.
+    if kind in ("figure", "file") and not (isinstance(entry[kind], list) and entry[kind]):
+        raise InputError(f"{path}: {name} {entry['item']}: {kind} must be a list that names at least one")
     return Item(name, entry["item"], entry["asks"], kind, entry[kind])
 
 
@@ -88,7 +91,8 @@ def answered(
 ) -> list[Answered]:
     """Return the items with their answers; ``parts``: of the sign-off, and the results that stand beside it.
 
-    Raises InputError where an item names a figure or a part that does not exist.
+    Raises InputError where an item names a figure or a part that does not exist, or a figure of which its
+    stage asks nothing.
     """
     found: list[Answered] = []
     for item in items:
@@ -104,10 +108,13 @@ _Answer = tuple[Answer, str]
 
 
 def _figure(item: Item, figures: Values, parts: Mapping[str, Part], root: Path) -> _Answer:
-    figure = {figure.name: figure for figure in read_figures()}[item.value]
-    value = figures[figure.name]
-    met = figure.is_met(value, f"V{item.list[1]}")
-    return Answer.MET if met else Answer.OPEN, f"{figure.meaning}: {figure.text(value)}"
+    known, stage = {figure.name: figure for figure in read_figures()}, f"V{item.list[1]}"
+    asked = [known[name] for name in item.value]
+    if unasked := [figure.name for figure in asked if stage not in figure.bounds]:
+        raise InputError(f"{CHECKLIST}: {item.list} {item.item}: {stage} asks nothing of {unasked[0]}")
+    met = all(figure.is_met(figures[figure.name], stage) for figure in asked)
+    said = "; ".join(f"{figure.meaning}: {figure.text(figures[figure.name])}" for figure in asked)
+    return Answer.MET if met else Answer.OPEN, said
 
 
 def _part(item: Item, figures: Values, parts: Mapping[str, Part], root: Path) -> _Answer:

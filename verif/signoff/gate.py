@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,12 @@ from triaxis.sim.validity import Sources
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 
 # The parts of the evidence, in the order of the report.
-PARTS = ("testplan", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
+PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
 
-# What a sign-off as a whole comes from: all that simulates, measures, proves, judges. No page, no command
+# Results of commands of their own, which a sign-off as a whole holds too.
+BESIDE = ("four_state", "netlist")
+
+# What all of a sign-off comes from: all that simulates, measures, proves, judges. No page, no command
 # line.
 SOURCES = Sources(
     ("triaxis.verif.signoff.run", "triaxis.verif.faults.fault_tests", *TEST_MODULES),
@@ -26,6 +30,7 @@ SOURCES = Sources(
         "verif/faults/patches/*.patch",
         "verif/formal/unproved.toml",
         "verif/mutation/equivalents.toml",
+        "verif/netlist/*.vh",
     ),
 )
 
@@ -68,7 +73,9 @@ def refusals(result: Path, rtl_hash: str, environment_hash: str) -> list[str]:
         found.append(f"{result}: does not list its problems: run `make signoff` again")
     else:
         found += _first([str(problem) for problem in problems])
-    found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed)
+    found += _shortfalls(content.get("figures")) + _parts(content.get("parts"), signed, PARTS)
+    if content.get("whole") is True:
+        found += _missing_of_whole(content, signed)
     # A sign-off rests on its waivers, which may have changed since.
     return found + _first(waiver_problems(_waivers(content)))
 
@@ -77,6 +84,8 @@ def remarks(result: Path) -> list[str]:
     """Return what to know of a sign-off that opens the gate, a line each."""
     content = json.loads(read_input(result))
     found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
+    if content.get("whole") is True:
+        found.append("signed off as a whole: nothing that may be absent otherwise was absent")
     if content.get("git_clean") is not True:
         found.append("signed off from a checkout with uncommitted changes, or outside git")
     return found
@@ -98,12 +107,20 @@ def _is_figure(value: Any) -> bool:
     return value is None or math.isfinite(value)
 
 
-def _parts(parts: Any, signed: Any) -> list[str]:
+def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
+    """Return what a sign-off that says it is a whole does not hold."""
+    proofs = content["parts"].get("proofs") if isinstance(content.get("parts"), dict) else None
+    absent = (proofs.get("exceptions") if isinstance(proofs, dict) else None) or []
+    found = [f"signed off as a whole, but without {line}" for line in absent]
+    return found + _parts(content.get("beside"), signed, BESIDE)
+
+
+def _parts(parts: Any, signed: Any, names: Sequence[str]) -> list[str]:
     """Return which parts of the evidence are missing, failed, or of another RTL than the file says."""
     if not isinstance(parts, dict):
         return ["the sign-off holds no evidence: run `make signoff` again"]
     held = {name: part if isinstance(part, dict) else {} for name, part in parts.items()}
-    found = [f"{name}: no evidence: run `make signoff` again" for name in PARTS if name not in held]
+    found = [f"{name}: no evidence: run `make signoff` again" for name in names if name not in held]
     for name, part in held.items():
         if part.get("passed") is not True:
             found.append(f"{name}: did not pass")

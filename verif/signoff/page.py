@@ -81,7 +81,7 @@ def _pieces(content: Content) -> dict[str, tuple[float, float, float]]:
     for part in content["timeline"]:
         begin, name = part["begin"], part["name"]
         found[name.replace("_", " ")] = begin, part["end"], part["cpu_seconds"]
-        for stage in content["parts"][name].get("stages", ()):
+        for stage in content["parts"].get(name, {}).get("stages", ()):
             found[f"  {stage['name']}"] = (
                 begin + stage["begin"],
                 begin + stage["end"],

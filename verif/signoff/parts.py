@@ -1,20 +1,24 @@
 """The parts of a sign-off: each leaves evidence, or the reason why it has none."""
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import CertificateError
+from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.evidence import read_evidence
-from triaxis.sim.validity import validity
+from triaxis.sim.validity import Sources, validity
 from triaxis.verif.code_coverage import run as code_coverage
 from triaxis.verif.exhaustive.grid import Grid
 from triaxis.verif.exhaustive.run import identity_of, result_file, run_grid
 from triaxis.verif.faults import catching as faults
 from triaxis.verif.faults.result import write_json
 from triaxis.verif.formal import proving as formal
+from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
 from triaxis.verif.mutation.result import (
@@ -28,21 +32,55 @@ from triaxis.verif.mutation.result import (
 )
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.netlist import result as netlist
+from triaxis.verif.netlist.gates import SCOPES
+from triaxis.verif.netlist.module_proofs import PROOFS
 from triaxis.verif.regress import four_state
 from triaxis.verif.signoff.plan import FOLDER
 
 # Points along each coordinate; `make exhaustive` does a larger grid in minutes.
 GRID = 3
 
-# Results of commands of their own, which a sign-off shows where they are of its RTL and environment: where
-# each is, what it comes from, which command makes it.
-_BESIDE = {
-    "four_state": (four_state.RESULT, four_state.SOURCES, "make four-state"),
-    "netlist": (netlist.RESULT, netlist.SOURCES, "make netlist"),
-}
-
 Progress = Callable[[int], None]
 Evidence = dict[str, Any]
+
+
+def _make_four_state(seed: int, progress: Progress) -> Path:
+    result = four_state.run_four_state(seed, progress)
+    return four_state.write_result(result, f"triaxis regress four-state --seed {seed}")
+
+
+def _make_netlist(seed: int, progress: Progress) -> Path:
+    return netlist.write_result(netlist.check_all(seed, progress), f"triaxis prove netlist --seed {seed}")
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A result of a command of its own: where it is, what it comes from, and how it is made."""
+
+    path: Path
+    sources: Sources
+    command: str
+    make: Callable[[int, Progress], Path]
+    steps: Callable[[int], int]
+
+
+# A sign-off shows them where they are of its RTL and environment; one as a whole makes them first.
+_BESIDE = {
+    "four_state": Beside(
+        four_state.RESULT,
+        four_state.SOURCES,
+        "make four-state",
+        _make_four_state,
+        lambda seed: len(four_state.plan(seed)),
+    ),
+    "netlist": Beside(
+        netlist.RESULT,
+        netlist.SOURCES,
+        "make netlist",
+        _make_netlist,
+        lambda _: len(SCOPES) + len(PROOFS),
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -70,18 +108,53 @@ def attempt(make: Callable[[], Evidence | None]) -> Part:
 def results_beside() -> dict[str, Part]:
     """Return what other commands left in build/ for this RTL and this environment."""
     found: dict[str, Part] = {}
-    for name, (path, sources, command) in _BESIDE.items():
-        part = attempt(lambda path=path: read_evidence(path))
-        here, evidence = validity(sources), part.evidence
+    for name, one in _BESIDE.items():
+        part = attempt(lambda one=one: read_evidence(one.path))
+        here, evidence = validity(one.sources), part.evidence
         if evidence is None:
-            part = Part(None, f"run `{command}`")
+            part = Part(None, f"run `{one.command}`")
         elif (evidence["rtl_hash"], evidence.get("environment_hash")) != (
             here.rtl_hash,
             here.environment_hash,
         ):
-            part = Part(None, f"what is in build/ is of another RTL or environment: run `{command}`")
+            part = Part(None, f"what is in build/ is of another RTL or environment: run `{one.command}`")
         found[name] = part
     return found
+
+
+def make_beside(seed: int, progress: Progress) -> dict[str, Part]:
+    """Return the same, and make first what is not there; the reason why it cannot be is that of its tool."""
+    found = results_beside()
+    for name, one in _BESIDE.items():
+        if found[name].evidence is None:
+            found[name] = attempt(lambda one=one: read_evidence(one.make(seed, progress)))
+        else:
+            progress(one.steps(seed))
+    return found
+
+
+def beside_steps(seed: int) -> int:
+    """Return how many steps these have."""
+    return sum(one.steps(seed) for one in _BESIDE.values())
+
+
+def lint_part() -> Evidence:
+    """Lint the RTL, as every build elaborates it, and the SystemVerilog around it."""
+    start, before = time.monotonic(), rtl_hash()
+    linters = lint_rtl(rtl_linters())
+    # What several builds warn of is one finding, told of the first.
+    found = {line: what for what, lines in reversed(linters.items()) for line in reversed(lines)}
+    problems = [f"{what}: {line}" for line, what in reversed(found.items())]
+    return {
+        "passed": bool(linters) and not problems,
+        "problems": problems,
+        "summary": f"{len(problems)} findings in {len(linters)} runs of linters",
+        "command": "make lint",
+        "seconds": round(time.monotonic() - start, 1),
+        "rtl_hash": before,
+        "findings": len(problems),
+        "linters": linters,
+    }
 
 
 def code_coverage_part(seed: int, progress: Progress) -> Evidence | None:
@@ -97,7 +170,7 @@ def exhaustive_part(seed: int) -> Evidence | None:
 
 
 def faults_part(seed: int, progress: Progress) -> Evidence | None:
-    """Let every fault of the catalogue be caught."""
+    """Let every fault that a sign-off asks for be caught."""
     return read_evidence(write_json(faults.catch_all(progress, seed)))
 
 

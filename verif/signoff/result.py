@@ -36,7 +36,7 @@ class Signoff:
     """Evidence of every part, by name, what was signed off, and what the parts took.
 
     ``beside``: results of commands of their own; one that failed fails the sign-off, one that is not there is
-    an exception.
+    an exception. ``whole``: nothing may be absent, and what is fails the sign-off.
     """
 
     parts: Mapping[str, Part]
@@ -46,6 +46,7 @@ class Signoff:
     pairs: int
     seconds: float
     timeline: tuple[Span, ...]
+    whole: bool = False
 
     @cached_property
     def figures(self) -> dict[str, Value]:
@@ -78,6 +79,7 @@ class Signoff:
             for problem in part.evidence["problems"] or ["did not pass"]
         ]
         found += [f"proofs: {name}: {Result.ABSENT}" for name in self._absent_proofs if name != THEOREM]
+        found += self._unmeasured if self.whole else []
         found += open_items(self.checklist)
         if not self.provenance.still_holds(SOURCES):
             found.append("the RTL or its environment changed during the run")
@@ -85,7 +87,11 @@ class Signoff:
 
     @property
     def exceptions(self) -> list[str]:
-        """Return what was not measured and may be absent, one line each."""
+        """Return what was not measured and may be absent, one line each: nothing in a whole sign-off."""
+        return [] if self.whole else self._unmeasured
+
+    @property
+    def _unmeasured(self) -> list[str]:
         proofs = self.parts["proofs"].evidence
         return [*(proofs["exceptions"] if proofs else []), *unmeasured(self.beside)]
 
@@ -115,6 +121,7 @@ class Signoff:
         code = self.parts["code_coverage"].evidence
         return {
             "passed": self.passed,
+            "whole": self.whole,
             "stage": self.judgement.stage,
             "problems": self.problems,
             "exceptions": self.exceptions,
@@ -126,10 +133,12 @@ class Signoff:
             "seconds": round(self.seconds, 1),
             "timeline": [asdict(span) for span in self.timeline],
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
-            "command": f"triaxis signoff --seed {self.seed} --pairs {self.pairs}",
+            "command": f"triaxis signoff --seed {self.seed} --pairs {self.pairs}"
+            + (" --whole" if self.whole else ""),
             "tools": tool_versions(),
             "waivers": code["waivers"] if code else None,
             "parts": {name: part.as_json for name, part in self.parts.items()},
+            "beside": {name: part.as_json for name, part in self.beside.items()},
             **asdict(self.provenance),
         }
 
@@ -140,6 +149,7 @@ def figures(parts: Mapping[str, Part]) -> dict[str, Value]:
     for name, measure in (
         ("simulation", _simulation),
         ("code_coverage", _code_coverage),
+        ("lint", lambda evidence: {"lint_findings": evidence["findings"]}),
         ("faults", lambda evidence: {"faults_caught": _share_of(evidence["faults"], "caught")}),
         ("mutation", _mutation),
         ("proofs", _proofs),

@@ -16,9 +16,12 @@ from triaxis.verif.signoff.parts import (
     Evidence,
     Part,
     attempt,
+    beside_steps,
     code_coverage_part,
     exhaustive_part,
     faults_part,
+    lint_part,
+    make_beside,
     mutation_part,
     proofs_part,
     results_beside,
@@ -28,7 +31,7 @@ from triaxis.verif.signoff.result import Signoff
 from triaxis.verif.signoff.testplan import testplan_part
 
 
-def step_count(seed: int, volume: int) -> int:
+def step_count(seed: int, volume: int, whole: bool = False) -> int:
     """Return how many steps a sign-off has."""
     return (
         simulation.step_count(seed, volume)
@@ -36,11 +39,15 @@ def step_count(seed: int, volume: int) -> int:
         + len(signed_off_names())
         + len(proof_names())
         + len(mutant_names())
+        + (beside_steps(seed) if whole else 0)
     )
 
 
-def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -> Signoff:
-    """Run everything; ``progress`` is told of each step done."""
+def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, whole: bool = False) -> Signoff:
+    """Run everything; ``progress`` is told of each step done.
+
+    ``whole``: four states and the netlist too, first; then nothing may be absent.
+    """
     start, timeline = time.monotonic(), Timeline()
     # An old result must not outlive a run that ends early.
     RESULT.unlink(missing_ok=True)
@@ -54,7 +61,12 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
         coverage.extend(found.coverage)
         return simulation.as_evidence(found, seed, volume)
 
+    beside: dict[str, Part] | None = None
+    if whole:
+        with timeline.span("four_states_and_netlist"):
+            beside = make_beside(seed, progress)
     makers: dict[str, Callable[[], Evidence | None]] = {
+        "lint": lint_part,
         "simulation": simulated,
         "exhaustive": lambda: exhaustive_part(seed),
         "faults": lambda: faults_part(seed, progress),
@@ -68,4 +80,5 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME) ->
             parts[name] = attempt(make)
     ordered = {name: parts[name] for name in PARTS}
     seconds = time.monotonic() - start
-    return Signoff(ordered, results_beside(), before, seed, volume, seconds, tuple(timeline.spans))
+    beside = results_beside() if beside is None else beside
+    return Signoff(ordered, beside, before, seed, volume, seconds, tuple(timeline.spans), whole)

@@ -7,8 +7,10 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.verif.signoff.checklist import Answer, answered, open_items, read_checklist
 from triaxis.verif.signoff.parts import Part
-from triaxis.verif.signoff.tests.signoff_evidence import evidence, signed
+from triaxis.verif.signoff.result import _COVERED
+from triaxis.verif.signoff.tests.signoff_evidence import evidence, good_parts, signed
 
+NOT_HIT = {"hit": 8, "waived": 0, "total": 10}
 ENTRY = '[[{}]]\nitem = "X"\nasks = "is it so"\n{}\n'
 
 
@@ -26,9 +28,16 @@ def checked(tmp_path, name, answer, figures=None, parts=None):
 def test_figures_parts_files_and_patterns_can_say_no(tmp_path):
     for value, answer in ((100, Answer.MET), (99.9, Answer.OPEN), (None, Answer.OPEN)):
         figures = {"line_coverage": value}
-        assert checked(tmp_path, "D3", 'figure = "line_coverage"', figures)[0].answer is answer
+        assert checked(tmp_path, "D3", 'figure = ["line_coverage"]', figures)[0].answer is answer
     # A bound of the stage of the same number, and not of the last.
-    assert checked(tmp_path, "V1", 'figure = "line_coverage"', {"line_coverage": 80})[0].answer is Answer.MET
+    assert (
+        checked(tmp_path, "V1", 'figure = ["line_coverage"]', {"line_coverage": 80})[0].answer is Answer.MET
+    )
+    # Of several each.
+    several = 'figure = ["line_coverage", "toggle_coverage"]'
+    for toggled, answer in ((90, Answer.MET), (89.9, Answer.OPEN), (None, Answer.OPEN)):
+        figures = {"line_coverage": 95, "toggle_coverage": toggled}
+        assert checked(tmp_path, "V2", several, figures)[0].answer is answer
     for part, answer in (
         (Part(evidence()), Answer.MET),
         (Part(evidence(passed=False)), Answer.OPEN),
@@ -56,13 +65,44 @@ def test_figures_parts_files_and_patterns_can_say_no(tmp_path):
         ("", "must hold item, asks, and one of"),
         ('file = []\nnone = "two answers"', "must hold item, asks, and one of"),
         ("answer = 1", "must hold item, asks, and one of"),
-        ('figure = "beauty"', "V1 X: no such figure: 'beauty'"),
+        ('figure = ["beauty"]', "V1 X: no such figure: 'beauty'"),
+        ("figure = []", "V1 X: figure must be a list that names at least one"),
+        ('figure = "line_coverage"', "V1 X: figure must be a list"),
+        ("file = []", "V1 X: file must be a list that names at least one"),
+        ('figure = ["mutation_score"]', "V1 X: V1 asks nothing of mutation_score"),
         ('part = "beauty"', "V1 X: no such part: 'beauty'"),
     ],
 )
 def test_what_cannot_be_answered_is_refused(tmp_path, answer, message):
     with pytest.raises(InputError, match=re.escape(message)):
         checked(tmp_path, "V1", answer)
+
+
+def test_lint_each_kind_of_coverage_and_a_waiver_without_a_reason_leave_their_items_open():
+    def left_open(part, change):
+        parts = good_parts()
+        change(parts[part].evidence)
+        return {(a.item.list, a.item.item) for a in signed(parts).checklist if a.answer is Answer.OPEN}
+
+    found = left_open("lint", lambda e: e.update(findings=1, passed=False, problems=["a.sv:1: unused"]))
+    assert found >= {
+        ("D1", "LINT_SETUP"), ("D2", "LINT_PASS"), ("D3", "LINT_COMPLETE"), ("V3", "NO_TOOL_WARNINGS_THROWN"),
+        ("V3", "TB_LINT_COMPLETE"),
+    }  # fmt: skip
+    for kind in _COVERED:
+        found = left_open("code_coverage", lambda e, kind=kind: e["totals"].update({kind: dict(NOT_HIT)}))
+        assert ("V2", "SIM_CODE_COVERAGE") in found, kind
+        assert ("V3", "SIM_CODE_COVERAGE_AT_100, FPV_CODE_COVERAGE_AT_100") in found, kind
+    found = left_open("proofs", lambda e: e.update(passed=False))
+    assert ("V1", "FPV_MAIN_ASSERTIONS_PROVEN") in found
+    [waived] = [one for one in read_checklist() if one.item == "LINT_COMPLETE" and one.kind == "without"]
+    for above, answer in (
+        ("  // For this reason.\n", False),
+        ("  // verilator lint_on X\n", True),
+        ("\n", True),
+    ):
+        text = f"// A header.\n\n{above}  // verilator lint_off X\n"
+        assert bool(re.search(waived.value, text)) == answer, above
 
 
 def test_nothing_is_open_where_all_is_well():

@@ -1,6 +1,7 @@
 """The project's own testplan is complete, and what is taken out of it, or put beside it, is named."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -9,6 +10,7 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import report
 from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
+from triaxis.fpga.board_build import SIGNED_OFF, TOP_RTL
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
@@ -16,8 +18,19 @@ from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.signoff.testplan import check_plan, inventory
 from triaxis.verif.testbench.assertions import assertion_names
+from triaxis.verif.testbench.settings import Block
 
 TEXT = TESTPLAN.read_text()
+
+
+def test_the_board_that_ships_is_simulated_also_at_its_own_times():
+    ran = [(run.test, run.board_parameters) for run in plan(1) if run.block is Block.BOARD]
+    of_its_sizes = {test for test, parameters in ran if parameters.sizes == SIGNED_OFF.sizes}
+    assert of_its_sizes >= {"BoardSmokeTest", "BoardGoTest", "BoardMixedTest", "BoardDepthTest"}
+    assert any(replace(parameters, build_id=0) == SIGNED_OFF for _, parameters in ran)
+    # A bitstream takes them from the top itself.
+    named = re.findall(r"parameter int unsigned (\w+) = ([\d_]+)", TOP_RTL.read_text(encoding="utf-8"))
+    assert {**{name: int(value) for name, value in named}, "BuildId": 0} == SIGNED_OFF.rtl
 
 
 def test_the_testplan_is_clean_and_the_inventory_whole(capsys):

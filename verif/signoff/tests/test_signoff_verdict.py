@@ -9,9 +9,11 @@ from dataclasses import replace
 import pytest
 
 from triaxis.coverage.stages import read_figures
+from triaxis.golden.errors import InputError
 from triaxis.sim.validity import validity
+from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.signoff import parts as signoff_parts
-from triaxis.verif.signoff.gate import SOURCES, refusals, remarks
+from triaxis.verif.signoff.gate import BESIDE, SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
 from triaxis.verif.signoff.parts import Part
 from triaxis.verif.signoff.tests.signoff_evidence import (
@@ -31,6 +33,7 @@ def survivor(mutation):
 
 
 BREAKS = [
+    ("lint", lambda e: e.update(findings=1), "in the SystemVerilog around it: 1"),
     ("simulation", lambda e: e["runs"][0].update(passed=False), "runs that passed: 0 %"),
     ("simulation", lambda e: e.update(mismatches=1), "answered wrongly: 1"),
     ("simulation", lambda e: e.update(pairs_checked=99_999_999), "checked: 99,999,999"),
@@ -120,13 +123,123 @@ def test_what_stands_beside_may_be_absent_but_not_fail(tmp_path):
 @pytest.mark.parametrize("key", ["rtl_hash", "environment_hash"])
 def test_what_stands_beside_is_of_this_rtl_and_this_environment(tmp_path, monkeypatch, key):
     path = tmp_path / "netlist.json"
-    monkeypatch.setattr(signoff_parts, "_BESIDE", {"netlist": (path, SOURCES, "make netlist")})
+    one = replace(signoff_parts._BESIDE["netlist"], path=path, sources=SOURCES)
+    monkeypatch.setattr(signoff_parts, "_BESIDE", {"netlist": one})
     assert signoff_parts.results_beside()["netlist"].absent == "run `make netlist`"
     here = vars(validity(SOURCES))
     path.write_text(json.dumps(evidence(**here)))
     assert signoff_parts.results_beside()["netlist"].evidence
     path.write_text(json.dumps(evidence(**{**here, key: "another"})))
     assert "another RTL or environment" in (signoff_parts.results_beside()["netlist"].absent or "")
+
+
+def without_coq():
+    """Return parts in which nobody could try the theorem."""
+    parts = good_parts()
+    proofs = parts["proofs"].evidence
+    assert proofs
+    theorem = {**proofs["proofs"][0], "name": "theorem", "passed": False, "result": "not measured"}
+    proofs["proofs"].append(theorem)
+    proofs["exceptions"].append("theorem: not measured: coqc is not installed: apt-get install coq")
+    return parts
+
+
+@pytest.mark.parametrize(
+    ("parts", "absent", "said"),
+    [
+        (without_coq(), None, "theorem: not measured: coqc is not installed: apt-get install coq"),
+        (None, "four_state", "four state: not measured: iverilog: not found: apt-get install iverilog"),
+        (None, "netlist", "netlist: not measured: iverilog: not found: apt-get install iverilog"),
+    ],
+)
+def test_in_a_whole_sign_off_nothing_may_be_absent(tmp_path, parts, absent, said):
+    beside = good_beside()
+    if absent:
+        beside[absent] = Part(None, "iverilog: not found: apt-get install iverilog")
+    assert signed(parts, beside).passed
+    result = signed(parts, beside, whole=True)
+    assert not result.passed and result.problems == [said] and result.exceptions == []
+    content = json.loads(json.dumps(result.content()))
+    assert content["whole"] and content["command"].endswith(" --whole")
+    # Nor does the gate believe a file that says it passed.
+    assert refused(tmp_path, {**content, "passed": True, "problems": []})
+    assert signoff_page(content, read_figures(), []).count(said.partition(": ")[2]) >= 1
+
+
+def test_a_whole_sign_off_passes_where_all_is_there_and_the_gate_says_so(tmp_path):
+    content = signed(whole=True).content()
+    assert content["passed"] and not refused(tmp_path, content)
+    assert any("as a whole" in line for line in remarks(tmp_path / "signoff.json"))
+    page = signoff_page(content, read_figures(), [])
+    assert "as a whole, stage V3" in page and "Signed off as a whole" in page
+    assert "as a whole" not in signoff_page(good_content(), read_figures(), [])
+    for beside in ({}, {**content["beside"], "netlist": {"absent": "run it"}}):
+        assert any("netlist" in line for line in refused(tmp_path, {**content, "beside": beside}))
+
+
+def test_a_whole_sign_off_makes_what_is_not_there_and_takes_what_is(tmp_path, monkeypatch):
+    made, steps = [], []
+
+    def make(name):
+        def making(seed, progress):
+            made.append((name, seed))
+            if name == "four_state":
+                raise InputError("iverilog: not found")
+            path = tmp_path / name
+            path.write_text(json.dumps(evidence(**vars(validity(SOURCES)))))
+            return path
+
+        return making
+
+    assert tuple(signoff_parts._BESIDE) == BESIDE
+    changed = {
+        name: replace(one, path=tmp_path / name, sources=SOURCES, make=make(name), steps=lambda _: 7)
+        for name, one in signoff_parts._BESIDE.items()
+    }
+    monkeypatch.setattr(signoff_parts, "_BESIDE", changed)
+    for again in (False, True):
+        found = signoff_parts.make_beside(3, steps.append)
+        assert found["four_state"].absent == "iverilog: not found"
+        assert found["netlist"].evidence
+        assert made == [("four_state", 3)] if again else [("four_state", 3), ("netlist", 3)]
+        assert steps == ([7] if again else [])
+        made.clear()
+
+
+def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch):
+    found = {"a": ["x.sv:1: bad"], "b": ["x.sv:1: bad", "y.sv:2: worse"], "c": []}
+    monkeypatch.setattr(signoff_parts, "rtl_linters", dict)
+    monkeypatch.setattr(signoff_parts, "lint_rtl", lambda _: found)
+    part = signoff_parts.lint_part()
+    assert part["problems"] == ["a: x.sv:1: bad", "b: y.sv:2: worse"]
+    assert (part["passed"], part["findings"]) == (False, 2)
+    # Where no linter ran nothing is clean.
+    monkeypatch.setattr(signoff_parts, "lint_rtl", lambda _: {})
+    assert not signoff_parts.lint_part()["passed"]
+
+
+@pytest.mark.simulator
+def test_the_linters_of_the_sign_off_find_what_is_put_in(tmp_path):
+    bad = tmp_path / "bad.sv"
+    bad.write_text("module bad (input logic [3:0] a, output logic [2:0] b);\n\tassign b = a ;\nendmodule\n")
+    commands = rtl_linters()
+    verilator = [name for name in commands if name.startswith("verilator -Wall ")]
+    assert {name.split()[2] for name in verilator} >= {"triaxis_core", "triaxis_mesh", "nexys4ddr_top"}
+    core = commands[verilator[0]]
+    begin = [word for word in core if not word.endswith(".sv") and not word.startswith("-G")]
+    begin[begin.index("--top-module") + 1] = "bad"
+    changed = {"verilator": [*begin, str(bad)]}
+    for name in ("verible lint", "verible format"):
+        changed[name] = [word for word in commands[name] if not word.endswith(".sv")]
+        changed[name].append(str(bad))
+    found = lint_rtl(changed)
+    assert any("WIDTHTRUNC" in line for line in found["verilator"])
+    assert any("tabs" in line for line in found["verible lint"])
+    assert found["verible format"] == [f"{bad}: Needs formatting."]
+    assert bad.read_text().count("\t") == 1
+    # One that says nothing and fails has failed.
+    assert lint_rtl({"none": [*begin, str(tmp_path / "none.sv")]})["none"]
+    assert lint_rtl({"none": ["false"]}) == {"none": ["exit code 1"]}
 
 
 def test_each_link_says_what_it_rests_on():
