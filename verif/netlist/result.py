@@ -14,7 +14,7 @@ from triaxis.sim.programs import yosys_version
 from triaxis.sim.validity import Sources, Validity, validity
 from triaxis.verif.formal.proof import Outcome, Proof, require_tools
 from triaxis.verif.formal.proving import outcome_of
-from triaxis.verif.netlist.gates import FOLDER, SCOPES, Scope, run_on_gates
+from triaxis.verif.netlist.gates import FOLDER, NOT_SIMULATED, SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
 from triaxis.verif.testbench.simulation import RunResult
@@ -57,7 +57,11 @@ def gate_run(scope: Scope, result: RunResult) -> GateRun:
 
 @dataclass(frozen=True)
 class NetlistResult:
-    """What came of all runs and proofs. ``not_proved``: modules that no tool proves here, and why."""
+    """What came of all runs and proofs.
+
+    ``not_proved``: modules that no tool proves here, ``not_simulated``: signed configurations of which no
+    netlist is simulated, each with the reason.
+    """
 
     runs: tuple[GateRun, ...]
     outcomes: tuple[Outcome, ...]
@@ -66,6 +70,7 @@ class NetlistResult:
     valid_for: Validity
     changed: bool = False
     not_proved: Mapping[str, str] = field(default_factory=lambda: NOT_PROVED)
+    not_simulated: Mapping[str, str] = field(default_factory=lambda: NOT_SIMULATED)
 
     @property
     def problems(self) -> list[str]:
@@ -100,15 +105,21 @@ class NetlistResult:
         return sum(counted) if len(counted) == len(self.runs) else None
 
     @property
+    def modules_proved(self) -> int:
+        """Return how many modules were proved equal to their netlists."""
+        return sum(outcome.passed for outcome in self.outcomes)
+
+    @property
     def summary(self) -> str:
         """Return the result in a line."""
         differences = "unknown" if self.differences is None else self.differences
-        proved = sum(outcome.passed for outcome in self.outcomes)
+        proved = self.modules_proved
         others = len(self.not_proved)
         return (
             f"{self.pairs} pairs and {self.replies} replies of the board on {len(self.runs)} netlists, "
             f"{differences} differences; {proved} of {len(self.outcomes) + others} modules proved equal, "
-            f"{others} named with the reason why not"
+            f"{others} named with the reason why not; so are {len(self.not_simulated)} signed configurations "
+            "of which no netlist is simulated"
         )
 
 
@@ -155,6 +166,8 @@ def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Pa
         "replies": result.replies,
         "differences": result.differences,
         "runs": [asdict(run) for run in result.runs],
+        "not_simulated": dict(result.not_simulated),
+        "modules_proved": result.modules_proved,
         "modules": [
             {
                 "name": outcome.proof.name,

@@ -8,12 +8,13 @@ all kinds go together, as Lanes above Group: here the rows are chosen from all t
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
-from itertools import combinations, product
+from itertools import combinations, product, zip_longest
 from typing import Any
 
 import numpy as np
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
+from triaxis.sim.board_parameters import MOST_BOARD_DEPTH, BoardParameters
 from triaxis.sim.configuration import FIRST_WIDTHS, MOST_TAG_BITS, Configuration
 from triaxis.sim.mesh_configuration import (
     LEAST_CYCLE_BITS,
@@ -55,8 +56,19 @@ MESH_KINDS = (
     tuple(_DEPTHS[n : n + 4] for n in range(0, len(_DEPTHS), 4)),
     _powers(MOST_GROUP),
     _powers(MOST_LANES),
-    _bands((LEAST_CYCLE_BITS, 9, 33), MOST_CYCLE_BITS),
+    # Many, so that every number of bits has its turn.
+    _bands((LEAST_CYCLE_BITS, *range(9, MOST_CYCLE_BITS, 8)), MOST_CYCLE_BITS),
     _SWITCH,
+)
+# Width by bytes of a coordinate on the line, margin, depth, group, lanes: what the engine itself makes of
+# each is known from its own array.
+_BOARD_DEPTHS = _powers(MOST_BOARD_DEPTH)[1:]
+BOARD_KINDS = (
+    _bands((MIN_WIDTH, 9, 17, 25), MAX_WIDTH),
+    (NONE, SOME, ALL),
+    tuple(_BOARD_DEPTHS[n : n + 4] for n in range(0, len(_BOARD_DEPTHS), 4)),
+    ((1,), (2, 4, 8), (16, 32, MOST_GROUP)),
+    ((1,), (2, 4), (8, 16), (MOST_LANES,)),
 )
 
 
@@ -64,6 +76,17 @@ def mesh_fits(row: Row) -> bool:
     """Return whether an engine can have these kinds."""
     _, _, depths, group, lanes, _, _ = row
     return lanes <= group and group * lanes <= depths[-1]
+
+
+def _sizes(depths: Iterable[int], groups: Iterable[int], lanes: Iterable[int]) -> list[tuple[int, int, int]]:
+    """Return the depths, groups and lanes that go together."""
+    every = product(depths, groups, lanes)
+    return [(depth, group, lane) for depth, group, lane in every if lane <= group <= depth // lane]
+
+
+def board_fits(row: Row) -> bool:
+    """Return whether a board can have these kinds."""
+    return bool(_sizes(*row[2:]))
 
 
 def covering_rows(kinds: Sequence[Sequence[Any]], fits: Callable[[Row], bool] = lambda _: True) -> list[Row]:
@@ -108,10 +131,13 @@ def _margin(kind: str, width: int, some: _Fewest) -> int:
     return width if kind == ALL else some(range(1, width)) if kind == SOME else 0
 
 
-# Twice what a counter of sixteen bits holds; of small engines less, whose scenes have few pairs each.
+# Twice what a counter of sixteen bits holds. Small engines, whose scenes have few pairs each, see fewer of
+# all kinds, and as many in small scenes at full speed.
 _PAIRS, _PAIRS_OF_DEPTH = 1 << 17, 400
 # The golden model judges few: the bulk checker checks every pair.
 _JUDGED, _JUDGED_SCENES = 10_000, 16
+# Replies of a board: its sessions as they always are, and a talk.
+_TALKS = {"BoardSmokeTest": 20, "BoardMixedTest": 60}
 _LABEL = "array"
 
 
@@ -122,6 +148,11 @@ def array_runs() -> Iterator[tuple[str, Runs]]:
     for engine in mesh_array():
         pairs = min(_PAIRS, _PAIRS_OF_DEPTH * engine.depth)
         yield "MeshRandomTest", Runs((f"mesh_{engine.name}",), pairs, _JUDGED_SCENES, label=_LABEL)
+        if pairs < _PAIRS:
+            yield "MeshVolumeTest", Runs((f"mesh_{engine.name}",), _PAIRS, _JUDGED, label=_LABEL)
+    for board in board_array():
+        for test, replies in _TALKS.items():
+            yield test, Runs((board.name,), replies, label=_LABEL)
 
 
 @cache
@@ -145,4 +176,23 @@ def mesh_array() -> tuple[MeshConfiguration, ...]:
         enough = [one for one in depth if one >= group * lanes]
         margin_bits, cycle_bits = _margin(margin, width, some), cycles(bits)
         found.append(MeshConfiguration(width, margin_bits, depths(enough), group, lanes, cycle_bits, gating))
+    # What had no turn.
+    margins = set(range(MAX_WIDTH + 1)) - {one.margin_bits for one in found}
+    counts = set(range(LEAST_CYCLE_BITS, MOST_CYCLE_BITS + 1)) - {one.cycle_bits for one in found}
+    for margin_bits, cycle_bits in zip_longest(sorted(margins), sorted(counts), fillvalue=MAX_WIDTH):
+        found.append(MeshConfiguration(MAX_WIDTH, margin_bits, 64, 8, 8, cycle_bits))
+    return tuple(found)
+
+
+@cache
+def board_array() -> tuple[BoardParameters, ...]:
+    """Return the configurations of the board."""
+    widths, some, taken = _Fewest(), _Fewest(), Counter[tuple[int, int]]()
+    found: list[BoardParameters] = []
+    for band, margin, *sizes in covering_rows(BOARD_KINDS, board_fits):
+        # Of those that go together the ones that were taken least; of these the last, which few others allow.
+        best = min(reversed(_sizes(*sizes)), key=lambda one: sum(taken[place] for place in enumerate(one)))
+        taken.update(enumerate(best))
+        width = widths(band)
+        found.append(BoardParameters(width, _margin(margin, width, some), *best))
     return tuple(found)

@@ -11,9 +11,18 @@ from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.validity import Validity
 from triaxis.verif.formal.proof import Finding, Outcome, Result
-from triaxis.verif.netlist.gates import Scope, cells, models_of, run_on_gates, synthesised
+from triaxis.verif.netlist.gates import (
+    NOT_SIMULATED,
+    SCOPES,
+    Scope,
+    cells,
+    models_of,
+    run_on_gates,
+    synthesised,
+)
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS, ModuleProof
 from triaxis.verif.netlist.result import GateRun, NetlistResult, gate_run, write_result
+from triaxis.verif.signoff.plan import plan
 from triaxis.verif.testbench.simulation import RunResult, model_of
 
 _SMALL = Scope("MixedTest", "w8_m0", 2000)
@@ -40,6 +49,13 @@ def test_every_module_is_proved_or_named_with_a_reason():
     }
     proved = [proof.name for proof in PROOFS]
     assert sorted([*proved, *NOT_PROVED]) == sorted(modules)
+
+
+def test_every_signed_configuration_is_simulated_as_a_netlist_or_named_with_a_reason():
+    signed = {run.config for run in plan(1)}
+    simulated = [scope.config for scope in SCOPES]
+    assert sorted([*simulated, *NOT_SIMULATED]) == sorted(signed)
+    assert all(reason.startswith(("size: ", "time: ")) for reason in NOT_SIMULATED.values())
 
 
 @pytest.mark.prover
@@ -121,5 +137,8 @@ def test_what_differs_is_undecided_or_absent_fails(tmp_path):
 def test_the_file_says_what_it_is_of(tmp_path):
     evidence = read_evidence(write_result(_DONE, "netlist", tmp_path / "netlist.json"))
     assert evidence and evidence["passed"] and evidence["differences"] == 0
-    assert sum(module["proved"] for module in evidence["modules"]) == 1
+    assert sum(module["proved"] for module in evidence["modules"]) == evidence["modules_proved"] == 1
+    assert evidence["not_simulated"] == NOT_SIMULATED
+    failed = replace(_DONE, outcomes=(Outcome(PROOFS[0], Finding(("it differs",)), 1.0),))
+    assert (failed.modules_proved, _DONE.modules_proved) == (0, 1)
     assert (evidence["rtl_hash"], evidence["environment_hash"]) == ("of the RTL", "of the tests")
