@@ -87,7 +87,7 @@ def _checks() -> Work:
         if not made:
             words = expected_words(bulk_facts(pairs, margins), CONFIGURATION)
             tags, waits = np.arange(len(pairs), dtype=np.uint32), np.zeros(len(pairs), np.uint16)
-            made.append((PairBatch(pairs, margins, tags, waits), ResultBatch(words, tags, waits)))
+            made.append((PairBatch(pairs, margins, tags, waits), ResultBatch(words, tags, waits, tags)))
         checker.check(*made[0])
 
     return work

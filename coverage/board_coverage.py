@@ -9,6 +9,7 @@ import numpy as np
 
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import Codes, CoverItem, CoverModel, Coverpoint
+from triaxis.golden.pairs import MAX_WIDTH
 
 Happened = tuple[str, str]
 View = Sequence[Happened]
@@ -39,7 +40,7 @@ def _refused(width: int) -> Iterator[str]:
         yield from (f"{code} of {command}" for code in ("LENGTH", "SESSION", "SEQUENCE"))
     yield from (f"BUSY of {command}" for command in ("LOAD", "MOVE", "RUN"))
     yield from (f"VALUE of {command}" for command in ("HELLO", "LOAD", "RUN", "RESULTS"))
-    if width < 32:
+    if width < MAX_WIDTH:
         yield "VALUE of MOVE"
     yield from ("UNKNOWN of another", "PLACE of LOAD", "OVERFULL of LOAD", "COUNTS of RUN", "EMPTY of RUN")
 
@@ -69,8 +70,8 @@ def _runs() -> Iterator[str]:
 
 
 @cache
-def board_model(name: str, width: int) -> CoverModel[View]:
-    """Return the coverage model of a board."""
+def board_model(width: int) -> CoverModel[View]:
+    """Return the coverage model of a board: that of all whose sizes leave the same to be seen."""
     ring = (*product(("none", "some", "32"), ("run", "ended")),)
     items = (
         ("board_done", "commands executed, or sent again x what the outputs say", _done()),
@@ -85,6 +86,7 @@ def board_model(name: str, width: int) -> CoverModel[View]:
         ),
         ("board_near", "near pairs in a reply x whether the run goes on", map(", ".join, ring)),
     )
+    name = "board" if width < MAX_WIDTH else f"board_w{width}"
     return CoverModel(name, tuple(_item(*item) for item in items), _SOURCES)
 
 
@@ -101,9 +103,9 @@ def _item(name: str, meaning: str, bins: Iterator[str]) -> CoverItem[View]:
 class BoardCoverage:
     """Collects the coverage of a board."""
 
-    def __init__(self, name: str, width: int) -> None:
+    def __init__(self, width: int) -> None:
         """Start with zero counts."""
-        self.model = board_model(name, width)
+        self.model = board_model(width)
         self.counts = Counts.empty(self.model)
 
     def sample(self, happened: View) -> None:

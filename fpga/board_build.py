@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.board_parameters import TOP_TIMES, BoardParameters
 
 FPGA = Path(__file__).resolve().parent
 TOP_RTL = FPGA / "nexys4ddr_top.sv"
@@ -22,8 +22,8 @@ ENGINE_INSTANCE = "u_mesh"
 # The drop-in wrapper is no part of the board.
 _ELSEWHERE = "CollisionDetector.sv"
 
-# The build that is signed off for the board; the times are the top's own.
-SIGNED_OFF = BoardParameters(depth=4096)
+# The build that is signed off for the board, and that the board's environment simulates by its name.
+SIGNED_OFF = BoardParameters(depth=4096, **TOP_TIMES)
 
 
 @dataclass(frozen=True)

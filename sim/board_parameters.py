@@ -4,7 +4,20 @@ import re
 from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
-from triaxis.golden.pairs import check_width
+from triaxis.sim.mesh_configuration import MeshConfiguration
+
+# Counts of triangles have 16 bits on the line.
+MOST_BOARD_DEPTH = 32768
+
+
+# The top's own times, with which the board ships: its header says what they are.
+TOP_TIMES = {
+    "clocks_per_bit": 50,
+    "watchdog_clocks": 10_000_000,
+    "digit_clocks": 12_500,
+    "beat_clocks": 50_000,
+}
+_REAL = "_real"
 
 
 @dataclass(frozen=True)
@@ -28,18 +41,17 @@ class BoardParameters:
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""
-        check_width(self.width)
-        if not 0 <= self.margin_bits <= self.width:
-            raise InputError(
-                f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
-            )
+        MeshConfiguration(self.width, self.margin_bits, self.depth, self.group, self.lanes)
+        if self.depth > MOST_BOARD_DEPTH:
+            raise InputError(f"depth {self.depth}: must be at most {MOST_BOARD_DEPTH} on the board")
         if self.clocks_per_bit < 4:
             raise InputError(f"clocks per bit {self.clocks_per_bit}: must be at least 4")
 
     @property
     def name(self) -> str:
-        """Return a short name, for folders."""
-        return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}"
+        """Return a short name, for folders; of times it tells whether they are the top's own."""
+        real = _REAL if all(getattr(self, name) == clocks for name, clocks in TOP_TIMES.items()) else ""
+        return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}{real}"
 
     @property
     def max_margin(self) -> int:
@@ -70,7 +82,7 @@ class BoardParameters:
         }
 
 
-_NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)")
+_NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_real)?")
 # In which times are short enough to be waited for again and again, and no powers of two, by which a counter
 # could be right without being asked; the number has bytes that framing escapes.
 _TIMES = {"watchdog_clocks": 60_000, "clocks_per_bit": 6, "digit_clocks": 15}
@@ -83,12 +95,12 @@ def is_board_configuration(name: str) -> bool:
 
 
 def parse_board_configuration(name: str) -> BoardParameters:
-    """Return the board of that `BoardParameters.name` as its environment builds it."""
+    """Return the board of that `BoardParameters.name` as its environment builds it: times short, or real."""
     match = _NAME.fullmatch(name)
     if match is None:
         raise InputError(
             f"configuration {name}: must read board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>, "
-            "as in board_w12_m5_d128_g8_l4"
+            f"as in board_w12_m5_d128_g8_l4, and {_REAL} behind it for the top's own times"
         )
-    sizes = [int(number) for number in match.groups()]
-    return BoardParameters(*sizes, **_TIMES, build_id=_BUILD_ID)
+    *sizes, real = match.groups()
+    return BoardParameters(*map(int, sizes), **(TOP_TIMES if real else _TIMES), build_id=_BUILD_ID)

@@ -122,10 +122,16 @@ class CorePlayer(Player):
         )  # fmt: skip
         return *arrays, self._fetch("input", count, arrays)
 
-    def output_beats(self) -> tuple[Array, Array, Array, bool]:
-        """Return words, tags and waits of the results that were taken, as `input_beats` does."""
+    def output_beats(self) -> tuple[Array, Array, Array, Array, bool]:
+        """Return words, tags, waits and clocks of the results that were taken, as `input_beats` does.
+
+        Clocks are those of the model before the one at which each was taken.
+        """
         count = self._available("output")
-        arrays = (np.empty(count, np.uint16), np.empty(count, np.uint64), np.empty(count, np.uint16))
+        arrays = (
+            np.empty(count, np.uint16), np.empty(count, np.uint64), np.empty(count, np.uint16),
+            np.empty(count, np.int64),
+        )  # fmt: skip
         return *arrays, self._fetch("output", count, arrays)
 
     def _available(self, side: str) -> int:
@@ -236,7 +242,7 @@ def streamed(
         player.start(some, margins[start : start + _CHUNK], tags, _ALWAYS, len(some) + _SLACK)
         at = player.run(len(some) + _SLACK)
         at = player.run(_DRAIN)
-        came, came_tags, _, _ = player.output_beats()
+        came, came_tags, *_ = player.output_beats()
         wrong = at.symptom or ("" if len(came) == len(some) else "hangs")
         if wrong or not np.array_equal(came_tags, tags):
             raise CoreError(f"core {configuration.name}: {wrong or 'wrong tag'}")

@@ -176,6 +176,8 @@ class Player {
   std::vector<int32_t> coordinates;
   std::vector<uint32_t> margins;
   std::vector<uint16_t> words;
+  // The clock at which each result was taken.
+  std::vector<int64_t> taken;
 
  private:
   bool active() const { return accepted_ < burst_.count && cycles_ <= burst_.budget; }
@@ -217,6 +219,7 @@ class Player {
   void WatchOutput() {
     if (!output.Clock(core_.m_axis_tuser_o, core_.m_axis_tready_i)) return;
     words.push_back(core_.m_axis_tdata_o);
+    taken.push_back(clock_);
     last_ = clock_;
   }
 
@@ -322,14 +325,19 @@ int32_t triaxis_input_fetch(void* player, int64_t count, int32_t* pairs, uint32_
   return reset;
 }
 
-int32_t triaxis_output_fetch(void* player, int64_t count, uint16_t* words, uint64_t* tags, uint16_t* waits) {
+int32_t triaxis_output_fetch(void* player, int64_t count, uint16_t* words, uint64_t* tags, uint16_t* waits,
+                             int64_t* clocks) {
   Player& from = Of(player);
   const size_t at = from.output.fetched;
   from.output.Fetch(count, tags, waits);
   std::memcpy(words, from.words.data() + at, sizeof *words * count);
+  std::memcpy(clocks, from.taken.data() + at, sizeof *clocks * count);
   from.output.fetched += count;
   const bool reset = from.output.TakeReset();
-  if (from.output.Recycle()) from.words.clear();
+  if (from.output.Recycle()) {
+    from.words.clear();
+    from.taken.clear();
+  }
   return reset;
 }
 

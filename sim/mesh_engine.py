@@ -76,7 +76,7 @@ EVENT = np.dtype([(name, np.uint32) for name in ("kind", "a", "b", "c")])
 # Of a loaded word: bits of ``a``.
 OF_B, CLEAR, WITH_RUN = 1, 2, 4
 # Numbers that come with a loaded triangle, with a run, with a summary; with others none.
-NUM_VALUES = np.array([9, 5, 0, 12, 0, 0, 0])
+NUM_VALUES = np.array([9, 5, 0, 13, 0, 0, 0])
 
 Runs = npt.NDArray[np.uint16]
 ALWAYS: Runs = np.zeros(0, np.uint16)

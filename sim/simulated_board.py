@@ -25,7 +25,7 @@ _CHARACTERS = {
 # When `BoardPlayer.run` returns before its clocks are over, and what `events` are of: see board_player.cpp.
 NEVER, SPOKEN, SETTLED = range(3)
 RX, RX_BROKEN, BEGIN, TX, TX_BROKEN, PINS, BEAT, RESET, LIT = range(9)
-_EVENT = np.dtype([("clock", np.int64), ("kind", np.int32), ("value", np.int32)])
+EVENT = np.dtype([("clock", np.int64), ("kind", np.int32), ("value", np.int32)])
 
 
 class Pins(ctypes.Structure):
@@ -139,7 +139,7 @@ class BoardPlayer(Player):
 
     def events(self) -> npt.NDArray[np.void]:
         """Return what was noted since the last call, (N,): clock, kind and value."""
-        events = np.zeros(self.library.triaxis_noted(self.model), _EVENT)
+        events = np.zeros(self.library.triaxis_noted(self.model), EVENT)
         self.library.triaxis_fetch(self.model, ctypes.c_void_p(events.ctypes.data))
         return events
 

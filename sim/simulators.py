@@ -14,7 +14,7 @@ from cocotb_tools.runner import get_runner
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import build_error, built, content_hash
-from triaxis.sim.paths import BUILD
+from triaxis.sim.paths import BUILD, VERIF
 from triaxis.sim.programs import read_slang, run_to_result, yosys, yosys_version
 from triaxis.sim.verilate import Build
 
@@ -70,7 +70,7 @@ def compiled_for(simulator: str, build: Build) -> Path:
 
 def plain_verilog(build: Build, folder: Path) -> Path:
     """Return the RTL of a build as Verilog in ``folder``, elaborated with its parameters."""
-    sources = [path for path in build.sources if path.suffix == ".sv" and path.is_relative_to(build.dut)]
+    sources = [path for path in build.sources if path.suffix == ".sv" and not path.is_relative_to(VERIF)]
     for path in (*sources, build.dut / "core" / "triaxis_stage.svh"):
         shutil.copy(path, folder)
     result = folder / f"{build.top}.v"

@@ -9,6 +9,7 @@ from pyuvm import uvm_env, uvm_subscriber
 from triaxis.coverage.board_coverage import BoardCoverage, Happened
 from triaxis.golden.pairs import coordinate_range
 from triaxis.verif.board.line_agent import Act, BoardBfm, LineAgent, LineItem, Until
+from triaxis.verif.board.pin_agents import PinBoardBfm
 from triaxis.verif.board.protocol import (
     HEAD,
     MOST_TRIANGLES,
@@ -28,8 +29,8 @@ from triaxis.verif.testbench.settings import coverage_file
 
 # Clocks after the last item in which anything too many would show.
 _SURPLUS_CYCLES = 6000
-# In which all digits are shown, and the number is in decimal.
-_DIGITS_CYCLES = 300
+# In which the number is in decimal; before that and after it all eight digits are shown.
+_DECIMAL_CYCLES = 60
 # Between triangles of `comb`.
 _PITCH = 8
 SESSION = 0x11DBC022
@@ -41,7 +42,7 @@ class BoardCoverageSubscriber(uvm_subscriber):
     def build_phase(self) -> None:
         """Start with empty counts."""
         parameters = settings_of(self).board_parameters
-        self.coverage = BoardCoverage(parameters.name, parameters.width)
+        self.coverage = BoardCoverage(parameters.width)
         self.happened: list[Happened] = []
 
     def write(self, tt: Happened) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
@@ -72,6 +73,11 @@ class BoardEnv(uvm_env):
 class BoardTest(EnvironmentTest):
     """Resets the board and runs `stimulus`; what it sends is all the same to the scoreboard."""
 
+    # But for the segments: no reset reaches what makes the number decimal.
+    outputs = dict.fromkeys(("go_o", "stop_o", "beat_o", "uart_tx_o", "led_o", "an_no"))
+    # The button's own synchroniser begins with values; what it releases has none before.
+    clock_and_reset = "clk_100mhz_i", "rst_n"
+
     def build_phase(self) -> None:
         """Make the environment."""
         super().build_phase()
@@ -79,9 +85,13 @@ class BoardTest(EnvironmentTest):
         self.env = create(BoardEnv, "env", self)
         self.session, self.sequence = SESSION, 0
 
+    def pin_model(self) -> BoardBfm:
+        """Return the pins in the place of the board's model."""
+        return PinBoardBfm(self.dut, self.settings.board_parameters)
+
     def fast_model(self) -> BoardBfm:
         """Return the board's model."""
-        return BoardBfm()
+        return BoardBfm(self.settings.board_parameters.clocks_per_bit)
 
     async def traffic(self) -> None:
         """Run `stimulus`; a reply too many would show after it."""
@@ -144,7 +154,7 @@ class BoardTest(EnvironmentTest):
 
     async def digits(self) -> None:
         """Look at the displays."""
-        await self.clocks(_DIGITS_CYCLES)
+        await self.clocks(2 * 8 * self.parameters.digit_clocks + _DECIMAL_CYCLES)
         self.env.scoreboard.check_digits()
 
     # --- Commands -----------------------------------------------------------------------------------------

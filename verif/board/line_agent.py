@@ -4,6 +4,7 @@ The board is a library (sim/board_player.cpp): its serial line takes 60 clocks a
 have a step at each.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from pathlib import Path
@@ -20,8 +21,9 @@ from triaxis.verif.testbench.fast_model import FastModel
 
 _END = 0xC0
 _BUSY = 1 << 4
-# A reply comes, and a run ends, within so many clocks, or the driver goes on; the scoreboard knows better.
-_PATIENCE = 60_000
+# A reply comes, and a run ends, within so many bits of the line, and those of the bytes that are sent, or the
+# driver goes on; the scoreboard knows better.
+_PATIENCE, _BYTE = 10_000, 10
 
 
 class Until(Enum):
@@ -83,9 +85,10 @@ class _Wait:
 class BoardBfm(FastModel[BoardPlayer]):  # pyright: ignore[reportInvalidTypeArguments]
     """The board's model: it runs while someone waits for it."""
 
-    def __init__(self) -> None:
-        """Nobody is told of anything yet."""
-        super().__init__(BoardPlayer)
+    def __init__(self, clocks_per_bit: int, make: Callable[[Path, int, int], Any] = BoardPlayer) -> None:
+        """Nobody is told of anything yet. ``make``: see `FastModel`; on pins, see pin_agents.py."""
+        super().__init__(make)
+        self._clocks_per_bit = clocks_per_bit
         self.publish: Any = None
         self._wait: _Wait | None = None
         self._heard = bytearray()
@@ -102,10 +105,10 @@ class BoardBfm(FastModel[BoardPlayer]):  # pyright: ignore[reportInvalidTypeArgu
         """Return whether the driver waits."""
         return self._wait is not None
 
-    def _advance(self, clocks: int) -> None:
+    async def _advance(self, clocks: int) -> None:
         if self._wait:
             clocks = min(clocks, max(1, self._wait.end - self.clock))
-        super()._advance(clocks)
+        await super()._advance(clocks)
 
     def follow(self, progress: BoardProgress) -> None:
         """Publish what was seen; tell the driver that what it waits for has come."""
@@ -153,7 +156,7 @@ class BoardBfm(FastModel[BoardPlayer]):  # pyright: ignore[reportInvalidTypeArgu
             (self.player.break_line if item.act is Act.BREAK else self.player.glitch)(item.clocks)
         self.player.send(item.data)
         if item.until is not Until.NOW:
-            await self.wait(item.until, _PATIENCE + 50 * len(item.data))
+            await self.wait(item.until, self._clocks_per_bit * (_PATIENCE + _BYTE * len(item.data)))
         if item.gap:
             await self.clocks(item.gap)
         item.replies = self.replies

@@ -49,8 +49,8 @@ EXECUTED = 23
 _JUDGED = 1
 # How long HELLO and ABORT take where no run has to end first.
 _LASTS: dict[int, int] = {Command.HELLO: 2, Command.ABORT: 1}
-# Clocks from then until its reply's first bit has been seen, which tells that it was.
-_UNTOLD = 6
+# Clocks from then until its reply's first bit begins; that is seen in its middle, and tells that it was.
+REPLIED = 2
 
 _NO_MESH = np.empty((0, 3, 3), np.int64)
 _CLOCKS_PER_MS = 100_000
@@ -71,6 +71,7 @@ class BoardReference:
         self.reply_check = ReplyCheck(self._wrong, happened)
         self.runs = self.gos = self.resets = 0
         self._numbers = count()
+        self._untold = REPLIED + parameters.clocks_per_bit // 2 + 1
         self.pins = Pins(0b1010)
         self.beat_level = False
         # The clock, and the one in which the last frame had come.
@@ -132,7 +133,7 @@ class BoardReference:
     def _settle(self) -> None:
         """Compare the pins with what they must be at the end of this clock."""
         pins, run = self.pins, self.run
-        if self.held and any(0 < press - self.clock <= _UNTOLD for press in self.presses):
+        if self.held and any(0 < press - self.clock <= self._untold for press in self.presses):
             # It may have been executed, and the button takes the reply that would tell.
             return
         held = self.held

@@ -26,6 +26,9 @@ from triaxis.verif.testbench.table import Runs, listed
 
 # Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
 BOARD = "board_w12_m5_d128_g8_l4"
+# The sizes that ship, as `fpga.board_build.SIGNED_OFF` has them, with the environment's short times, and the
+# top's own: then a byte takes 500 clocks, and the watchdog ten million.
+SHIPPED, REAL = "board_w16_m16_d4096_g8_l8", "board_w16_m16_d4096_g8_l8_real"
 
 _SHORT, _BYTE = 200, 60
 _ONE_SEED = "One: what it sends is the same with every seed, but for places and moments."
@@ -33,11 +36,11 @@ _ONE_SEED = "One: what it sends is the same with every seed, but for places and 
 
 @listed(
     "V1",
-    Runs((BOARD,), 20, seeds=1, smoke=(BOARD,)),
+    Runs((BOARD, SHIPPED, REAL), 20, seeds=1, smoke=(BOARD, SHIPPED, REAL)),
     why_seeds=_ONE_SEED,
 )
 class BoardSmokeTest(BoardTest):
-    """Sessions from HELLO to go in each mode, each command once and once again; what the displays say."""
+    """Sessions from HELLO to go, each command once and once again; what the displays say; silence."""
 
     async def stimulus(self) -> None:
         """Do the usual things."""
@@ -75,11 +78,16 @@ class BoardSmokeTest(BoardTest):
         await self.run()
         await self.hello()
         await self.status()
+        await self.clear_scene()
+        await self.clear_run()
+        await self.clocks(self.parameters.watchdog_clocks)
+        await self.digits()
 
 
 @listed(
     "V1",
     Runs((BOARD,), 180, seeds=3, smoke=(BOARD,)),
+    Runs((SHIPPED,), 90, seeds=1, smoke=(SHIPPED,)),
     why_seeds="Three: it takes other moments of a run with each.",
 )
 class BoardGoTest(BoardTest):
@@ -750,6 +758,31 @@ class BoardFullTest(BoardTest):
 
 @listed(
     "V2",
+    Runs((BOARD, SHIPPED), 20, seeds=1, smoke=(SHIPPED,)),
+    why_seeds=_ONE_SEED,
+)
+class BoardDepthTest(BoardTest):
+    """Each mesh with all the triangles that there is place for, of which the last alone is near the other."""
+
+    async def stimulus(self) -> None:
+        """Fill one mesh, then the other."""
+        await self.hello()
+        low, high = coordinate_range(self.parameters.width)
+        corner = np.array([[[low, low, high], [low + 9, low, high], [low, low + 9, high]]], np.int64)
+        for mesh in (0, 1):
+            await self.load(1 - mesh, corner)
+            await self.load(mesh, self.flat(0, self.parameters.depth - 1))
+            await self.clear_run()
+            # The last place; then there is none.
+            for first in (self.parameters.depth - 1, self.parameters.depth):
+                await self.ask(Command.LOAD, load_payload(mesh, first, corner, self.parameters.width))
+            await self.run()
+            await self.all_results()
+            await self.digits()
+
+
+@listed(
+    "V2",
     Runs((BOARD,), 60, seeds=3, smoke=(BOARD,)),
     why_seeds="Three: each takes other moments.",
 )
@@ -757,7 +790,8 @@ class BoardResetsTest(BoardTest):
     """The reset button at any moment: of a frame, a load, a run, a reply, and of go."""
 
     async def stimulus(self) -> None:
-        """Press it."""
+        """Press it; on the pins, where a clock is dear, at few of the moments."""
+        self.stride = 29 if self.on_pins else 1
         while self.unfinished:
             await self.hello()
             await self.scene(self.flat(0, 4), self.flat(5, 4))
@@ -787,7 +821,7 @@ class BoardResetsTest(BoardTest):
         """Press it at every second clock in which LOAD, RUN, HELLO are executed; a clear run comes after."""
         width = self.parameters.width
         for command, clocks in ((Command.LOAD, 110), (Command.RUN, 90), (Command.HELLO, 30)):
-            for clock in range(0, clocks, 2):
+            for clock in range(0, clocks, 2 * self.stride):
                 await self.hello()
                 await self.scene(self.flat(0, 2), self.flat(5, 2))
                 await self.start()
@@ -823,7 +857,7 @@ class BoardResetsTest(BoardTest):
             (status[:5], _BYTE, byte), (b"\xc0\xdb\x01", 3 * _BYTE - 5, byte),
             (status, whole - 5, byte), (status, whole + 10 * _BYTE, byte),
         ):  # fmt: skip
-            for clock in range(first, first + clocks):
+            for clock in range(first, first + clocks, self.stride):
                 await self.line(data, Until.NOW, gap=clock)
                 await self.line(act=Act.UNPLUG, until=Until.NOW)
                 await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
@@ -833,6 +867,7 @@ class BoardResetsTest(BoardTest):
 @listed(
     "V1",
     Runs((BOARD,), 400, seeds=8, smoke=(BOARD,)),
+    Runs((SHIPPED,), 150, seeds=1, smoke=(SHIPPED,)),
     why_seeds="Eight: each is another talk.",
 )
 class BoardMixedTest(BoardTest):
@@ -854,7 +889,9 @@ class BoardMixedTest(BoardTest):
 
     async def some_scene(self) -> None:
         """Load one or both meshes."""
-        spread = int(self.rng.choice([10, 100, 600]))
+        # No corner of `cloud` beyond the range, however few bits it has.
+        most = 3 * coordinate_range(self.parameters.width)[1] // 4
+        spread = min(int(self.rng.choice([10, 100, 2 * most // 5])), most)
         counts = self.rng.integers(1, min(20, self.parameters.depth), 2).tolist()
         for mesh in (0, 1):
             await self.load(mesh, self.cloud(counts[mesh], spread))

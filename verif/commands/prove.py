@@ -131,7 +131,7 @@ def add_netlist(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--cells", type=Path, metavar="PATH",
-        help="with --netlist: models of its cells, a file or a folder as Vivado's unisims (yosys's)",
+        help="with --netlist: models of its cells, a file, or a folder with a file for each (yosys's)",
     )  # fmt: skip
     parser.add_argument(
         "--config", choices=configs, default=configs[0], help=f"with --netlist: what it is of ({configs[0]})"
@@ -238,14 +238,16 @@ def add_faults(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove faults``."""
     parser.description = (
         "Put the faults of the replaced design, F1 to F10, into copies of the core, its wrapper and its "
-        "environment, and let the environment's own tests catch them. Writes build/faults/faults.json, "
-        "unless only some are asked for."
+        "environment, and those of the board into copies of it, and let the environment's own tests catch "
+        "them. Writes build/faults/faults.json, unless only some are asked for."
     )
     parser.add_argument(
         "--fault", action="append", metavar="NAME",
         help="only this one; F1 stands for all its variants; may be given several times",
     )  # fmt: skip
-    parser.add_argument("--all", action="store_true", help="the further faults of the catalogue too")
+    parser.add_argument(
+        "--all", action="store_true", help="the further faults of the core and those of the mesh engine too"
+    )
     parser.add_argument("--list", action="store_true", help="list the catalogue, and run nothing")
     add_seed(parser)
     parser.set_defaults(run=_faults)
@@ -276,7 +278,7 @@ def _chosen(options: argparse.Namespace) -> tuple[Fault, ...]:
     if options.fault:
         wanted = [fault for name in options.fault for fault in faults_of(name)]
         return tuple(dict.fromkeys(wanted))
-    return tuple(fault for fault in FAULTS if fault.replaced or options.all)
+    return tuple(fault for fault in FAULTS if fault.signed_off or options.all)
 
 
 def _list_of(faults: tuple[Fault, ...]) -> Table:

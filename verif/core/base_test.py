@@ -48,7 +48,9 @@ class CoreTest(EnvironmentTest):
         words = expected_words(bulk_facts(made.pairs, made.margins), configuration)
         numbers, waits = np.arange(len(made)), np.zeros(len(made), np.uint16)
         checker = Checker(configuration, on_checked=CoreCoverage(*configuration.covered).sample)
-        checker.check(PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits))
+        checker.check(
+            PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits, numbers)
+        )
         assert not checker.failed, checker.failures[0].message
 
     def fast_model(self) -> BurstBfm:

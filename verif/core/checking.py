@@ -43,10 +43,17 @@ class Failure:
     context: Integers = field(default_factory=lambda: np.zeros((0, 2, 3, 3), np.int64))
     context_margins: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     blame: Blame = Blame.DESIGN
+    # At which the result left the core.
+    clock: int | None = None
 
     def record(self) -> dict[str, Any]:
         """Return it as it stands among the counts of a run."""
-        return {"blame": self.blame, "message": self.message, "of_pair": self.pair is not None}
+        return {
+            "blame": self.blame,
+            "message": self.message,
+            "of_pair": self.pair is not None,
+            "clock": self.clock,
+        }
 
 
 class Checker:
@@ -69,6 +76,7 @@ class Checker:
         # Pairs that failed, however often; and those of the batch that is being checked, by their places.
         self.failed = 0
         self._failing: set[int] = set()
+        self._clocks: Integers = np.zeros(0, np.int64)
         self.failures: list[Failure] = []
         # Pairs up to and including the first that failed; None: none did.
         self.until_failure: int | None = None
@@ -81,7 +89,7 @@ class Checker:
     def check(self, pairs: PairBatch, results: ResultBatch) -> None:
         """Check results against the pairs that they answer, one to one."""
         facts = bulk_facts(pairs.pairs, pairs.margins)
-        self._failing = set()
+        self._failing, self._clocks = set(), results.clocks
         self._compare(pairs, results, facts)
         self._recheck_claims(pairs, results)
         self._judge(pairs, facts)
@@ -137,9 +145,10 @@ class Checker:
         if len(self.failures) >= DESCRIBED:
             return
         context, margins = self._until(pairs, i)
-        numbered = f"result {until}: {message}"
+        clock = int(self._clocks[i])
+        numbered = f"result {until} at clock {clock}: {message}"
         self.failures.append(
-            Failure(numbered, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame)
+            Failure(numbered, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame, clock)
         )
 
     def _until(self, pairs: PairBatch, i: int) -> tuple[Integers, Integers]:

@@ -115,11 +115,15 @@ class PairBatch:
 
 @dataclass(frozen=True)
 class ResultBatch:
-    """Results taken from the core. ``waits``: clocks that each was offered before it was taken."""
+    """Results taken from the core. ``waits``: clocks that each was offered before it was taken.
+
+    ``clocks``: the clock at which each was taken, the first of the run being 0.
+    """
 
     words: npt.NDArray[np.uint16]
     tags: Integers
     waits: Integers
+    clocks: Integers
 
     def __len__(self) -> int:
         """Return the number of results."""
@@ -127,7 +131,7 @@ class ResultBatch:
 
     def __getitem__(self, part: slice) -> "ResultBatch":
         """Return a part."""
-        return ResultBatch(self.words[part], self.tags[part], self.waits[part])
+        return ResultBatch(self.words[part], self.tags[part], self.waits[part], self.clocks[part])
 
 
 @dataclass(frozen=True)

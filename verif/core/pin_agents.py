@@ -20,7 +20,14 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_pairs
 from triaxis.sim.packing import pack_data, pack_user, unpack_data, unpack_user
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Pace, PairBatch, ResetSeen, ResultBatch
-from triaxis.verif.testbench.environment import StimulusAgent, StreamPins, create, dut_of, settings_of
+from triaxis.verif.testbench.environment import (
+    StimulusAgent,
+    StreamPins,
+    clock_now,
+    create,
+    dut_of,
+    settings_of,
+)
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.unknown_values import withdraw
 
@@ -94,11 +101,12 @@ _BATCH = 512
 
 @dataclass
 class Beats:
-    """Beats seen: TDATA, TUSER, and how many clocks each was offered before it moved."""
+    """Beats seen: TDATA, TUSER, the clocks that each was offered before it moved, and the clock of that."""
 
     data: list[int] = field(default_factory=list)
     user: list[int] = field(default_factory=list)
     waits: list[int] = field(default_factory=list)
+    clocks: list[int] = field(default_factory=list)
 
 
 def check_margins(item: BurstItem, largest: int) -> None:
@@ -195,6 +203,7 @@ class PinMonitor(uvm_monitor):
             self._beats.data.append(int(data.value))
             self._beats.user.append(int(user.value))
             self._beats.waits.append(wait)
+            self._beats.clocks.append(clock_now())
             self.moved += 1
             wait = 0
             if len(self._beats.data) == _BATCH:
@@ -260,7 +269,7 @@ class SinkMonitor(PinMonitor):
     def to_batch(self, beats: Beats) -> ResultBatch:
         """Return the results."""
         words, tags = np.array(beats.data, np.uint16), np.array(beats.user, np.uint64)
-        return ResultBatch(words, tags, np.array(beats.waits, np.int64))
+        return ResultBatch(words, tags, np.array(beats.waits, np.int64), np.array(beats.clocks, np.int64))
 
 
 class SinkAgent(uvm_agent):

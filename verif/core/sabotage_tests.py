@@ -3,6 +3,7 @@ checks nothing, for measurements.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ def _with_rows(choose: Callable[[np.ndarray], np.ndarray]) -> Callable[[ResultBa
 
     def falsify(batch: ResultBatch) -> ResultBatch:
         rows = choose(np.arange(len(batch)))
-        return ResultBatch(batch.words[rows], batch.tags[rows], batch.waits[rows])
+        return ResultBatch(batch.words[rows], batch.tags[rows], batch.waits[rows], batch.clocks[rows])
 
     return staticmethod(falsify)
 
@@ -77,7 +78,7 @@ class CorruptClaimTest(_SabotagedTest):
         words = batch.words.copy()
         clear = int(np.flatnonzero(words & NEAR == 0)[0])
         words[clear] ^= np.uint16(1 << AXIS_SHIFT)
-        return ResultBatch(words, batch.tags, batch.waits)
+        return replace(batch, words=words)
 
 
 class MissingPairTest(_SabotagedTest):

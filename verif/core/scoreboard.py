@@ -83,9 +83,10 @@ class Matcher:
         for epoch in self._epochs:
             missing, extra = sum(map(len, epoch.pairs)), sum(map(len, epoch.results))
             if extra:
-                self._fail(Failure(f"{extra} results that answer no pair"), extra)
+                self._fail(self._superfluous(epoch, f"{extra} results that answer no pair"), extra)
             if missing:
-                self._fail(Failure(f"{missing} pairs accepted and never answered"), missing)
+                first = f"from pair {self.matched + self.discarded + 1} on"
+                self._fail(Failure(f"{missing} pairs accepted and never answered, {first}"), missing)
         if not self.matched:
             self._fail(Failure("nothing was checked", blame=Blame.TEST))
 
@@ -103,7 +104,8 @@ class Matcher:
                 return
             extra = sum(map(len, epoch.results))
             if extra:
-                self._fail(Failure(f"{extra} results before a reset that answer no pair"), extra)
+                what = f"{extra} results before a reset that answer no pair"
+                self._fail(self._superfluous(epoch, what), extra)
             lost = sum(map(len, epoch.pairs))
             if lost > self._most_in_flight:
                 most = f"{self._most_in_flight} can be in flight"
@@ -111,6 +113,10 @@ class Matcher:
             self.discarded += lost
             self.resets += 1
             self._epochs.popleft()
+
+    def _superfluous(self, epoch: _Epoch, what: str) -> Failure:
+        clock = int(epoch.results[0].clocks[0])
+        return Failure(f"{what}: from result {self.matched + 1} on, at clock {clock}", clock=clock)
 
     def _match_front(self, epoch: _Epoch) -> None:
         pairs, results = epoch.pairs.popleft(), epoch.results.popleft()

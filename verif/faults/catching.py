@@ -25,7 +25,7 @@ _JOBS = min(2, os.cpu_count() or 1)
 
 
 def _signed_off() -> tuple[Fault, ...]:
-    return tuple(fault for fault in FAULTS if fault.replaced)
+    return tuple(fault for fault in FAULTS if fault.signed_off)
 
 
 def signed_off_names() -> tuple[str, ...]:

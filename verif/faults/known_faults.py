@@ -1,4 +1,4 @@
-"""The catalogue of faults: those of the design that this core replaces, and further ones.
+"""The catalogue of faults: those of the design that this core replaces, those of the board, further ones.
 
 Each fault of the core, the mesh engine or the board is a diff in patches/, by the fault's name. F9 and F10
 were no faults of the design but of its testbench: they are tried on our own environment.
@@ -28,8 +28,7 @@ class Kind(Enum):
 class Fault:
     """A fault; ``story`` says what it does, ``config`` names the build in which it is looked for.
 
-    ``replaced``: it is one of the replaced design's, which a sign-off must see caught. ``patch`` is None for
-    faults of an environment.
+    ``replaced``: it is one of the replaced design's. ``patch`` is None for faults of an environment.
     """
 
     name: str
@@ -39,6 +38,11 @@ class Fault:
     config: str = "w16_m0"
     replaced: bool = True
     patch: Path | None = None
+
+    @property
+    def signed_off(self) -> bool:
+        """Return whether a sign-off must see it caught: one of the replaced design's, or of what says go."""
+        return self.replaced or self.kind is Kind.BOARD
 
 
 def _replaced(name: str, title: str, story: str, kind: Kind = Kind.CORE) -> Fault:

@@ -135,12 +135,12 @@ class FaultsResult:
     @property
     def complete(self) -> bool:
         """Return whether every fault that a sign-off asks for was tried."""
-        return {fault.name for fault in FAULTS if fault.replaced} <= {o.fault.name for o in self.outcomes}
+        return {fault.name for fault in FAULTS if fault.signed_off} <= {o.fault.name for o in self.outcomes}
 
     @property
     def further(self) -> bool:
         """Return whether further faults were tried too."""
-        return any(not outcome.fault.replaced for outcome in self.outcomes)
+        return any(not outcome.fault.signed_off for outcome in self.outcomes)
 
     @property
     def summary(self) -> str:

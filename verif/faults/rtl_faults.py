@@ -25,6 +25,8 @@ PICTURES = FOLDER / "pictures"
 class _Search:
     """The tests that look for faults of a kind, in the order in which they are tried, and how they are run.
 
+    The short ones of the board come first: a broken copy is compiled quickly, and runs slowly.
+
     ``pairs``: those that a test of the core sends, and that one of the engine accounts for at least; of the
     board, replies.
     """
@@ -58,8 +60,8 @@ SEARCHES = {
     Kind.BOARD: _Search(
         "board",
         (
-            "BoardSmokeTest", "BoardGoTest", "BoardFramesTest", "BoardRefusalsTest", "BoardSilenceTest",
-            "BoardAbortTest", "BoardFullTest", "BoardResetsTest", "BoardMixedTest",
+            "BoardSmokeTest", "BoardFramesTest", "BoardRefusalsTest", "BoardGoTest", "BoardSilenceTest",
+            "BoardMixedTest", "BoardResetsTest", "BoardAbortTest", "BoardFullTest",
         ),
         BURST,
         60,

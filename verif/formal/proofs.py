@@ -309,15 +309,15 @@ def board_proofs() -> tuple[SbyProof, ...]:
         ),
         _assertions(
             "board_runs",
-            "For all time: what is said of a run is what the engine said at its end, every number of the summary "
-            "whole, until the next run or HELLO, and zeros before; the run is the one that was asked for, at the "
-            "pose of the last MOVE, and its number counts the runs since HELLO.",
+            "For all time: what is said of a run is what the engine said at its end, every number of the "
+            "summary whole, until the next run or HELLO, and zeros before; the run is the one that was asked "
+            "for, at the pose of the last MOVE, and its number counts the runs since HELLO.",
             ("board/triaxis_runner", "mesh/triaxis_mesh_pkg"),
             {"W": _WIDTH, "M": _WIDTH},
             10,
             (
-                "commands come one at a time, none but ABORT during a run, and a HELLO before any other, which ends "
-                "what goes on and then forgets it: shown by `board_go`",
+                "commands come one at a time, none but ABORT during a run, and a HELLO before any other, "
+                "which ends what goes on and then forgets it: shown by `board_go`",
                 "the engine ends a run once: shown by `engine_control`",
             ),
         ),

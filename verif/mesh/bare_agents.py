@@ -148,8 +148,10 @@ class BareBfm(FastModel[MeshPlayer]):
         elif kind == ABORTED:
             self.publish[RunMonitor](AbortAsked(number))
         elif kind == SUMMARY:
-            *numbers, held_a, held_b, overfull = values.tolist()
-            self.publish[SummaryMonitor](Summary(*numbers, held=(held_a, held_b), overfull=overfull))
+            *numbers, held_a, held_b, overfull, clock = values.tolist()
+            self.publish[SummaryMonitor](
+                Summary(*numbers, held=(held_a, held_b), overfull=overfull, clock=clock)
+            )
         elif kind == RESET:
             self.publish[SummaryMonitor](ResetSeen())
         else:

@@ -7,6 +7,7 @@ definition; the golden model judges a share of the pairs, which shares nothing w
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,11 +30,22 @@ _JUDGED = 4
 
 @dataclass(frozen=True)
 class SceneFailure:
-    """One thing that went wrong, and the run it went wrong in."""
+    """One thing that went wrong, and the run it went wrong in: its number, and the clock of its summary.
+
+    ``pairs``: those of the complete runs before it.
+    """
 
     message: str
     run: ObservedRun
+    number: int
+    clock: int | None
+    pairs: int
     blame: Blame = Blame.DESIGN
+
+    def record(self) -> dict[str, Any]:
+        """Return it as it stands among the counts of a test's run."""
+        kept = ("blame", "message", "number", "clock", "pairs")
+        return {name: getattr(self, name) for name in kept}
 
 
 class SceneChecker:
@@ -72,7 +84,8 @@ class SceneChecker:
             self.failed += 1
             found(message, self.pairs)
             if len(self.failures) < DESCRIBED:
-                self.failures.append(SceneFailure(message, run, blame))
+                place = self.runs + 1, summary.clock, self.pairs
+                self.failures.append(SceneFailure(message, run, *place, blame))
         self.runs += 1
         if summary.status == Status.COMPLETE and answer is not None:
             self.complete_runs += 1

@@ -182,7 +182,8 @@ class Summary:
     """A summary that was taken. ``status`` as on the pins.
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
-    ``held``: triangles held in A and B, and ``overfull`` on the pins. None: not measured.
+    ``held``: triangles held in A and B, and ``overfull`` on the pins; ``clock``: at which it was taken, the
+    first of the run of the test being 0. None: not measured.
     """
 
     status: int
@@ -196,6 +197,7 @@ class Summary:
     wait: int | None = None
     held: tuple[int, int] | None = None
     overfull: int | None = None
+    clock: int | None = None
 
     @property
     def last_abort(self) -> int:

@@ -34,7 +34,7 @@ from triaxis.verif.mesh.items import (
     unpack_run,
     unpack_triangle,
 )
-from triaxis.verif.testbench.environment import StimulusAgent, create, dut_of, settings_of
+from triaxis.verif.testbench.environment import StimulusAgent, clock_now, create, dut_of, settings_of
 from triaxis.verif.testbench.failures import HungError, found
 from triaxis.verif.testbench.unknown_values import withdraw
 
@@ -346,7 +346,14 @@ class SummaryMonitor(PinMonitor):
         overfull = int(dut.overfull_o.value)
         numbers = (int(pin.value) for pin in pins)
         self.ap.write(
-            Summary(*numbers, offered_after=self.clocks, wait=self.wait, held=held, overfull=overfull)
+            Summary(
+                *numbers,
+                offered_after=self.clocks,
+                wait=self.wait,
+                held=held,
+                overfull=overfull,
+                clock=clock_now(),
+            )
         )
 
     def reset(self) -> None:

@@ -102,7 +102,7 @@ class RunMatcher:
             self._reset()
             return
         if self._run is None:
-            self._told_of(f"a summary without a run: status {datum.status}")
+            self._told_of(f"a summary without a run at clock {datum.clock}: status {datum.status}")
             return
         run, self._run = self._run, None
         for mesh in self._meshes:
@@ -164,7 +164,7 @@ class MeshScoreboard(CountingScoreboard):
             "judged_by_golden_model": checker.judged,
             "failed": failed,
             "failures": [
-                *({"blame": one.blame, "message": one.message} for one in checker.failures),
+                *(one.record() for one in checker.failures),
                 *({"blame": Blame.TEST, "message": stray} for stray in matcher.stray[:_SHOWN]),
             ],
         }
@@ -191,6 +191,7 @@ def _described(failure: SceneFailure) -> str:
     run = failure.run
     asked = run.request
     return (
-        f"{failure.message}: meshes of {len(run.a)} and {len(run.b)}, translation {asked.translation}, "
+        f"run {failure.number} at clock {failure.clock}: {failure.message}: meshes of "
+        f"{len(run.a)} and {len(run.b)}, translation {asked.translation}, "
         f"margin {asked.margin}, mode {asked.mode}"
     )

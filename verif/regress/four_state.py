@@ -18,7 +18,7 @@ from triaxis.sim.paths import BUILD, DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.simulators import ICARUS, icarus_version
 from triaxis.sim.validity import Sources, Validity, validity
-from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, RunSettings
+from triaxis.verif.testbench.settings import PIN, TEST_DATA, TEST_MODULES, Block, RunSettings
 from triaxis.verif.testbench.simulation import RunResult, build_for, run, run_settings
 from triaxis.verif.testbench.table import table
 from triaxis.verif.testbench.unknown_values import unknown_file
@@ -29,11 +29,13 @@ SOURCES = Sources(("triaxis.verif.regress.four_state", *TEST_MODULES), TEST_DATA
 
 # Beside the runs of the table: all kinds of pairs in some volume.
 _LONG, _LONG_CONFIG, _LONG_PAIRS = "MixedTest", "w16_m0", 10_000
+# The board, whose table is of bursts alone: a small one, and few replies.
+_BOARD, _BOARD_REPLIES = "board_w8_m0_d16_g4_l2", {"BoardSmokeTest": 20, "BoardResetsTest": 20}
 _JOBS = min(2, os.cpu_count() or 1)
 
 
 def plan(seed: int) -> list[RunSettings]:
-    """Return every run of the table that is on the pins, in each of its configurations, and a longer one."""
+    """Return every run of the table on the pins, in each of its configurations; a longer one; the board's."""
     wanted = [(_LONG, _LONG_CONFIG, _LONG_PAIRS)] + [
         (entry.name, config, runs.pairs)
         for entry in table().values()
@@ -43,9 +45,12 @@ def plan(seed: int) -> list[RunSettings]:
     ]
     # The longest of a test and a configuration comes first, and is enough.
     longest = {(test, config): pairs for test, config, pairs in sorted(wanted, key=lambda one: one[2])}
+    # Those of the board take longest of all.
+    chosen = [((test, _BOARD), replies) for test, replies in _BOARD_REPLIES.items()]
+    chosen += sorted(longest.items(), key=lambda one: -one[1])
     return [
         run_settings(test, config, seed, pairs, folder=FOLDER / f"{test}-{config}", simulator=ICARUS)
-        for (test, config), pairs in sorted(longest.items(), key=lambda one: -one[1])
+        for (test, config), pairs in chosen
     ]
 
 
@@ -72,13 +77,12 @@ class FourStateResult:
         """Return how many runs ended before they counted anything."""
         return sum(run.counts is None for run in self.runs)
 
-    def pairs(self, of_mesh_engine: bool) -> int:
-        """Return how many pairs were checked, sent to the core or decided by the mesh engine."""
-        return sum(
-            run.counts["checked"]
-            for run in self.runs
-            if run.counts and run.settings.of_mesh_engine == of_mesh_engine
-        )
+    def checked(self, block: Block, what: str = "checked") -> int:
+        """Return how many pairs of the core, or of scenes, or replies of the board were checked.
+
+        ``what``: another count of the scoreboard, such as the board's clocks.
+        """
+        return sum(run.counts[what] for run in self.runs if run.counts and run.settings.block is block)
 
     @property
     def wrong(self) -> int:
@@ -101,8 +105,9 @@ class FourStateResult:
     def summary(self) -> str:
         """Return the result in a line."""
         return (
-            f"{self.pairs(of_mesh_engine=False):,} pairs of the core and "
-            f"{self.pairs(of_mesh_engine=True):,} of scenes, {self.wrong} wrong; "
+            f"{self.checked(Block.CORE):,} pairs of the core and {self.checked(Block.MESH):,} of scenes, "
+            f"{self.checked(Block.BOARD):,} replies of the board in {self.checked(Block.BOARD, 'clocks'):,} "
+            f"clocks, {self.wrong} wrong; "
             f"{self.unknown} of {self.looked:,} values of outputs unknown"
             + (f"; {self.without_counts} of {len(self.runs)} runs ended early" if self.without_counts else "")
         )
@@ -151,8 +156,10 @@ def write_result(result: FourStateResult, command: str, path: Path = RESULT) -> 
         "simulator": icarus_version(),
         "elaborated_by": yosys_version(),
         "runs_without_counts": result.without_counts,
-        "pairs": result.pairs(of_mesh_engine=False),
-        "pairs_of_scenes": result.pairs(of_mesh_engine=True),
+        "pairs": result.checked(Block.CORE),
+        "pairs_of_scenes": result.checked(Block.MESH),
+        "replies": result.checked(Block.BOARD),
+        "board_clocks": result.checked(Block.BOARD, "clocks"),
         "wrong": result.wrong,
         "looked": result.looked,
         "unknown": result.unknown,

@@ -28,7 +28,7 @@ from triaxis.verif.regress.records import (
 )
 from triaxis.verif.testbench.settings import BURST, PIN, TEST_DATA, TEST_MODULES
 from triaxis.verif.testbench.simulation import build_for, run_settings
-from triaxis.verif.testbench.waves import WAVES
+from triaxis.verif.testbench.waves import WAVES, check_waves
 
 SOURCES = Sources(("triaxis.verif.regress.one_job", *TEST_MODULES), TEST_DATA)
 # Stands for whatever the checkout holds: dvsim called by hand, without `triaxis regress run`.
@@ -68,7 +68,10 @@ def _perform(run: PlannedRun, folder: Path, sources: str, waves: str) -> RunReco
     """Run the simulation; whatever hinders it makes a failed run."""
     started = time.time()
     try:
-        result = run_and_explain(replace(run.settings(folder), waves=waves))
+        settings = replace(run.settings(folder), waves=waves)
+        if waves:
+            check_waves(waves, run.agent, settings.simulator)
+        result = run_and_explain(settings)
     except InputError as error:
         return record_of(run, folder, sources, started, (f"ERROR {error}",), silent=True)
     errors, counts = result.errors, result.counts
@@ -78,7 +81,8 @@ def _perform(run: PlannedRun, folder: Path, sources: str, waves: str) -> RunReco
     passed = result.passed and not errors
     silent = not passed and counts is None and not any(map(_BLAME.search, errors))
     found = result.counterexamples
-    return record_of(run, folder, sources, started, errors, passed, counts, found, silent)
+    shown = "" if passed else result.waves_command
+    return record_of(run, folder, sources, started, errors, passed, counts, found, silent, waves=shown)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -96,6 +100,8 @@ def _run(options: argparse.Namespace) -> int:
         record = read_record(path)
         if record is None or not record.passed or record.identity != sources:
             waves = "" if options.waves == "none" or run.agent != PIN else options.waves
+            if options.waves != "none" and not waves:
+                print("no waves: they are of runs on the pins, and this one is in bursts")
             record = _perform(run, options.folder, sources, waves)
             # First, so that no kill comes between a result and its being kept.
             FailingSeeds(options.failing).note(record)
@@ -104,7 +110,10 @@ def _run(options: argparse.Namespace) -> int:
         print(f"FAILED: {line}")
     for line in (*record.errors[1:], *record.counterexamples):
         print(f"  {line}")
-    print(f"log: {record.log}\nreplay: {record.replay}")
+    print(f"log: {record.log}")
+    if record.waves:
+        print(f"waves: {record.waves}")
+    print(f"replay: {record.replay}")
     if record.passed:
         print(f"TEST PASSED: {record.checked} pairs checked")
     return 0 if record.passed else 1

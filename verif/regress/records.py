@@ -80,6 +80,8 @@ class RunRecord:
     folder: str
     replay: str
     silent: bool = False
+    # The command that shows the failure in waves, where there is one.
+    waves: str = ""
 
     @property
     def seconds(self) -> float:
@@ -108,6 +110,7 @@ def record_of(
     counterexamples: tuple[str, ...] = (),
     silent: bool = False,
     log: Path | None = None,
+    waves: str = "",
 ) -> RunRecord:
     """Return the record of a run that has just ended."""
     settings = run.settings(regression)
@@ -126,6 +129,7 @@ def record_of(
         settings.folder,
         settings.replay_command,
         silent,
+        waves,
     )
 
 

@@ -49,6 +49,7 @@ def write_results(outcome: Outcome) -> Path:
                 "message": message,
                 "runs": len(records),
                 "first_replay": records[0].replay,
+                "first_waves": records[0].waves,
                 "keys": [record.run.key for record in records],
             }
             for message, records in outcome.buckets.items()
@@ -75,7 +76,7 @@ def _run(record: RunRecord) -> dict[str, object]:
         "seconds": round(record.seconds, 1),
         "pairs_checked": record.counts["checked"] if record.counts else None,
         "bucket": None if record.passed else bucket_of(record),
-        **{key: getattr(record, key) for key in ("errors", "replay", "log", "host", "job")},
+        **{key: getattr(record, key) for key in ("errors", "replay", "waves", "log", "host", "job")},
     }
 
 
@@ -125,10 +126,14 @@ def _case(record: RunRecord) -> TestCase:
     name = f"{run.item}[seed={run.seed},pairs={run.pairs}]"
     case = TestCase(name, f"{run.config}.{run.test}", round(record.seconds, 3))
     facts = {"seed": str(run.seed), "replay": record.replay, "agent": run.agent, "log": record.log}
+    if record.waves:
+        facts["waves"] = record.waves
     for key, value in facts.items():
         case.add_property(key, _text(value))
     if not record.passed:
-        lines = [*record.errors, *record.counterexamples, f"log: {record.log}", f"replay: {record.replay}"]
+        lines = [*record.errors, *record.counterexamples, f"log: {record.log}"]
+        lines += [f"waves: {record.waves}"] if record.waves else []
+        lines.append(f"replay: {record.replay}")
         case.result = [_failure(bucket_of(record), lines, "failed")]
     return case
 

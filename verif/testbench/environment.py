@@ -16,6 +16,7 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.handle import LogicArrayObject, LogicObject
 from cocotb.triggers import RisingEdge, Timer
+from cocotb.utils import get_sim_time
 from pyuvm import (
     UVM_HIGH,
     ConfigDB,
@@ -80,6 +81,11 @@ def dut_of(component: uvm_component) -> Any:
 def bfm_of(component: uvm_component) -> Any:
     """Return the bus-functional model; there is one where the run is not one on the pins."""
     return ConfigDB().get(component, "", _BFM)
+
+
+def clock_now() -> int:
+    """Return the clock on the pins, the first being 0, as the model of a library counts them."""
+    return int(get_sim_time("ns")) // PERIOD_NS
 
 
 def create(kind: type[Component], name: str, parent: uvm_component) -> Component:
@@ -162,6 +168,7 @@ class EnvironmentTest(uvm_test):
     """
 
     outputs: Mapping[str, str | None]
+    clock_and_reset = "clk_i", "rst_ni"
 
     def build_phase(self) -> None:
         """Take the settings from the runner, and let every component find them."""
@@ -171,12 +178,17 @@ class EnvironmentTest(uvm_test):
         self.rng = np.random.default_rng([self.settings.seed, *type(self).__name__.encode()])
         self.on_pins = self.settings.agent == PIN
         Path(self.settings.folder).mkdir(parents=True, exist_ok=True)
-        self.bfm = None if self.on_pins else self.fast_model()
+        self.bfm = self.pin_model() if self.on_pins else self.fast_model()
         for key, value in ((_SETTINGS, self.settings), (_DUT, self.dut), (_BFM, self.bfm)):
             ConfigDB().set(None, "*", key, value)
         if self.settings.four_state:
             monitor = create(UnknownMonitor, "unknown", self)
             monitor.dut, monitor.settings, monitor.outputs = self.dut, self.settings, self.outputs
+            monitor.clock, monitor.reset_n = self.clock_and_reset
+
+    def pin_model(self) -> FastModel[Any] | None:
+        """Return what takes the place of that model on the pins; None: agents drive them, one each."""
+        return None
 
     def fast_model(self) -> FastModel[Any]:
         """Return the bus-functional model that takes the place of the pins, and have its agents made."""

@@ -98,11 +98,15 @@ class FastModel(Generic[PlayerT]):
                 self._wanted.clear()
                 await self._wanted.wait()
                 continue
-            self._advance(self._due[0][0] - self.clock if self._due else _MOST_CLOCKS)
+            await self._advance(self._due[0][0] - self.clock if self._due else _MOST_CLOCKS)
 
-    def _advance(self, clocks: int) -> None:
+    async def progress(self, clocks: int) -> Progress:
+        """Run the model for so many clocks at most; on pins that takes time of the simulator."""
+        return self.player.run(clocks)
+
+    async def _advance(self, clocks: int) -> None:
         """Run until something is due; tell those who wait for it."""
-        progress = self.player.run(clocks)
+        progress = await self.progress(clocks)
         self.clock = progress.clock
         if progress.asserted and not self._asserted:
             self._asserted = True

@@ -5,9 +5,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from pyuvm import UVM_LOW, UVM_NONE, parse_uvm_verbosity, uvm_report_policy, uvm_report_server
+from pyuvm import UVM_NONE, parse_uvm_verbosity, uvm_report_policy, uvm_report_server
 
-from triaxis.verif.testbench.settings import RunSettings, library_from_environment
+from triaxis.verif.testbench.settings import (
+    RunSettings,
+    library_from_environment,
+    program_from_environment,
+)
 from triaxis.verif.testbench.trials import planned
 
 INFO, ERROR = "INFO", "ERROR"
@@ -35,13 +39,13 @@ def reporting(settings: RunSettings) -> Iterator[None]:
         policy=uvm_report_policy(max_quit_count=0),
         print_char_len=10_000,
     )
-    model = library_from_environment() or "/proc/self/exe"
-    build = Path(model).resolve().parent.name
+    model = library_from_environment()
+    build = Path(model).resolve().parent.name if model else program_from_environment()
+    # At any verbosity: a log that does not say what ran is of no use.
     report(
         INFO,
         f"{settings.test}, seed {settings.seed}, {settings.config}, agent {settings.agent}, build {build}",
         "RUN",
-        UVM_LOW,
     )
     try:
         yield

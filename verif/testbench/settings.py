@@ -21,6 +21,7 @@ from triaxis.verif.testbench.golden_sample import Share
 
 _VARIABLE = "TRIAXIS_RUN"
 _LIBRARY_VARIABLE = "TRIAXIS_LIBRARY"
+PROGRAM_VARIABLE = "TRIAXIS_PROGRAM"
 PIN, BURST = "pin", "burst"
 VERILATOR = "verilator"
 VERBOSITIES = ("none", "low", "medium", "high", "full", "debug")
@@ -137,7 +138,8 @@ class RunSettings:
         """Return the command that repeats exactly this run."""
         if self.replay:
             return f".venv/bin/triaxis sim ReplayTest --config {self.config} --replay {self.replay}"
-        options = "" if self.agent == PIN else f" --agent {self.agent}"
+        usual = BURST if self.block is Block.BOARD else PIN
+        options = "" if self.agent == usual == PIN else f" --agent {self.agent}"
         options += "" if self.judged_one_in == 1 else f" --judged {self.judged_one_in}"
         options += " --soak" if self.soak else ""
         options += f" --simulator {self.simulator}" if self.four_state else ""
@@ -164,6 +166,11 @@ def put_into_environment(settings: RunSettings) -> None:
 def library_from_environment() -> str:
     """Return the library of what is under test, "" where that is driven on its pins."""
     return os.environ[_LIBRARY_VARIABLE]
+
+
+def program_from_environment() -> str:
+    """Return the name of the build of the simulator."""
+    return os.environ.get(PROGRAM_VARIABLE, "")
 
 
 def result_file(folder: Path) -> Path:

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import re
 import shutil
 import time
 from dataclasses import dataclass, replace
@@ -14,11 +15,13 @@ from cocotb_tools.runner import get_runner
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import make_folder
+from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import (
     asserted,
     bare_build,
     board_build,
+    board_pin_build,
     core_build,
     mesh_build,
     mesh_pin_build,
@@ -29,6 +32,7 @@ from triaxis.sim.simulators import compiled_for
 from triaxis.sim.verilate import FAST, LIGHT, VCD, Build, library, verilate
 from triaxis.verif.testbench.settings import (
     PIN,
+    PROGRAM_VARIABLE,
     VERILATOR,
     Block,
     RunSettings,
@@ -43,6 +47,10 @@ from triaxis.verif.testbench.waves import DUMP, finished
 # So many error lines of the log are repeated to the user, and how one is known.
 _SHOWN = 5
 _MARKS = ("ERROR", "%Error", "CRITICAL", "Error:")
+# What Verilator puts before the message of an assertion.
+_ASSERTED = re.compile(r"\[(\d+)\] (%Error.*)")
+# Tests whose scenes are the same on the pins, where only the paces of the streams are drawn otherwise.
+SAME_ON_PINS = ("MeshRandomTest", "MeshVolumeTest", "MeshGapsTest")
 
 
 @dataclass(frozen=True)
@@ -69,6 +77,32 @@ class RunResult:
         path = failure_file(Path(self.settings.folder))
         return path if path.exists() else None
 
+    @property
+    def waves_command(self) -> str:
+        """Return the command that shows the failure in waves; "" where no run on the pins repeats it."""
+        settings, again = self.settings, ""
+        if self.failing_pairs:
+            # Of what failed on the core: those pairs alone, each after those before it.
+            again = _replay(settings.config, self.failing_pairs)
+        elif settings.agent == PIN and not settings.four_state:
+            again = settings.replay_command
+        elif settings.test in SAME_ON_PINS and (pairs := self._pairs_before) is not None:
+            # The scene goes on to its end: one pair more is enough.
+            again = replace(settings, agent=PIN, pairs=pairs + 1).replay_command
+        return again and f"{again} --waves"
+
+    @property
+    def _pairs_before(self) -> int | None:
+        """Return how many pairs the mesh engine had accounted for before its first failure, where known."""
+        failures = self.counts["failures"] if self.counts else ()
+        return min((failure["pairs"] for failure in failures if "pairs" in failure), default=None)
+
+    @property
+    def first_clock(self) -> int | None:
+        """Return the clock of the first failure, None where none is known."""
+        clocks = (failure.get("clock") for failure in (self.counts or {}).get("failures", ()))
+        return min((clock for clock in clocks if clock is not None), default=None)
+
     def explain(self) -> str:
         """Return what to tell the user about a failed run, several lines."""
         lines = [f"FAILED {self.settings.test}, {self.settings.config}, seed {self.settings.seed}"]
@@ -77,10 +111,8 @@ class RunResult:
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
         lines += [f"  {line}" for line in self.counterexamples]
-        # Of what failed on the core: those pairs alone, each after those before it.
-        again = _replay(self.settings.config, self.failing_pairs) if self.failing_pairs else None
-        if again or self.settings.agent == PIN:
-            lines.append(f"  waves:  {again or self.settings.replay_command} --waves")
+        if self.waves_command:
+            lines.append(f"  waves:  {self.waves_command}")
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
 
@@ -127,6 +159,12 @@ def run_settings(
     )
 
 
+def _in_clocks(line: str) -> str:
+    """Return what an assertion says with the clock, as scoreboards have it, in the place of picoseconds."""
+    said = _ASSERTED.match(line)
+    return f"clock {int(said[1]) // (1000 * PERIOD_NS)}: {said[2]}" if said else line
+
+
 def _errors(log: Path) -> tuple[str, ...]:
     """Return the first error lines of a log: those of the scoreboard, of assertions, of Python."""
     if not log.exists():
@@ -134,7 +172,7 @@ def _errors(log: Path) -> tuple[str, ...]:
     found: list[str] = []
     with log.open(errors="replace") as lines:
         for line in lines:
-            text = line.strip()
+            text = _in_clocks(line.strip())
             if any(mark in text for mark in _MARKS) and text not in found:
                 found.append(text)
             if len(found) == _SHOWN:
@@ -164,11 +202,13 @@ def program_of(settings: RunSettings, dut: Path = DUT) -> Build:
     """Return the simulator that a run lives in: empty, where what is under test is a library."""
     if settings.agent != PIN:
         return bare_build()
-    build = (
-        mesh_pin_build(settings.mesh_configuration, dut)
-        if settings.of_mesh_engine
-        else pin_build(settings.configuration, dut)
-    )
+    match settings.block:
+        case Block.BOARD:
+            build = board_pin_build(settings.board_parameters, dut)
+        case Block.MESH:
+            build = mesh_pin_build(settings.mesh_configuration, dut)
+        case _:
+            build = pin_build(settings.configuration, dut)
     return replace(build, trace=VCD) if settings.waves else build
 
 
@@ -201,10 +241,12 @@ def run(settings: RunSettings, dut: Path = DUT, model: Path | None = None) -> Ru
     start = time.monotonic()
     ended_well = _simulate(settings, program, settings.to_environment(usual), folder)
     seconds = time.monotonic() - start
-    waves = finished(folder, settings) if settings.waves else None
     counts, log = _counts(result_file(folder)), _log(folder)
     passed = ended_well and _passed(_results(folder)) and counts is not None and counts["failed"] == 0
-    return RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log, waves=waves)
+    result = RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+    if not settings.waves:
+        return result
+    return replace(result, waves=finished(folder, settings, result.first_clock))
 
 
 def run_trials(trials: Trials) -> None:
@@ -242,6 +284,7 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
             log_file=_log(folder),
             extra_env={
                 **environment,
+                PROGRAM_VARIABLE: program.name,
                 "COCOTB_ANSI_OUTPUT": "0",
                 "COCOTB_LOG_LEVEL": os.environ.get(
                     "COCOTB_LOG_LEVEL", "DEBUG" if settings.verbosity == "debug" else "WARNING"

@@ -34,24 +34,28 @@ def unknown_file(folder: Path) -> Path:
 class UnknownMonitor(uvm_monitor):
     """Counts unknown values of outputs at every edge out of reset, where they count.
 
-    ``outputs``: each output, and the one that must be 1 for it to count; None: it always does.
+    ``outputs``: each output, and the one that must be 1 for it to count; None: it always does. ``reset_n``:
+    also a signal of the inside, where the pin is a button.
     """
 
     dut: Any
     settings: RunSettings
     outputs: Mapping[str, str | None]
+    clock: str
+    reset_n: str
     looked = unknown = 0
 
     async def run_phase(self) -> None:
         """Watch."""
-        dut, edge = self.dut, RisingEdge(self.dut.clk_i)
+        dut, edge = self.dut, RisingEdge(getattr(self.dut, self.clock))
+        reset_n = getattr(dut, self.reset_n)
         watched = [
             (name, getattr(dut, name), None if valid is None else getattr(dut, valid))
             for name, valid in self.outputs.items()
         ]
         while True:
             await edge
-            if str(dut.rst_ni.value) != "1":
+            if str(reset_n.value) != "1":
                 continue
             for name, handle, valid in watched:
                 if valid is None or str(valid.value) == "1":
@@ -63,8 +67,8 @@ class UnknownMonitor(uvm_monitor):
         self.unknown += 1
         if self.unknown <= _SHOWN:
             report(ERROR, f"{name} is unknown out of reset: {value}", "UNKNOWN")
-        # At once: what reads such a value as a number ends the run.
-        self._write()
+            # At once: what reads such a value as a number ends the run.
+            self._write()
 
     def _write(self) -> None:
         counts = {"looked": self.looked, "unknown": self.unknown}

@@ -8,14 +8,19 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.models import CORE_TOP, MESH_TOP
-from triaxis.verif.testbench.settings import PIN, VERILATOR, RunSettings
+from triaxis.sim.clocking import PERIOD_NS
+from triaxis.sim.models import BOARD_TOP, CORE_TOP, MESH_TOP
+from triaxis.verif.testbench.settings import PIN, VERILATOR, Block, RunSettings
 
 WAVES = ("vcd", "fst")
 DUMP = "waves.vcd"
 _CONVERTER = "vcd2fst"
 # GTKWave's: some thirty clocks in a window.
-_ZOOM = "*-16.000000 0"
+_ZOOM = "*-16.000000"
+# Clocks before a failure at which a view begins: what led to it is in the window.
+_BEFORE = 24
+# Picoseconds, the unit of the file.
+_CLOCK = 1000 * PERIOD_NS
 
 Groups = Mapping[str, Sequence[str]]
 
@@ -54,12 +59,30 @@ _MESH: Groups = {
         "pairs_skipped_o", "tested_o", "near_o",
     ],
 }  # fmt: skip
+_BOARD: Groups = {
+    "line": [
+        "clk_100mhz_i", "cpu_reset_ni", "rst_n", "uart_rx_i", "uart_tx_o", "frame_full", "frame_length",
+        "frame_release", "link_error", "reply_valid", "reply_ready", "code",
+    ],
+    "go": ["go_o", "stop_o", "beat_o", "led_o", "alive", "expired", "refused", "u_safety.armed_q"],
+    "session": [
+        "hello", "load", "move", "run", "free", "abort", "u_command.state_q", "u_command.u_session.session_q",
+    ],
+    "runner": ["busy", "aborting", "run_state", "run_mode", "done", "done_status", "near_count"],
+    "engine": [
+        "load_tvalid", "load_tready", "load_tuser", "count_a", "count_b", "run_tvalid", "run_tuser",
+        "near_tvalid", "near_tready", "near_tdata", "ring_written", "ring_freed",
+    ],
+}  # fmt: skip
 
 
 def check_waves(waves: str, agent: str, simulator: str) -> None:
     """Raise InputError where a run cannot leave such waves."""
     if (agent, simulator) != (PIN, VERILATOR):
-        raise InputError("--waves: are of runs on the pins in Verilator: leave out --agent and --simulator")
+        raise InputError(
+            "--waves: are of runs on the pins in Verilator: leave out --simulator; for the board "
+            "say --agent pin"
+        )
     if waves == "fst" and shutil.which(_CONVERTER) is None:
         raise InputError(
             f"--waves fst: {_CONVERTER}: not found: install GTKWave (apt-get install gtkwave), or take vcd"
@@ -84,15 +107,18 @@ def signals_in(dump: Path) -> dict[str, int]:
     return found
 
 
-def view(of_mesh_engine: bool) -> dict[str, list[str]]:
+def view(block: Block) -> dict[str, list[str]]:
     """Return the groups of a view, each with its signals as a VCD file names them."""
-    top, groups = (MESH_TOP, _MESH) if of_mesh_engine else (CORE_TOP, _CORE)
+    top, groups = {
+        Block.CORE: (CORE_TOP, _CORE), Block.MESH: (MESH_TOP, _MESH), Block.BOARD: (BOARD_TOP, _BOARD),
+    }[block]  # fmt: skip
     return {title: [f"{top}.{name}" for name in names] for title, names in groups.items()}
 
 
-def finished(folder: Path, settings: RunSettings) -> Path | None:
+def finished(folder: Path, settings: RunSettings, clock: int | None = None) -> Path | None:
     """Write views beside the waves of a run; return the file, converted if asked for, None without one.
 
+    ``clock``: of the first failure; GTKWave then begins some clocks before it, and has its marker there.
     A signal that this configuration does not have is left out.
     """
     dump = folder / DUMP
@@ -104,8 +130,9 @@ def finished(folder: Path, settings: RunSettings) -> Path | None:
         subprocess.run([_CONVERTER, dump.name, whole.name], cwd=folder, check=True, capture_output=True)
         dump.unlink()
         dump = whole
-    gtkwave, surfer = [f'[dumpfile] "{dump.name}"', "[timestart] 0", _ZOOM], []
-    for title, paths in view(settings.of_mesh_engine).items():
+    marked, start = _CLOCK * (clock or 0), _CLOCK * max(0, (clock or 0) - _BEFORE)
+    gtkwave, surfer = [f'[dumpfile] "{dump.name}"', f"[timestart] {start}", f"{_ZOOM} {marked}"], []
+    for title, paths in view(settings.block).items():
         gtkwave += ["@200", f"-{title}"]
         surfer.append(f"divider_add {re.sub(r'[^a-z]+', '_', title)}")
         for path in (path for path in paths if path in held):

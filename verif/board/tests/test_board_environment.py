@@ -3,14 +3,17 @@
 import pytest
 
 from triaxis.sim.models import BOARD_SVA, assertions
+from triaxis.sim.paths import DUT
 from triaxis.verif.board.uvm_tests import BOARD
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench.assertions import assertion_names
-from triaxis.verif.testbench.settings import BURST, Block
+from triaxis.verif.testbench.settings import BURST, PIN, Block
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import names_of
 
 pytestmark = pytest.mark.simulator
+
+SMALL = "board_w8_m0_d16_g4_l2"
 
 # The tests whose monitor lies, or that check nothing, and what is said of each.
 SAID = {
@@ -62,6 +65,30 @@ def test_passes(tmp_path, seed, test):
     assert result.passed and result.counts, result.explain()
     assert result.counts["runs"] and result.counts["gos"]
     assert (result.counts["resets"] > 1) == (test in PRESSED)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("late", [False, True])
+def test_the_pins_say_what_the_library_says(tmp_path, seed, late):
+    # Go a clock late, which breaks no rule of sva/: the scoreboard sees it.
+    right = "  assign go_d = (go_q || (armed_q && clear)) && !changed && !fault;"
+    wrong = (
+        "  logic late_q;\n  always_ff @(posedge clk_i) late_q <= armed_q && clear;\n"
+        "  assign go_d = (go_q || late_q) && !changed && !fault;"
+    )
+    change = ("board/triaxis_safety.sv", right, wrong)
+    dut = broken_rtl(tmp_path, change) if late else DUT
+    pins, library = (
+        run(run_settings("BoardSmokeTest", SMALL, seed, 20, folder=tmp_path / agent, agent=agent), dut)
+        for agent in (PIN, BURST)
+    )
+    assert pins.passed == library.passed == (not late), pins.explain()
+    if late:
+        assert "is due" in pins.errors[0], pins.errors
+    else:
+        # The same replies, runs and clocks.
+        for count in ("checked", "runs", "gos", "resets", "clocks"):
+            assert pins.counts and library.counts and pins.counts[count] == library.counts[count]
 
 
 @pytest.mark.parametrize("name", SAID)

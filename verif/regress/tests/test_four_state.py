@@ -9,6 +9,7 @@ from triaxis.sim import simulators
 from triaxis.sim.simulators import ICARUS, compiled_for, icarus_installed
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.regress.four_state import plan, run_four_state, write_result
+from triaxis.verif.testbench.settings import Block
 from triaxis.verif.testbench.simulation import program_of, run, run_settings
 
 needs_icarus = pytest.mark.skipif(not icarus_installed(), reason="Icarus is not installed: iverilog")
@@ -24,7 +25,7 @@ def small_runs(folder, test="FarTest", pairs=60):
 def test_nothing_is_unknown_in_the_core(tmp_path):
     result = run_four_state(1, lambda _: None, small_runs(tmp_path))
     assert result.problems == []
-    assert (result.pairs(of_mesh_engine=False), result.wrong, result.unknown) == (60, 0, 0)
+    assert (result.checked(Block.CORE), result.wrong, result.unknown) == (60, 0, 0)
     content = json.loads(write_result(result, "command", tmp_path / "four_state.json").read_text())
     assert content["passed"] and content["looked"] > 200
 
@@ -70,12 +71,29 @@ def test_what_is_unknown_is_seen(tmp_path, change, test, message):
     assert any(message in problem for problem in result.problems), result.problems
 
 
+@needs_icarus
+@pytest.mark.simulator
+@pytest.mark.prover
+@pytest.mark.parametrize("broken", [False, True])
+def test_what_is_unknown_is_seen_on_the_board(tmp_path, broken):
+    # It checks nothing, and is short; a register of the line without its reset.
+    settings = run_settings(
+        "BoardNothingTest", "board_w8_m0_d16_g4_l2", 1, 1, folder=tmp_path / "run", simulator=ICARUS
+    )
+    change = ("board/triaxis_uart_tx.sv", "      left_q  <= '0;\n", "")
+    result = run_four_state(1, lambda _: None, [settings], broken_rtl(tmp_path, *[change][:broken]))
+    assert result.looked > 30_000 and (result.unknown > 0) == broken
+    assert ("uart_tx_o is unknown" in result.problems[0]) == broken
+
+
 def test_the_plan_has_every_test_of_resets_and_ten_thousand_pairs():
     runs = plan(1)
     assert {run.test for run in runs} >= {"ResetsTest", "MeshResetsTest"}
-    assert max(run.pairs for run in runs if not run.of_mesh_engine) >= 10_000
+    assert max(run.pairs for run in runs if run.block is Block.CORE) >= 10_000
+    assert {run.test for run in runs if run.block is Block.BOARD} == {"BoardSmokeTest", "BoardResetsTest"}
     assert len({run.folder for run in runs}) == len(runs)
-    assert "--simulator icarus" in runs[0].replay_command
+    assert all("--simulator icarus" in run.replay_command for run in runs)
+    assert all(("--agent pin" in run.replay_command) == (run.block is Block.BOARD) for run in runs)
 
 
 def test_a_simulator_is_refused_in_a_line(tmp_path, monkeypatch):
