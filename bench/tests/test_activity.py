@@ -1,4 +1,4 @@
-"""Operand gating by counted toggles: the counts are exact, the bound holds, broken gating is seen."""
+"""Operand gating by counted toggles: the bound holds, broken gating is seen."""
 
 import json
 import re

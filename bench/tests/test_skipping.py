@@ -1,4 +1,4 @@
-"""What skipping saves: the counts add up and are the engine's, wrong answers are seen."""
+"""What skipping saves: it is what the engine counts, and wrong answers are seen."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The broad phase against trying all pairs: nothing lost, nothing more, in order, and in near-linear time."""
+"""The broad phase against trying all pairs: nothing lost, nothing more, in order."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Programs of others are compiled once, and what a limit ends has decided nothing."""
+"""Programs of others that do not start are one error, and what a limit ends has decided nothing."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The engine's stimulus is what it says: within the range, with the gaps and at the ends that it names."""
+"""The engine's stimulus is what it says: within the range, and its beats come back."""
 
 import numpy as np
 import pytest
