@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.verif.faults.broken_rtl import FOLDER
@@ -18,11 +17,11 @@ RUNS = FOLDER / "runs"
 # The golden model judges one pair in so many; the bulk checker checks all.
 _JUDGED_ONE_IN = 100
 
-_TIMED = re.compile(r"\[(\d+)\] %Error: .*Assertion failed in \S*?(\w+): (.*)")
+# As a run's report has it.
+_TIMED = re.compile(r"clock (\d+): %Error: .*Assertion failed in \S*?(\w+): (.*)")
 _SVA = {Block.CORE: CORE_SVA, Block.MESH: MESH_SVA, Block.BOARD: BOARD_SVA}
 # The end of a traceback: the exception's type, and what it says.
 _RAISED = re.compile(r"(?:[\w.]+\.)?(AssertionError|HungError|InputError): (.*)")
-_PS_PER_CLOCK = 1000 * PERIOD_NS
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def _broken_rule(result: RunResult) -> Sign | None:
     """Return the first assertion that failed."""
     for line in result.errors:
         if found := _TIMED.search(line):
-            return Sign(found[2], f"{found[2]}: {found[3]}", clocks=int(found[1]) // _PS_PER_CLOCK)
+            return Sign(found[2], f"{found[2]}: {found[3]}", clocks=int(found[1]))
     return None
 
 

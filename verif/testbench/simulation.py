@@ -159,7 +159,7 @@ def run_settings(
     )
 
 
-def _in_clocks(line: str) -> str:
+def in_clocks(line: str) -> str:
     """Return what an assertion says with the clock, as scoreboards have it, in the place of picoseconds."""
     said = _ASSERTED.match(line)
     return f"clock {int(said[1]) // (1000 * PERIOD_NS)}: {said[2]}" if said else line
@@ -172,7 +172,7 @@ def _errors(log: Path) -> tuple[str, ...]:
     found: list[str] = []
     with log.open(errors="replace") as lines:
         for line in lines:
-            text = _in_clocks(line.strip())
+            text = in_clocks(line.strip())
             if any(mark in text for mark in _MARKS) and text not in found:
                 found.append(text)
             if len(found) == _SHOWN:

@@ -31,7 +31,7 @@ from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.runs import Sign, design_sign_of, sign_of
 from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import BURST, failure_file
-from triaxis.verif.testbench.simulation import RunResult, run_settings
+from triaxis.verif.testbench.simulation import RunResult, in_clocks, run_settings
 
 ENGINE_CONFIG = fault_of("engine-lane-mask").config
 CONFIG = fault_of("F2").config
@@ -148,8 +148,8 @@ def test_what_passes_or_ends_without_a_verdict_catches_nothing(
     assert bool(control([fault_of(name)], seed)) == (counts is None)
 
 
-RULE = "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved"
-MESH_RULE = "[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved"
+RULE = in_clocks("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved")
+MESH_RULE = in_clocks("[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved")
 WRONG = {"blame": "design", "message": "core says (1)", "of_pair": True}
 LOST = {"blame": "design", "message": "3 pairs accepted and never answered", "of_pair": False}
 JUDGES = {"blame": "judges", "message": "golden model: no certificate", "of_pair": True}
