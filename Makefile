@@ -105,7 +105,7 @@ unit: $(READY) ## the tests that need no simulator, prover or synthesiser: about
 COLD_TARGETS ?= signoff test
 COLD_BUSY ?= 1
 cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: an hour or two
-	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" .ci/cold
+	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" WHOLE="$(WHOLE)" .ci/cold
 
 lint: $(READY) ## check style, types, imports and the testplan
 	@$(BIN)/python -m triaxis.verif.lint

@@ -34,6 +34,7 @@ from triaxis.verif.formal import coq, proving
 from triaxis.verif.formal.cone import Covered
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
+from triaxis.verif.mutation.order import remember
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.netlist import result as netlists
@@ -341,11 +342,17 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mutant", metavar="ID", help="only this mutant, or those that a pattern matches")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"processes ({_JOBS})")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found out")
+    parser.add_argument(
+        "--order", action="store_true",
+        help="write down where each mutant was noticed, verif/mutation/order.json: later runs begin there",
+    )  # fmt: skip
     parser.set_defaults(run=_mutate)
 
 
 def _mutate(options: argparse.Namespace) -> int:
     restricted = options.file is not None or options.mutant is not None
+    if restricted and options.order:
+        raise InputError("--order: is of all mutants: leave out --file and --mutant")
     found = catalogue()
     if restricted:
         found = found.restricted(options.file, options.mutant)
@@ -355,6 +362,8 @@ def _mutate(options: argparse.Namespace) -> int:
     if not restricted:
         command = f"triaxis prove mutate --seed {options.seed}"
         print(f"written to {mutation_result.write_result(result, command)}")
+        if options.order:
+            print(f"written to {remember(result.fates)}")
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")

@@ -1,7 +1,8 @@
 """What becomes of each mutant of a catalogue: in which order they are tried, on what, and by how long tests.
 
 Short tests first, on each target in turn, mutants of the core beside those of the mesh engine; longer tests
-and volume after, for those that survive.
+and volume after, for those that survive. Mutants that an earlier run noticed late are tried there alone, and
+everywhere where that is in vain.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ from triaxis.sim.verilate import MANY
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
 from triaxis.verif.mutation.killing import Hunt, Progress, Stage
 from triaxis.verif.mutation.mutant import Mutant
+from triaxis.verif.mutation.order import read_order
 from triaxis.verif.mutation.outcomes import Outcome, Store
 from triaxis.verif.mutation.targets import (
     FULL_PIECES,
@@ -89,7 +91,7 @@ def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: 
 
 def _split(hunt: Hunt, excused: frozenset[str] = frozenset()) -> tuple[list[Mutant], list[Mutant]]:
     """Return the mutants that one library holds, and the others."""
-    wanted = [one for one in hunt.catalogue.mutants if one.id not in excused]
+    wanted = [one for one in hunt.left if one.id not in excused]
     return [m for m in wanted if m.id in hunt.numbers], [m for m in wanted if m.id not in hunt.numbers]
 
 
@@ -116,14 +118,18 @@ def judge(
     numbers = runtime_numbers(catalogue.mutants)
     if len(numbers) <= _FEW:
         numbers = {}
+    order = read_order(one.id for one in todo)
     left = replace(catalogue, mutants=tuple(todo))
-    hunt = Hunt(left, numbers, dut, seed, jobs, store, excused, progress, timeline)
+    hunt = Hunt(left, numbers, dut, seed, jobs, store, excused, order, progress, timeline)
     wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
     try:
         of_core = any(one.file.startswith("core/") for one in todo)
-        _directed(hunt, wanted, of_core)
-        _remaining(hunt, wanted, of_core, with_volume)
+        for again in (False, True):
+            if again:
+                hunt.forget_order()
+            _directed(hunt, wanted, of_core)
+            _remaining(hunt, wanted, of_core, with_volume)
         if with_volume:
             store.surviving |= {one.id for one in todo} - store.killed.keys()
     finally:

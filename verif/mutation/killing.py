@@ -5,6 +5,7 @@ Either is tried by `run_trials`, test by test, until a test fails.
 """
 
 import multiprocessing
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ from triaxis.verif.mutation.builds import (
 )
 from triaxis.verif.mutation.catalogue import Catalogue
 from triaxis.verif.mutation.mutant import Mutant
+from triaxis.verif.mutation.order import Place
 from triaxis.verif.mutation.outcomes import Killed, Store
 from triaxis.verif.mutation.schema import mutated, write_schema
 from triaxis.verif.mutation.targets import (
@@ -33,7 +35,6 @@ from triaxis.verif.mutation.targets import (
     Elaborated,
     EngineTarget,
     elaborated,
-    ordered,
     right_latencies,
 )
 from triaxis.verif.testbench.settings import RunSettings
@@ -97,10 +98,16 @@ class Hunt:
 
     def __init__(
         self, catalogue: Catalogue, numbers: Mapping[str, int], dut: Path, seed: int, jobs: int,
-        store: Store, excused: frozenset[str], progress: Progress, timeline: Timeline,
+        store: Store, excused: frozenset[str], order: Mapping[str, Place], progress: Progress,
+        timeline: Timeline,
     ) -> None:  # fmt: skip
-        """Know what the store knows. ``numbers``: of the mutants that are tried in one library."""
+        """Know what the store knows. ``numbers``: of the mutants that are tried in one library; ``order``:
+        where some of them are tried, and nowhere else until `forget_order`.
+        """
         self.excused, self.timeline = excused, timeline
+        self.left = [one for one in catalogue.mutants if one.id not in store.killed]
+        self._order = order
+        self._trials: Counter[str] = Counter()
         self.catalogue, self.numbers, self.dut, self.seed, self.jobs = catalogue, numbers, dut, seed, jobs
         self.store, self.killed, self._progress = store, store.killed, progress
         self._elaborated: dict[str, Elaborated] = {}
@@ -121,9 +128,24 @@ class Hunt:
             self._elaborated[target.name] = elaborated(target, self.dut)
         return mutant.needs < 0 or self._elaborated[target.name].holds(mutant.file, mutant.needs)
 
-    def alive(self, target: AnyTarget, mutants: Iterable[Mutant]) -> list[Mutant]:
-        """Return those that a target elaborates and that nothing has noticed."""
-        return [one for one in mutants if one.id not in self.killed and self.holds(target, one)]
+    def forget_order(self) -> None:
+        """Leave those that were tried in one place alone, in vain, to all that there are."""
+        self.left = [one for one in self.left if one.id in self._order and one.id not in self.killed]
+        self._order = {}
+
+    def alive(self, stage: Stage, mutants: Iterable[Mutant]) -> list[Mutant]:
+        """Return those that a stage is to try: its target elaborates them, and nothing has noticed them."""
+        return [
+            one
+            for one in mutants
+            if one.id not in self.killed
+            and (one.id not in self._order or self._order[one.id].stage == stage.name)
+            and self.holds(stage.target, one)
+        ]
+
+    def _model(self, mutant: str, library: Path, selected: int = 0) -> Model:
+        place = self._order.get(mutant)
+        return Model(mutant, str(library), selected, place.test if place else "")
 
     def beside(self, lanes: Iterable[Iterable[Callable[[], None]]], threads: int) -> None:
         """Do what is in each lane in its order, so many lanes at a time: one alone keeps all processors busy
@@ -146,11 +168,11 @@ class Hunt:
 
     def selected(self, stage: Stage, mutants: Sequence[Mutant]) -> None:
         """Try run-time mutants, all in one library."""
-        alive = self.alive(stage.target, mutants)
+        alive = self.alive(stage, mutants)
         if not alive:
             return
         library = self._library(stage.target)
-        models = [Model(mutant.id, str(library), self.numbers[mutant.id]) for mutant in alive]
+        models = [self._model(mutant.id, library, self.numbers[mutant.id]) for mutant in alive]
         original = Model(_ORIGINAL, str(library))
         with self.timeline.span(f"{stage.name}: {len(alive)} in one library"):
             self._try(stage, models, original, {test.test for test in stage.tests}, [original])
@@ -163,9 +185,7 @@ class Hunt:
         configuration is built with besides, the core or what stands in for it, or assertions, is no part of
         what is proved.
         """
-        alive = [
-            one for one in self.alive(stage.target, mutants) if (one.id, stage.target.name) not in self._tried
-        ]
+        alive = [one for one in self.alive(stage, mutants) if (one.id, stage.target.name) not in self._tried]
         if not alive:
             return
         self._tried |= {(one.id, stage.target.name) for one in alive if one.id in self.excused}
@@ -193,15 +213,19 @@ class Hunt:
             return None
         with self._slots, mutated(self.dut, mutant) as dut:
             if mutant.file == _PACKAGE and not right_latencies(dut):
-                self._notice(mutant.id, _LATENCIES, stage.number)
+                self._notice(mutant.id, _LATENCIES, stage)
                 return None
             try:
                 library = stage.library(dut, folder, original)
             except ElaborationError as error:
                 said = _first_line(str(error))
-                self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0), stage.number)
+                self._notice(mutant.id, Killed("elaboration", stage.target.name, said, 0), stage)
                 return None
-        return Model(mutant.id, str(library)) if library else None
+        if library is None:
+            # As good as a trial in vain: it took a run of Verilator.
+            self._trials[mutant.id] += 1
+            return None
+        return self._model(mutant.id, library)
 
     def _library(self, target: AnyTarget) -> Path:
         if target.name not in self._libraries:
@@ -210,7 +234,7 @@ class Hunt:
                 self._libraries[target.name] = schema_library(target, whole / "dut", extra, self.jobs)
         return self._libraries[target.name]
 
-    def _notice(self, name: str, killed: Killed, stage: int) -> None:
+    def _notice(self, name: str, killed: Killed, stage: Stage) -> None:
         if name == _ORIGINAL:
             raise InputError(
                 f"{killed.target}, no mutant selected: {killed.symptom} in {killed.test}: the RTL is wrong, "
@@ -218,8 +242,9 @@ class Hunt:
             )
         with self._noticing:
             known = name in self.killed
-            if not known or stage < self._noticed_by.get(name, 0):
-                self.killed[name], self._noticed_by[name] = killed, stage
+            if not known or stage.number < self._noticed_by.get(name, 0):
+                self.killed[name] = replace(killed, stage=stage.name, trial=self._trials[name] + 1)
+                self._noticed_by[name] = stage.number
             if not known:
                 self._progress(1)
 
@@ -242,13 +267,9 @@ class Hunt:
         excused = [model for model in models if model.name in self.excused]
         others = [model for model in models if model.name not in self.excused]
         brief = tuple(test for test in stage.tests if test.test in _OF_ALL_KINDS) or stage.tests
-        orders: dict[tuple[RunSettings, ...], list[Model]] = {}
-        for model in others:
-            orders.setdefault(ordered(stage.tests, model.name.partition("/")[0]), []).append(model)
         # The original goes first: where it fails, nothing else is believed.
         shares = [(list(beside), stage.tests)]
-        for tests, models in orders.items():
-            shares += [(models[number :: self.jobs], tests) for number in range(self.jobs)]
+        shares += [(others[number :: self.jobs], stage.tests) for number in range(self.jobs)]
         with temporary() as folder:
             verdicts: list[Verdict] = []
             # Whatever ends a long run, what it found out is kept.
@@ -260,15 +281,16 @@ class Hunt:
                 self._note(stage, [verdict for verdict in verdicts if verdict.name == _ORIGINAL])
                 passed |= noticing
             finally:
-                self._note(stage, [verdict for verdict in verdicts if verdict.test in passed])
+                self._note(stage, [one for one in verdicts if one.test in passed or not one.symptom])
         self.store.save()
 
     def _note(self, stage: Stage, verdicts: Iterable[Verdict]) -> None:
         for verdict in verdicts:
             if verdict.symptom:
                 said, name = _first_line(verdict.symptom), stage.target.name
-                killed = Killed(verdict.test, name, said, verdict.pairs)
-                self._notice(verdict.name, killed, stage.number)
+                self._notice(verdict.name, Killed(verdict.test, name, said, verdict.pairs), stage)
+            else:
+                self._trials[verdict.name] += 1
 
     def _simulate(
         self, folder: Path, shares: Sequence[tuple[list[Model], tuple[RunSettings, ...]]],
@@ -301,7 +323,7 @@ class Hunt:
             for model, answer in zip(models, answers, strict=True):
                 if pairs := answer.result():
                     killed = Killed("check_detector", stage.target.name, "wrong answer", pairs)
-                    self._notice(model.name, killed, stage.number)
+                    self._notice(model.name, killed, stage)
 
 
 def _first_line(message: str) -> str:

@@ -18,12 +18,17 @@ _EARLIER = 1
 
 @dataclass(frozen=True)
 class Killed:
-    """How a mutant was noticed: the test that ran, the model, what was wrong, after how many pairs."""
+    """How a mutant was noticed: the test that ran, the model, what was wrong, after how many pairs.
+
+    ``stage``: of the run; ``trial``: the number of its trials until then, this one among them.
+    """
 
     test: str
     target: str
     symptom: str
     pairs: int
+    stage: str = ""
+    trial: int = 1
 
 
 @dataclass(frozen=True)

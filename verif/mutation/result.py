@@ -28,7 +28,9 @@ KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "no
 
 @dataclass(frozen=True)
 class Fate:
-    """What became of one mutant; by what, in which test and target, where it was killed."""
+    """What became of one mutant; where it was killed, by what, in which test and target, and of its trials
+    by which, in which stage of the run.
+    """
 
     id: str
     kind: str
@@ -41,6 +43,8 @@ class Fate:
     target: str | None
     symptom: str | None
     pairs: int | None
+    stage: str | None = None
+    trial: int | None = None
 
     @property
     def file(self) -> str:
@@ -107,7 +111,7 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
         by = BY_ELABORATION if killed.test == BY_ELABORATION else by
         return Fate(
             *fixed, KILLED, by, killed.test, killed.target, killed.symptom,
-            None if by == BY_ELABORATION else killed.pairs,
+            None if by == BY_ELABORATION else killed.pairs, killed.stage, killed.trial,
         )  # fmt: skip
     fate = EQUIVALENT if equivalent else SURVIVING if outcome.targets else ABSENT
     return Fate(*fixed, fate, None, None, None, None, None)

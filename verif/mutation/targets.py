@@ -54,17 +54,6 @@ _BOARD_TESTS = {
     "BoardFullTest": 1,
 }  # fmt: skip
 _BOARD_VOLUME = 1000
-# What shows most mutants of a module, where that is not among the quickest: it comes second.
-SECOND = {
-    "triaxis_decimal": "BoardFullTest",
-    "triaxis_display": "BoardFullTest",
-    "triaxis_frame_rx": "BoardFramesTest",
-    "triaxis_near_ring": "BoardFullTest",
-    "triaxis_safety": "BoardGoTest",
-    "triaxis_saturating_counter": "BoardFullTest",
-    "triaxis_slip_rx": "BoardFramesTest",
-    "triaxis_uart_rx": "BoardFramesTest",
-}
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
@@ -76,12 +65,6 @@ def _runs(tests: Mapping[str, int], config: str, seed: int) -> tuple[RunSettings
         RunSettings(test, seed, config, pairs, "", agent=BURST, judged_one_in=MOST_SELDOM)
         for test, pairs in tests.items()
     )
-
-
-def ordered(tests: tuple[RunSettings, ...], module: str) -> tuple[RunSettings, ...]:
-    """Return tests in the order in which mutants of a module meet them."""
-    second = SECOND.get(module)
-    return tuple(sorted(tests, key=lambda one: (one is not tests[0], one.test != second)))
 
 
 @dataclass(frozen=True)

@@ -24,11 +24,15 @@ _PASSED = ""
 
 @dataclass(frozen=True)
 class Model:
-    """What a trial is of: a name, the library, the number of the mutant that is selected in it."""
+    """What a trial is of: a name, the library, the number of the mutant that is selected in it.
+
+    ``first``: the test that it meets before all others, "" where that is the first of all.
+    """
 
     name: str
     library: str
     selected: int = 0
+    first: str = ""
 
 
 @dataclass(frozen=True)
@@ -83,22 +87,28 @@ class Trials:
         lines = self.results.read_text().splitlines() if self.results.exists() else []
         return [Verdict(**json.loads(line)) for line in lines]
 
-    def unnoticed(self) -> list[Model]:
-        """Return the models that no test has noticed so far, nor come to no verdict on."""
+    @property
+    def turns(self) -> list[tuple[RunSettings, tuple[Model, ...]]]:
+        """Return the tests in the order in which they run, each with the models that then meet it."""
+        early = [(test, tuple(one for one in self.models if one.first == test.test)) for test in self.tests]
+        late = [(test, tuple(one for one in self.models if one.first != test.test)) for test in self.tests]
+        return [turn for turn in (*early, *late) if turn[1]]
+
+    def unnoticed(self, models: tuple[Model, ...]) -> list[Model]:
+        """Return those of some models that no test has noticed so far, nor come to no verdict on."""
         noticed = {verdict.name for verdict in self.verdicts() if verdict.symptom or verdict.trouble}
-        return [model for model in self.models if model.name not in noticed]
+        return [model for model in models if model.name not in noticed]
 
     def check(self, log: Path) -> None:
         """Raise InputError unless every test gave a verdict on every model that was left to it."""
         verdicts = {(verdict.name, verdict.test): verdict for verdict in self.verdicts()}
-        for model in self.models:
-            for test in self.tests:
+        noticed = {name for (name, _), verdict in verdicts.items() if verdict.symptom}
+        for test, models in self.turns:
+            for model in models:
                 verdict = verdicts.get((model.name, test.test))
-                if verdict is None or verdict.trouble:
+                if verdict.trouble if verdict else model.name not in noticed:
                     said = verdict.trouble if verdict else _error_line(log)
                     raise InputError(f"{model.name}: no verdict of {test.test}: {said}")
-                if verdict.symptom:
-                    break
 
 
 def _error_line(log: Path) -> str:
@@ -120,6 +130,10 @@ def planned() -> bool:
     return _planned() is not None
 
 
+# The models that meet the test of this process.
+_meeting: tuple[Model, ...] = ()
+
+
 def next_test(settings: RunSettings) -> RunSettings:
     """Return the settings of the one test to run: those given, or where trials are planned each in turn.
 
@@ -131,11 +145,13 @@ def next_test(settings: RunSettings) -> RunSettings:
     # An interrupt ends all of these processes at once.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     status = 0
-    for test in trials.tests:
-        if not trials.unnoticed():
-            break
+    for test, models in trials.turns:
+        if not trials.unnoticed(models):
+            continue
         child = os.fork()
         if not child:
+            global _meeting
+            _meeting = models
             put_into_environment(test)
             return test
         status = os.waitpid(child, 0)[1]
@@ -152,7 +168,7 @@ def next_model(test: str, model: Model) -> Model:
     trials = _planned()
     if trials is None:
         return model
-    for one in trials.unnoticed():
+    for one in trials.unnoticed(_meeting):
         before = trials.told
         child = os.fork()
         if not child:

@@ -19,7 +19,7 @@ from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import BOARD_TOP, DUT, ROOT
-from triaxis.verif.mutation import builds, killers, killing, outcomes, result, targets
+from triaxis.verif.mutation import builds, killers, killing, order, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
@@ -39,7 +39,7 @@ from triaxis.verif.mutation.killing import Hunt
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.mutation.schema import mutated
-from triaxis.verif.mutation.targets import BOARD, ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN, SECOND, ordered
+from triaxis.verif.mutation.targets import ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN
 from triaxis.verif.testbench.simulation import run_trials
 from triaxis.verif.testbench.trials import Model, Trials, Verdict
 
@@ -147,13 +147,50 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypat
     assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
-def test_what_shows_most_mutants_of_a_module_comes_second():
-    tests = BOARD.tests(1)
-    assert SECOND.keys() <= {mutant.module for mutant in catalogue().mutants}
-    for module in (*SECOND, "triaxis_judge"):
-        of_module = ordered(tests, module)
-        assert sorted(of_module, key=tests.index) == list(tests)
-        assert [one.test for one in of_module[:2]] == ["BoardSmokeTest", SECOND.get(module, tests[1].test)]
+def test_where_a_mutant_was_noticed_late_is_where_it_is_tried_first(tmp_path, seed, monkeypatch):
+    """One in vain: it is left to all the others."""
+    early, late, vain = [m for m in catalogue().mutants if m.module == "triaxis_box"][:3]
+    found, file = one(KILL).fates[0], tmp_path / "order.json"
+    file.write_text("{}")
+    place = order.Place("w8_m8, assertions", "MixedTest")
+    fates = [
+        replace(found, id=mutant.id, stage=place.stage, test=place.test, trial=trial)
+        for mutant, trial in ((early, 1), (late, 7), (vain, 2))
+    ]
+    written = order.read_order([early.id, late.id, vain.id], order.remember(fates, file))
+    assert written == {late.id: place, vain.id: place}
+    # Noticed at once, as it was tried there first: it keeps its place.
+    again = [replace(fate, trial=1) for fate in fates[:2]]
+    assert order.read_order([early.id, late.id, vain.id], order.remember(again, file)) == {late.id: place}
+
+    tried: list[tuple[str, str]] = []
+
+    def simulate(trials):
+        for test, models in trials.turns:
+            for model in trials.unnoticed(models):
+                tried.append((model.name, test.test))
+                symptom = "wrong" if (model.name, test.test) == (late.id, place.test) else ""
+                with trials.results.open("a") as told:
+                    told.write(json.dumps(asdict(Verdict(model.name, test.test, symptom, 1))) + "\n")
+
+    monkeypatch.setattr(killing, "run_trials", simulate)
+    monkeypatch.setattr(Hunt, "_library", lambda *_: tmp_path)
+    monkeypatch.setattr(Hunt, "built", lambda *_: None)
+    monkeypatch.setattr("triaxis.verif.mutation.judging.read_order", lambda _: written)
+    monkeypatch.setattr("triaxis.verif.mutation.judging._FEW", 0)
+    judged = judge(few(early, late, vain), seed, 1, Timeline(), targets=(MAIN,), fresh=True)
+    tests = [test.test for test in MAIN.tests(seed)]
+    of = {name: [test for mutant, test in tried if mutant == name] for name in written}
+    assert of[late.id] == ["MixedTest"]
+    once = ["MixedTest", *(test for test in tests if test != "MixedTest")]
+    assert of[vain.id] == [*once, *tests, "VolumeTest"]
+    assert {one.mutant.id: one.killed.trial for one in judged if one.killed} == {late.id: 1}
+
+
+def test_a_damaged_order_is_refused(tmp_path):
+    (tmp_path / "order.json").write_text("[1]")
+    with pytest.raises(InputError, match=r"order.json: damaged: .* `triaxis prove mutate --order`"):
+        order.read_order((), tmp_path / "order.json")
 
 
 @pytest.mark.prover
@@ -274,7 +311,9 @@ def test_what_volume_notices_in_one_engine_is_not_asked_of_the_next(seed, monkey
         time.sleep(0.1)
         volumes.append(stage.target)
         if stage.target == ENGINE_SINGLE:
-            hunting._notice(folded.id, outcomes.Killed("MeshResetsTest", stage.target.name, "wrong", 1), 0)
+            hunting._notice(
+                folded.id, outcomes.Killed("MeshResetsTest", stage.target.name, "wrong", 1), stage
+            )
         alone.release()
 
     monkeypatch.setattr(Hunt, "_build", build)
@@ -295,7 +334,7 @@ def test_volume_is_of_about_as_many_scenes_whatever_a_mesh_holds():
 def hunt(seed, progress=lambda _: None):
     """Return a hunt that knows of no mutant."""
     store = outcomes.Store(DUT, seed, True)
-    return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), progress, Timeline())
+    return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), {}, progress, Timeline())
 
 
 @pytest.mark.parametrize(
@@ -345,12 +384,13 @@ def test_stages_side_by_side_simulate_no_more_at_a_time_than_there_are_jobs(seed
 
 def test_stages_side_by_side_credit_a_mutant_once_and_always_the_same_of_them(seed):
     kills = [outcomes.Killed(f"Test{number}", "w8_m8", "wrong", 1) for number in range(3)]
-    for order in permutations(range(3)):
+    stages = [killing.Stage(MAIN, (), number=number) for number in range(3)]
+    for numbers in permutations(range(3)):
         told: list[int] = []
         hunting = hunt(seed, told.append)
-        for number in order:
-            hunting.beside([[partial(hunting._notice, "m", kills[number], number)]], 2)
-        assert (hunting.killed, sum(told)) == ({"m": kills[0]}, 1)
+        for number in numbers:
+            hunting.beside([[partial(hunting._notice, "m", kills[number], stages[number])]], 2)
+        assert (hunting.killed, sum(told)) == ({"m": replace(kills[0], stage=stages[0].name)}, 1)
 
 
 def test_where_a_stage_fails_those_beside_it_begin_nothing_more(seed):
