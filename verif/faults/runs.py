@@ -17,8 +17,6 @@ RUNS = FOLDER / "runs"
 # The golden model judges one pair in so many; the bulk checker checks all.
 _JUDGED_ONE_IN = 100
 
-# As a run's report has it.
-_TIMED = re.compile(r"clock (\d+): %Error: .*Assertion failed in \S*?(\w+): (.*)")
 _SVA = {Block.CORE: CORE_SVA, Block.MESH: MESH_SVA, Block.BOARD: BOARD_SVA}
 # The end of a traceback: the exception's type, and what it says.
 _RAISED = re.compile(r"(?:[\w.]+\.)?(AssertionError|HungError|InputError): (.*)")
@@ -94,11 +92,8 @@ def _exceptions(result: RunResult) -> list[Sign]:
 
 
 def _broken_rule(result: RunResult) -> Sign | None:
-    """Return the first assertion that failed."""
-    for line in result.errors:
-        if found := _TIMED.search(line):
-            return Sign(found[2], f"{found[2]}: {found[3]}", clocks=int(found[1]))
-    return None
+    rule = result.rule
+    return Sign(rule.name, f"{rule.name}: {rule.said}", clocks=rule.clock) if rule else None
 
 
 @cache

@@ -6,7 +6,9 @@ import os
 import re
 import shutil
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,15 +49,27 @@ from triaxis.verif.testbench.waves import DUMP, finished
 # So many error lines of the log are repeated to the user, and how one is known.
 _SHOWN = 5
 _MARKS = ("ERROR", "%Error", "CRITICAL", "Error:")
-# What Verilator puts before the message of an assertion.
-_ASSERTED = re.compile(r"\[(\d+)\] (%Error.*)")
+# What Verilator says of an assertion, after the time in picoseconds.
+_TIMED = re.compile(r"\[(\d+)\] (%Error.*)")
+_BROKEN = re.compile(r"%Error: .*Assertion failed in \S*?(\w+): (.*)")
 # Tests whose scenes are the same on the pins, where only the paces of the streams are drawn otherwise.
 SAME_ON_PINS = ("MeshRandomTest", "MeshVolumeTest", "MeshGapsTest")
 
 
 @dataclass(frozen=True)
+class BrokenRule:
+    """An assertion that failed: its label, what it says, the clock."""
+
+    name: str
+    said: str
+    clock: int
+
+
+@dataclass(frozen=True)
 class RunResult:
-    """What came of a run. Counts are those of the scoreboard; None where it wrote none."""
+    """What came of a run. Counts are those of the scoreboard; None where it wrote none. ``rule``: the first
+    that was broken.
+    """
 
     settings: RunSettings
     passed: bool
@@ -65,6 +79,7 @@ class RunResult:
     log: Path
     counterexamples: tuple[str, ...] = ()
     waves: Path | None = None
+    rule: BrokenRule | None = None
 
     @property
     def coverage(self) -> Path:
@@ -101,7 +116,8 @@ class RunResult:
     def first_clock(self) -> int | None:
         """Return the clock of the first failure, None where none is known."""
         clocks = (failure.get("clock") for failure in (self.counts or {}).get("failures", ()))
-        return min((clock for clock in clocks if clock is not None), default=None)
+        known = [clock for clock in clocks if clock is not None]
+        return min([*known, *([self.rule.clock] if self.rule else [])], default=None)
 
     def explain(self) -> str:
         """Return what to tell the user about a failed run, several lines."""
@@ -159,38 +175,55 @@ def run_settings(
     )
 
 
-def in_clocks(line: str) -> str:
-    """Return what an assertion says with the clock, as scoreboards have it, in the place of picoseconds."""
-    said = _ASSERTED.match(line)
-    return f"clock {int(said[1]) // (1000 * PERIOD_NS)}: {said[2]}" if said else line
+def in_clocks(line: str) -> tuple[str, BrokenRule | None]:
+    """Return what a line says with the clock, as scoreboards have it, in the place of an assertion's
+    picoseconds; and the rule that it says was broken.
+    """
+    timed = _TIMED.match(line)
+    if not timed:
+        return line, None
+    clock, broken = int(timed[1]) // (1000 * PERIOD_NS), _BROKEN.match(timed[2])
+    rule = BrokenRule(broken[1], broken[2], clock) if broken else None
+    return f"clock {clock}: {timed[2]}", rule
 
 
-def _errors(log: Path) -> tuple[str, ...]:
-    """Return the first error lines of a log: those of the scoreboard, of assertions, of Python."""
+def errors_in(log: Path) -> tuple[tuple[str, ...], BrokenRule | None]:
+    """Return the first error lines of a log, of the scoreboard, of assertions, of Python; and the first rule
+    that they say was broken.
+    """
     if not log.exists():
-        return ("the simulator wrote no log",)
-    found: list[str] = []
+        return ("the simulator wrote no log",), None
+    found: dict[str, BrokenRule | None] = {}
     with log.open(errors="replace") as lines:
         for line in lines:
-            text = in_clocks(line.strip())
-            if any(mark in text for mark in _MARKS) and text not in found:
-                found.append(text)
+            text, rule = in_clocks(line.strip())
+            if any(mark in text for mark in _MARKS):
+                found.setdefault(text, rule)
             if len(found) == _SHOWN:
                 break
-    return tuple(found) or ("no error line in the log: the simulator ended early",)
+    none = "no error line in the log: the simulator ended early"
+    return tuple(found) or (none,), next(filter(None, found.values()), None)
+
+
+def _builds(settings: RunSettings) -> tuple[Callable[[Path], Build], Callable[[Path], Build]]:
+    """Return what makes a library and what makes a simulator of the RTL in a folder."""
+    match settings.block:
+        case Block.BOARD:
+            board = settings.board_parameters
+            return partial(board_build, board), partial(board_pin_build, board)
+        case Block.MESH:
+            mesh = settings.mesh_configuration
+            return partial(mesh_build, mesh), partial(mesh_pin_build, mesh)
+        case _:
+            core = settings.configuration
+            return partial(core_build, core), partial(pin_build, core)
 
 
 def model_of(settings: RunSettings, dut: Path = DUT) -> Build | None:
     """Return the library that a run drives; None where it drives pins of the simulator itself."""
     if settings.agent == PIN:
         return None
-    match settings.block:
-        case Block.BOARD:
-            build = board_build(settings.board_parameters, dut)
-        case Block.MESH:
-            build = mesh_build(settings.mesh_configuration, dut)
-        case _:
-            build = core_build(settings.configuration, dut)
+    build = _builds(settings)[0](dut)
     if settings.soak:
         return build
     # Where no volume is planned, a model that is compiled in half the time is there sooner.
@@ -202,13 +235,7 @@ def program_of(settings: RunSettings, dut: Path = DUT) -> Build:
     """Return the simulator that a run lives in: empty, where what is under test is a library."""
     if settings.agent != PIN:
         return bare_build()
-    match settings.block:
-        case Block.BOARD:
-            build = board_pin_build(settings.board_parameters, dut)
-        case Block.MESH:
-            build = mesh_pin_build(settings.mesh_configuration, dut)
-        case _:
-            build = pin_build(settings.configuration, dut)
+    build = _builds(settings)[1](dut)
     return replace(build, trace=VCD) if settings.waves else build
 
 
@@ -243,7 +270,8 @@ def run(settings: RunSettings, dut: Path = DUT, model: Path | None = None) -> Ru
     seconds = time.monotonic() - start
     counts, log = _counts(result_file(folder)), _log(folder)
     passed = ended_well and _passed(_results(folder)) and counts is not None and counts["failed"] == 0
-    result = RunResult(settings, passed, seconds, counts, () if passed else _errors(log), log)
+    errors, rule = ((), None) if passed else errors_in(log)
+    result = RunResult(settings, passed, seconds, counts, errors, log, rule=rule)
     if not settings.waves:
         return result
     return replace(result, waves=finished(folder, settings, result.first_clock))

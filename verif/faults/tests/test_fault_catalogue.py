@@ -31,7 +31,7 @@ from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.runs import Sign, design_sign_of, sign_of
 from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import BURST, failure_file
-from triaxis.verif.testbench.simulation import RunResult, in_clocks, run_settings
+from triaxis.verif.testbench.simulation import RunResult, errors_in, run_settings
 
 ENGINE_CONFIG = fault_of("engine-lane-mask").config
 CONFIG = fault_of("F2").config
@@ -148,8 +148,8 @@ def test_what_passes_or_ends_without_a_verdict_catches_nothing(
     assert bool(control([fault_of(name)], seed)) == (counts is None)
 
 
-RULE = in_clocks("[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved")
-MESH_RULE = in_clocks("[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved")
+RULE = "[135000] %Error: x.sv:38: Assertion failed in tb.u_core.u_sva.PairHeld: it moved"
+MESH_RULE = "[135000] %Error: x.sv:38: Assertion failed in triaxis_mesh.u_sva.NearStable: it moved"
 WRONG = {"blame": "design", "message": "core says (1)", "of_pair": True}
 LOST = {"blame": "design", "message": "3 pairs accepted and never answered", "of_pair": False}
 JUDGES = {"blame": "judges", "message": "golden model: no certificate", "of_pair": True}
@@ -161,10 +161,14 @@ REFUSED = "InputError: build/faults: cannot write: No space left on device"
 
 def failed_run(folder, failures=(), line="noise", test="RandomTest", config=CONFIG, kept=True):
     settings = run_settings(test, config, 1, 1, folder=folder)
+    counts = {"checked_until_failure": 7, "failures": list(failures)}
+    folder.mkdir(exist_ok=True)
     if kept:
         failure_file(folder).touch()
-    counts = {"checked_until_failure": 7, "failures": list(failures)}
-    return RunResult(settings, False, 0.0, counts, ("noise", line), folder)
+    log = folder / "simulation.log"
+    log.write_text(f"ERROR noise\n{line}\n")
+    errors, rule = errors_in(log)
+    return RunResult(settings, False, 0.0, counts, errors, log, rule=rule)
 
 
 @pytest.mark.parametrize(

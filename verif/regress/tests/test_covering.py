@@ -15,6 +15,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration, parse_mesh_configu
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.verilate import LIGHT, library
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
+from triaxis.verif.faults.runs import design_sign_of
 from triaxis.verif.regress.covering import (
     ALL,
     BOARD_KINDS,
@@ -33,9 +34,8 @@ from triaxis.verif.regress.covering import (
 )
 from triaxis.verif.regress.definition import NIGHTLY, read_definition
 from triaxis.verif.regress.run import FOLDER
-from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import Block, block_of
-from triaxis.verif.testbench.simulation import RunResult, model_of, run, run_settings
+from triaxis.verif.testbench.simulation import model_of, run
 from triaxis.verif.testbench.table import table
 
 # What is said of all that were planted.
@@ -46,7 +46,6 @@ PARSED = {
     Block.CORE: parse_configuration, Block.MESH: parse_mesh_configuration,
     Block.BOARD: parse_board_configuration,
 }  # fmt: skip
-DESIGN = Blame.DESIGN
 
 
 def kinds_of(configuration):
@@ -246,30 +245,6 @@ PLANTED = (
 )  # fmt: skip
 
 
-def sign_of_the_design(result):
-    """Return what a run says against the design: a wrong answer, an assertion, a hang; "" of all else."""
-    wrong = [one["message"] for one in (result.counts or {}).get("failures", ()) if one["blame"] == DESIGN]
-    marks = ("Assertion failed", "HungError", "an assertion failed")
-    return next((one for one in (*wrong, *result.errors) if one in wrong or any(m in one for m in marks)), "")
-
-
-@pytest.mark.parametrize(
-    ("counts", "error", "sign"),
-    [
-        ({"failures": [{"blame": DESIGN, "message": "tag 3 is 4"}]}, "ERROR ..", "tag 3 is 4"),
-        ({"failures": []}, "%Error: Assertion failed in top.u", "%Error: Assertion failed in top.u"),
-        (None, "HungError: it hangs", "HungError: it hangs"),
-        ({"failures": [{"blame": Blame.TEST, "message": "stray"}]}, "ERROR stray", ""),
-        ({"failures": [{"blame": Blame.JUDGES, "message": "they differ"}]}, "ERROR they differ", ""),
-        (None, "MemoryError", ""),
-        (None, "no error line in the log: the simulator ended early", ""),
-    ],
-)  # fmt: skip
-def test_only_what_the_design_does_catches_a_bug(counts, error, sign):
-    settings = run_settings("VolumeTest", "w8_m0", 1, 1)
-    assert sign_of_the_design(RunResult(settings, False, 1.0, counts, (error,), ROOT)) == sign
-
-
 @pytest.mark.simulator
 @pytest.mark.regress
 def test_what_is_wrong_at_one_value_alone_is_caught_by_a_run_of_the_nightly(tmp_path, seed):
@@ -292,7 +267,7 @@ def test_what_is_wrong_at_one_value_alone_is_caught_by_a_run_of_the_nightly(tmp_
             result = ran(planned, dut)
             if result.passed:
                 continue
-            if not (sign := sign_of_the_design(result)):
+            if not (sign := design_sign_of(result)):
                 caught = f"NOT CAUGHT: {planned.test} in {planned.config} ended otherwise: {result.errors[0]}"
                 continue
             if planned.config not in healthy:
@@ -300,7 +275,7 @@ def test_what_is_wrong_at_one_value_alone_is_caught_by_a_run_of_the_nightly(tmp_
             if not healthy[planned.config]:
                 caught = f"NOT CAUGHT: {planned.test} in {planned.config} fails without it too"
                 continue
-            caught = f"{planned.test} in {planned.config}: {sign.partition(']: ')[2] or sign}"[:140]
+            caught = f"{planned.test} in {planned.config}: {sign.message}"[:140]
             break
         lines.append(f"{bug.name}: {caught}\n")
         missed += [bug.name] if caught.startswith("NOT CAUGHT") else []
