@@ -23,7 +23,7 @@ WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
-.PHONY: sim exhaustive code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report
+.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report
 .PHONY: fpga-timing activity bitstream cold lock clean
 
 help: ## list the targets
@@ -79,6 +79,9 @@ mutate: $(READY) $(YOSYS) ## change dut/ in 5,800 ways; see each noticed by a te
 
 faults: $(READY) ## put in the faults of the replaced design and of the board, and see each caught
 	@$(BIN)/triaxis prove faults --seed $(SEED)
+
+upsets: $(READY) ## invert bits of the running board, and count what comes of it: half an hour
+	@$(BIN)/triaxis prove upsets --seed $(SEED)
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs
 	@$(BIN)/triaxis prove formal

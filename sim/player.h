@@ -19,6 +19,10 @@
 #include "Vtop.h"
 #include "verilated.h"
 
+#ifdef UPSETS
+#include "registers.h"
+#endif
+
 #if VM_COVERAGE
 #include "verilated_cov.h"
 #endif
@@ -152,6 +156,9 @@ class Bench {
 #else
     (void)selected;
 #endif
+#ifdef UPSETS
+    registers_ = std::make_unique<Registers>(context_);
+#endif
     if (initial >= 0) FallIntoReset(*model_);
 #if VM_COVERAGE
     LeaveInitialValues(*model_);
@@ -175,6 +182,10 @@ class Bench {
     Rise();
     Fall();
   }
+
+#ifdef UPSETS
+  Registers& registers() { return *registers_; }
+#endif
 
 #if VM_COVERAGE
   // Ends the file with a line by which the reader sees that it is whole: Verilator does not notice a full disk.
@@ -237,6 +248,9 @@ class Bench {
 
   VerilatedContext context_;
   std::unique_ptr<Vtop> model_;
+#ifdef UPSETS
+  std::unique_ptr<Registers> registers_;
+#endif
 #if VM_TRACE_SAIF
   std::unique_ptr<Followed> followed_;
 #endif
@@ -258,7 +272,8 @@ extern "C" void triaxis_trace(const char* file) {
     return new Player(selected, initial);                                                  \
   }                                                                                        \
   extern "C" void triaxis_close(void* player) { delete static_cast<Player*>(player); }     \
-  TRIAXIS_COVERAGE(Player)
+  TRIAXIS_COVERAGE(Player)                                                                 \
+  TRIAXIS_UPSETS(Player)
 #if VM_COVERAGE
 #define TRIAXIS_COVERAGE(Player)                                                           \
   extern "C" void triaxis_coverage(void* player, const char* file) {                       \
@@ -266,6 +281,30 @@ extern "C" void triaxis_trace(const char* file) {
   }
 #else
 #define TRIAXIS_COVERAGE(Player)
+#endif
+#ifdef UPSETS
+// The registers in turn, nullptr after the last; `sizes`: elements, and bits of each.
+#define TRIAXIS_UPSETS(Player)                                                             \
+  extern "C" const char* triaxis_register(void* player, int64_t number, int32_t* sizes) {  \
+    const auto& all = static_cast<Player*>(player)->bench.registers().all();               \
+    if (number >= static_cast<int64_t>(all.size())) return nullptr;                        \
+    sizes[0] = all[number].elements;                                                       \
+    sizes[1] = all[number].bits;                                                           \
+    return all[number].name.c_str();                                                       \
+  }                                                                                        \
+  extern "C" const char* triaxis_register_module(void* player, int64_t number) {           \
+    return static_cast<Player*>(player)->bench.registers().all()[number].module.c_str();   \
+  }                                                                                        \
+  extern "C" void triaxis_flip(void* player, int64_t number, int32_t element, int32_t bit) { \
+    triaxis::Bench& bench = static_cast<Player*>(player)->bench;                           \
+    bench.registers().Flip(number, element, bit);                                          \
+    bench.Eval();                                                                          \
+  }                                                                                        \
+  extern "C" uint64_t triaxis_state(void* player) {                                        \
+    return static_cast<Player*>(player)->bench.registers().State();                        \
+  }
+#else
+#define TRIAXIS_UPSETS(Player)
 #endif
 
 #endif  // TRIAXIS_SIM_PLAYER_H_

@@ -3,6 +3,7 @@
 import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,16 @@ SYMPTOMS = ("", ASSERTION, "does not settle")
 
 # Registers and memories begin with 0.
 ZEROS = -1
+
+
+@dataclass(frozen=True)
+class Register:
+    """A register, or a memory of so many elements, of so many bits each: its place, its module."""
+
+    name: str
+    module: str
+    elements: int
+    bits: int
 
 
 class Player:
@@ -32,6 +43,31 @@ class Player:
         """Free the model, and make another one."""
         self.free()
         self.model = self.library.triaxis_open(selected, initial)
+
+    def registers(self) -> tuple[Register, ...]:
+        """Return the registers and memories, of a build that makes them public."""
+        name, module = self.library.triaxis_register, self.library.triaxis_register_module
+        name.restype = module.restype = ctypes.c_char_p
+        name.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.POINTER(ctypes.c_int32 * 2)]
+        module.argtypes = [ctypes.c_void_p, ctypes.c_int64]
+        self.library.triaxis_flip.argtypes = [
+            ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32, ctypes.c_int32,
+        ]  # fmt: skip
+        self.library.triaxis_flip.restype = None
+        self.library.triaxis_state.argtypes = [ctypes.c_void_p]
+        self.library.triaxis_state.restype = ctypes.c_uint64
+        sizes, found = (ctypes.c_int32 * 2)(), list[Register]()
+        while said := name(self.model, len(found), ctypes.byref(sizes)):
+            found.append(Register(said.decode(), module(self.model, len(found)).decode(), *sizes))
+        return tuple(found)
+
+    def flip(self, register: int, element: int, bit: int) -> None:
+        """Invert a bit of one of the `registers`, before the next clock."""
+        self.library.triaxis_flip(self.model, register, element, bit)
+
+    def state(self) -> int:
+        """Return a hash of all `registers`."""
+        return self.library.triaxis_state(self.model)
 
     def free(self) -> None:
         """Free the model."""

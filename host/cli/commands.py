@@ -91,6 +91,10 @@ COMMANDS = {
         "put small faults into dut/, and see each noticed by a test or shown to change nothing",
         "verif.commands.prove", ("every mutant killed or equivalent", "not"),
     ),
+    "prove upsets": Command(
+        "invert bits of the running board, and count what comes of it", "verif.commands.prove",
+        ("nothing dangerous", "something"),
+    ),
     "coverage plan": Command(
         "print the testplan and check that nothing is missing in it", "verif.commands.coverage",
         ("clean", "refused"),

@@ -40,6 +40,8 @@ from triaxis.verif.mutation.run import mutate
 from triaxis.verif.netlist import result as netlists
 from triaxis.verif.netlist.gates import SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import PROOFS
+from triaxis.verif.upsets.campaign import CONFIG, UPSETS, upset_board
+from triaxis.verif.upsets.campaign import write_result as write_upsets
 
 _JOBS = 2
 # Problems of mutants that are printed.
@@ -325,6 +327,39 @@ def _how(outcome: Outcome) -> str:
     assert outcome.catch
     after = "" if outcome.catch.clocks is None else f" (clock {outcome.catch.clocks})"
     return outcome.catch.message + after
+
+
+def add_upsets(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``prove upsets``."""
+    parser.description = (
+        "Invert bits of the board's registers and memories, one at a random clock of each of many talks with "
+        "a host, and count what comes of it: nothing, a stop without need, an answer that a host does not "
+        "believe, or the dangerous: go, or a host that is told clear, where something is near, or where "
+        "nobody was heard. Writes build/upsets/upsets.json."
+    )
+    parser.add_argument(
+        "--upsets", type=positive, default=UPSETS, metavar="N",
+        help=f"so many ({UPSETS}: of every bit of the small board one at least)",
+    )  # fmt: skip
+    parser.add_argument("--config", default=CONFIG, help=f"the board ({CONFIG})")
+    add_seed(parser)
+    parser.set_defaults(run=_upsets)
+
+
+def _upsets(options: argparse.Namespace) -> int:
+    with progress_bar("upsets", options.upsets) as progress:
+        result = upset_board(progress, options.seed, options.upsets, options.config)
+    blocks = table("upsets by module", ("module", "bits", "upsets", "dangerous", "detected", "false stops"))
+    for module, row in (*result.blocks.items(), ("all", result.total)):
+        bits = result.bits.get(module, sum(result.bits.values()))
+        numbers = (bits, row.flips, row.dangerous, row.detected, row.false_stops)
+        blocks.add_row(module, *map(str, numbers))
+    Console(width=110).print(blocks)
+    print_list("PROBLEM", result.problems)
+    if not result.problems:
+        print(f"written to {write_upsets(result)}")
+    print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
+    return DONE if result.passed else NO
 
 
 def add_mutate(parser: argparse.ArgumentParser) -> None:

@@ -15,7 +15,7 @@ _SETTINGS = from_environment()
 _NAMES = {
     Block.CORE: (*CORE_TESTS, "triaxis.verif.core.sabotage_tests", "triaxis.verif.faults.fault_tests"),
     Block.MESH: (*MESH_TESTS, "triaxis.verif.mesh.sabotage_tests"),
-    Block.BOARD: (*BOARD_TESTS, "triaxis.verif.board.sabotage_tests"),
+    Block.BOARD: (*BOARD_TESTS, "triaxis.verif.board.sabotage_tests", "triaxis.verif.upsets.upset_test"),
 }[_SETTINGS.block]
 _MODULES = [import_module(name) for name in _NAMES]
 _NAME = next_test(_SETTINGS).test

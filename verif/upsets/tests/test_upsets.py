@@ -1,0 +1,114 @@
+"""Upsets are judged by go, and by what a host is told, against what is true; and there are some."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from triaxis.host.link.messages import Mode, Pose, RunNumber, RunRequest, Status
+from triaxis.sim.simulated_board import EVENT, PINS, TX
+from triaxis.verif.board.protocol import HEAD, REPLY, Command, framed
+from triaxis.verif.upsets import campaign
+from triaxis.verif.upsets.builds import module_of, registers
+from triaxis.verif.upsets.verdict import GO, LATE, Asked, Fate, Truth
+
+REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
+SESSION, RUN = 7, 1
+CLEAR, NEAR = Pose(0, 0, 0), Pose(0, 0, 3)
+GOES, ENDS, OVER = 100, 50_000, 80_000
+
+
+def asked(place, command, near, **what):
+    return Asked(10_000 * place, b"", (command | REPLY, place, SESSION), near, **what)
+
+
+def truth(near):
+    """Return what holds where a run, at a pose that is near or not, is asked for, and its results."""
+    script = (
+        asked(0, Command.RUN, near, record=RunNumber(RUN)),
+        asked(1, Command.RESULTS, near, request=REQUEST, pose=NEAR if near else CLEAR, number=RUN),
+    )
+    return Truth(script, 8, () if near else ((0, ENDS),), OVER)
+
+
+def answer(number, command, payload, pairs=b"", code=0):
+    twice = payload + bytes(byte ^ 0xFF for byte in payload)
+    return framed(HEAD.pack(command | REPLY, number, SESSION) + bytes([code]) + twice + pairs)
+
+
+def results(count, z=0, **changes):
+    status = Status(RUN, 2, 1, 0, Mode.ALL, 0, 0, z, 0, 20, 0, 1, 0, 1, count, 0, 1, 1)
+    head = (0).to_bytes(4, "little") + bytes([count])
+    return answer(1, Command.RESULTS, replace(status, **changes).pack() + head, bytes(4 * count))
+
+
+def seen(said, *go):
+    """Return what is seen: bytes of the board, and go from each of some clocks to another."""
+    rows = [(clock, PINS, level) for first, last in go for clock, level in ((first, GO), (last, 0))]
+    rows += [(20_000, TX, byte) for byte in said]
+    return np.array(sorted(rows, key=lambda row: row[0]), EVENT)
+
+
+BEGUN = answer(0, Command.RUN, bytes([RUN]))
+WHOLE = (GOES, ENDS)
+
+
+@pytest.mark.parametrize(
+    ("near", "said", "go", "fate"),
+    [
+        (False, BEGUN + results(0), [WHOLE], Fate.NO_EFFECT),
+        (False, BEGUN + results(0), [(GOES, ENDS + LATE)], Fate.NO_EFFECT),
+        (False, BEGUN + results(0), [(GOES, ENDS + LATE + 1)], Fate.DANGEROUS),
+        (False, BEGUN + results(0), [WHOLE, (ENDS + 9000, ENDS + 9001)], Fate.DANGEROUS),
+        (False, BEGUN + results(0), [], Fate.FALSE_STOP),
+        (False, BEGUN + results(1), [WHOLE], Fate.FALSE_STOP),
+        (False, BEGUN, [WHOLE], Fate.DETECTED),
+        (False, BEGUN + results(0)[:-4], [WHOLE], Fate.DETECTED),
+        (False, answer(0, Command.RUN, bytes([RUN + 1])) + results(0), [WHOLE], Fate.DETECTED),
+        (False, answer(0, Command.RUN, b"", code=5) + results(0), [WHOLE], Fate.DETECTED),
+        (True, BEGUN + results(1, 3), [], Fate.NO_EFFECT),
+        (True, BEGUN + results(1, 3), [(GOES, GOES + 1)], Fate.DANGEROUS),
+        (True, BEGUN + results(0, 3), [], Fate.DANGEROUS),
+        # What a host does not believe it does not take for clear.
+        (True, BEGUN + results(0, 2), [], Fate.DETECTED),
+        (True, BEGUN + results(0, 3, tested=0), [], Fate.DETECTED),
+        (True, BEGUN + results(0, 3, near=1), [], Fate.DETECTED),
+        (True, BEGUN + results(1, 3, flags=1), [], Fate.DETECTED),
+    ],
+)
+def test_go_or_clear_where_something_is_near_is_dangerous(near, said, go, fate):
+    assert truth(near).judge(seen(said, *go))[0] is fate
+
+
+def test_the_share_that_is_not_exceeded():
+    # None of n: 1 - 0.05^(1/n). Of one in ten Clopper and Pearson's table has 0.394.
+    assert campaign.most_share(0, 30_000) == pytest.approx(1 - 0.05 ** (1 / 30_000))
+    assert campaign.most_share(1, 10) == pytest.approx(0.394, abs=5e-4)
+    assert campaign.most_share(10, 10) == 1.0
+
+
+def test_a_register_is_of_the_module_that_assigns_it():
+    place = "TOP.nexys4ddr_top.u_mesh.u_store_b.g_lane[0].u_boxes.memory_q"
+    assert module_of(place) == "triaxis_ram"
+    assert module_of("TOP.nexys4ddr_top.u_safety.go_q") == "triaxis_safety"
+    named = registers()
+    assert {"go_q", "armed_q"} <= set(named["triaxis_safety"])
+    # By the macro of the data path's stages, from braces, and at outputs.
+    assert "edge_q" in named["triaxis_edges"] and "move_o" in named["triaxis_run_control"]
+
+
+@pytest.mark.regress
+@pytest.mark.simulator
+def test_upsets_of_the_board_are_seen(tmp_path, seed, monkeypatch):
+    """Some have an effect; each comes to an end; and one that is dangerous is told."""
+    monkeypatch.setattr(campaign, "FOLDER", tmp_path)
+    monkeypatch.setattr(campaign, "RESULT", tmp_path / "upsets.json")
+    told: list[int] = []
+    result = campaign.upset_board(told.append, seed, 300)
+    assert not result.problems and sum(told) == len(result.outcomes) == result.total.flips == 300
+    assert result.total.detected and len(result.blocks) > 20
+    assert all(re.fullmatch(r"triaxis_\w+|nexys4ddr_top", module) for module in result.blocks)
+    assert campaign.write_result(result).exists()
+    wrong = replace(result, outcomes=(*result.outcomes, replace(result.outcomes[0], fate=Fate.DANGEROUS)))
+    assert result.passed and not wrong.passed and "1 dangerous" in wrong.summary
