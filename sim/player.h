@@ -205,6 +205,9 @@ class Bench {
   void Level(bool level) {
     SetClock(*model_, level);
     model_->eval();
+#ifdef UPSETS
+    if (registers_->PutBack(level)) model_->eval();
+#endif
 #if VM_TRACE_SAIF
     followed_->Note(level);
 #else
@@ -295,9 +298,11 @@ extern "C" void triaxis_trace(const char* file) {
   extern "C" const char* triaxis_register_module(void* player, int64_t number) {           \
     return static_cast<Player*>(player)->bench.registers().all()[number].module.c_str();   \
   }                                                                                        \
-  extern "C" void triaxis_flip(void* player, int64_t number, int32_t element, int32_t bit) { \
+  extern "C" void triaxis_upset(void* player, int32_t upset, int64_t number,               \
+                                int32_t element, int32_t bit) {                            \
     triaxis::Bench& bench = static_cast<Player*>(player)->bench;                           \
-    bench.registers().Flip(number, element, bit);                                          \
+    const auto kind = static_cast<triaxis::Upset>(upset);                                  \
+    bench.registers().Disturb(kind, number, element, bit);                                 \
     bench.Eval();                                                                          \
   }                                                                                        \
   extern "C" uint64_t triaxis_state(void* player) {                                        \

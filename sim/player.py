@@ -50,10 +50,10 @@ class Player:
         name.restype = module.restype = ctypes.c_char_p
         name.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.POINTER(ctypes.c_int32 * 2)]
         module.argtypes = [ctypes.c_void_p, ctypes.c_int64]
-        self.library.triaxis_flip.argtypes = [
-            ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32, ctypes.c_int32,
+        self.library.triaxis_upset.argtypes = [
+            ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64, ctypes.c_int32, ctypes.c_int32,
         ]  # fmt: skip
-        self.library.triaxis_flip.restype = None
+        self.library.triaxis_upset.restype = None
         self.library.triaxis_state.argtypes = [ctypes.c_void_p]
         self.library.triaxis_state.restype = ctypes.c_uint64
         sizes, found = (ctypes.c_int32 * 2)(), list[Register]()
@@ -61,9 +61,9 @@ class Player:
             found.append(Register(said.decode(), module(self.model, len(found)).decode(), *sizes))
         return tuple(found)
 
-    def flip(self, register: int, element: int, bit: int) -> None:
-        """Invert a bit of one of the `registers`, before the next clock."""
-        self.library.triaxis_flip(self.model, register, element, bit)
+    def upset(self, kind: int, register: int, element: int, bit: int) -> None:
+        """Upset a bit of one of the `registers`, or an element, before the next clock; see registers.h."""
+        self.library.triaxis_upset(self.model, kind, register, element, bit)
 
     def state(self) -> int:
         """Return a hash of all `registers`."""

@@ -1,12 +1,13 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The registers and memories of a model whose build makes them public, to be looked at and to be upset: one bit of
-// one of them inverted between two clocks. See player.h and player.py.
+// The registers and memories of a model whose build makes them public, to be looked at and to be upset between two
+// clocks. See player.h and player.py.
 
 #ifndef TRIAXIS_SIM_REGISTERS_H_
 #define TRIAXIS_SIM_REGISTERS_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -28,6 +29,9 @@ struct Register {
   int32_t bits;
 };
 
+// One bit is inverted; it keeps the value that it did not have from then on; its element misses the next edge.
+enum Upset : int32_t { kFlip = 0, kStick, kMiss };
+
 class Registers {
  public:
   explicit Registers(VerilatedContext& context) {
@@ -46,9 +50,33 @@ class Registers {
 
   const std::vector<Register>& all() const { return all_; }
 
-  void Flip(int64_t number, int32_t element, int32_t bit) {
+  void Disturb(Upset upset, int64_t number, int32_t element, int32_t bit) {
     const Register& one = all_[number];
-    one.data[size_t{one.bytes} * element + bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
+    uint8_t* const data = one.data + size_t{one.bytes} * element;
+    if (upset == kMiss) {
+      missing_ = data;
+      kept_.assign(data, data + one.bytes);
+      return;
+    }
+    uint8_t* const byte = data + bit / 8;
+    mask_ = static_cast<uint8_t>(1u << bit % 8);
+    *byte ^= mask_;
+    if (upset == kStick) {
+      stuck_ = byte;
+      value_ = *byte & mask_;
+    }
+  }
+
+  // After an evaluation: puts back what must not have changed, and says whether anything had.
+  bool PutBack(bool rising) {
+    if (stuck_ && (*stuck_ & mask_) != value_) {
+      *stuck_ ^= mask_;
+      return true;
+    }
+    if (!missing_ || !rising) return false;
+    std::copy(kept_.begin(), kept_.end(), missing_);
+    missing_ = nullptr;
+    return true;
   }
 
   // FNV-1a over words: the same in two models where all their registers and memories are.
@@ -67,6 +95,10 @@ class Registers {
 
  private:
   std::vector<Register> all_;
+  uint8_t* stuck_ = nullptr;
+  uint8_t mask_ = 0, value_ = 0;
+  uint8_t* missing_ = nullptr;
+  std::vector<uint8_t> kept_;
 };
 
 }  // namespace triaxis

@@ -42,6 +42,7 @@ from triaxis.verif.netlist.gates import SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import PROOFS
 from triaxis.verif.upsets.campaign import CONFIG, UPSETS, upset_board
 from triaxis.verif.upsets.campaign import write_result as write_upsets
+from triaxis.verif.upsets.verdict import Kind
 
 _JOBS = 2
 # Problems of mutants that are printed.
@@ -333,9 +334,9 @@ def add_upsets(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove upsets``."""
     parser.description = (
         "Invert bits of the board's registers and memories, one at a random clock of each of many talks with "
-        "a host, and count what comes of it: nothing, a stop without need, an answer that a host does not "
-        "believe, or the dangerous: go, or a host that is told clear, where something is near, or where "
-        "nobody was heard. Writes build/upsets/upsets.json."
+        "a host; have some stick, and some registers miss an edge. Count what comes of it: nothing, a stop "
+        "without need, an answer that a host does not believe, or the dangerous: go, or a host that is told "
+        "clear, where something is near, or where nobody was heard. Writes build/upsets/upsets.json."
     )
     parser.add_argument(
         "--upsets", type=positive, default=UPSETS, metavar="N",
@@ -349,12 +350,10 @@ def add_upsets(parser: argparse.ArgumentParser) -> None:
 def _upsets(options: argparse.Namespace) -> int:
     with progress_bar("upsets", options.upsets) as progress:
         result = upset_board(progress, options.seed, options.upsets, options.config)
-    blocks = table("upsets by module", ("module", "bits", "upsets", "dangerous", "detected", "false stops"))
-    for module, row in (*result.blocks.items(), ("all", result.total)):
-        bits = result.bits.get(module, sum(result.bits.values()))
-        numbers = (bits, row.flips, row.dangerous, row.detected, row.false_stops)
-        blocks.add_row(module, *map(str, numbers))
-    Console(width=110).print(blocks)
+    flips = table("bits inverted", ("module", "upsets", "dangerous", "detected", "false stops"))
+    for module, row in (*result.blocks(Kind.FLIP).items(), ("all", result.kinds[Kind.FLIP])):
+        flips.add_row(module, *map(str, (row.upsets, row.dangerous, row.detected, row.false_stops)))
+    Console(width=110).print(flips)
     print_list("PROBLEM", result.problems)
     if not result.problems:
         print(f"written to {write_upsets(result)}")

@@ -3,7 +3,7 @@
 import json
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -21,12 +21,13 @@ from triaxis.sim.verilate import library
 from triaxis.verif.testbench.settings import BOARD_TESTS, BURST, ENTRY
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.upsets.builds import FOLDER, module_of, upset_build
-from triaxis.verif.upsets.upset_test import BoardUpsetsTest, upset_files
-from triaxis.verif.upsets.verdict import Fate
+from triaxis.verif.upsets.verdict import Fate, Kind, upset_files
 
 RESULT = FOLDER / "upsets.json"
+TEST = "BoardUpsetsTest"
 SOURCES = Sources(
-    ("triaxis.verif.upsets.campaign", ENTRY, *BOARD_TESTS), ("dut/board/*.f", "fpga/nexys4ddr_top.sv")
+    ("triaxis.verif.upsets.campaign", "triaxis.verif.upsets.upset_test", ENTRY, *BOARD_TESTS),
+    ("dut/board/*.f", "fpga/nexys4ddr_top.sv"),
 )  # fmt: skip
 # A board small enough that so many upsets are one of each bit at least, memories and core among them.
 CONFIG, UPSETS = "board_w8_m0_d16_g4_l2", 40_000
@@ -40,6 +41,7 @@ _POLL_SECONDS = 1.0
 class Outcome:
     """An upset, before which clock of the talk, in which module, and what came of it; how that showed."""
 
+    kind: Kind
     module: str
     register: str
     element: int
@@ -53,7 +55,7 @@ class Outcome:
 class Tally:
     """How many upsets there were, and of how many what came."""
 
-    flips: int
+    upsets: int
     dangerous: int
     detected: int
     false_stops: int
@@ -61,7 +63,7 @@ class Tally:
     @property
     def bound(self) -> float:
         """Return the share of dangerous ones that is not exceeded, with a confidence of 95 %."""
-        return most_share(self.dangerous, self.flips)
+        return most_share(self.dangerous, self.upsets)
 
 
 def tally(outcomes: Sequence[Outcome]) -> Tally:
@@ -95,40 +97,46 @@ def most_share(found: int, tried: int) -> float:
 
 @dataclass(frozen=True)
 class UpsetsResult:
-    """What came of all upsets. ``problems``: of the run itself; ``bits``: of the design."""
+    """What came of all upsets. ``problems``: of the run itself."""
 
     outcomes: tuple[Outcome, ...]
     config: str
     seed: int
     seconds: float
     problems: tuple[str, ...]
-    bits: Mapping[str, int]
 
     @cached_property
-    def total(self) -> Tally:
-        """Return the totals."""
-        return tally(self.outcomes)
+    def kinds(self) -> dict[Kind, Tally]:
+        """Return the totals of each kind."""
+        return {kind: tally([one for one in self.outcomes if one.kind is kind]) for kind in Kind}
 
-    @cached_property
-    def blocks(self) -> dict[str, Tally]:
-        """Return the totals of each module."""
+    def blocks(self, kind: Kind) -> dict[str, Tally]:
+        """Return the totals of a kind in each module."""
         groups: dict[str, list[Outcome]] = {}
         for one in self.outcomes:
-            groups.setdefault(one.module, []).append(one)
+            if one.kind is kind:
+                groups.setdefault(one.module, []).append(one)
         return {module: tally(groups[module]) for module in sorted(groups)}
+
+    @property
+    def dangerous(self) -> list[Outcome]:
+        """Return those that were dangerous."""
+        return [one for one in self.outcomes if one.fate is Fate.DANGEROUS]
 
     @property
     def passed(self) -> bool:
         """Return whether none was dangerous."""
-        return not self.problems and not self.total.dangerous
+        return not self.problems and not self.dangerous
 
     @property
     def summary(self) -> str:
         """Return the result in one line."""
-        total = self.total
+        flips, others = self.kinds[Kind.FLIP], (self.kinds[Kind.STICK], self.kinds[Kind.MISS])
         return (
-            f"{total.flips} upsets: {total.dangerous} dangerous (with 95 % confidence at most "
-            f"{100 * total.bound:.3f} %), {total.detected} detected, {total.false_stops} false stops"
+            f"{flips.upsets} bits inverted: {flips.dangerous} dangerous (with 95 % confidence at most "
+            f"{100 * flips.bound:.3f} %), {flips.detected} detected, {flips.false_stops} false stops; "
+            f"{others[0].dangerous} of {others[0].upsets} that stick and {others[1].dangerous} of "
+            f"{others[1].upsets} edges that are missed are dangerous"
         )
 
 
@@ -138,8 +146,7 @@ def upset_board(
     """Upset the board so many times; ``progress`` is told how many more are done."""
     start, rtl = time.monotonic(), rtl_hash(DUT)
     built = library(upset_build(parse_board_configuration(config)))
-    name = BoardUpsetsTest.__name__
-    settings = run_settings(name, config, seed, upsets, folder=FOLDER / "run", agent=BURST)
+    settings = run_settings(TEST, config, seed, upsets, folder=FOLDER / "run", agent=BURST)
     done = 0
     with ThreadPoolExecutor(1) as pool:
         running = pool.submit(run, settings, model=built)
@@ -152,9 +159,9 @@ def upset_board(
                 progress(lines - done)
                 done = lines
     outcomes = tuple(
-        Outcome(module_of(register), register, element, bit, clock, Fate(fate), how)
+        Outcome(Kind[kind], module_of(register), register, element, bit, clock, Fate(fate), how)
         for file in upset_files(Path(settings.folder))
-        for register, element, bit, clock, fate, how in map(json.loads, _lines(file))
+        for kind, register, element, bit, clock, fate, how in map(json.loads, _lines(file))
     )
     progress(len(outcomes) - done)
     problems = [] if result.passed else [line.strip() for line in result.explain().splitlines()]
@@ -162,11 +169,18 @@ def upset_board(
         problems.append(f"{len(outcomes)} upsets of {upsets} came to an end")
     if rtl_hash(DUT) != rtl:
         problems.append("the RTL changed during the run: run again")
-    bits = Counter[str]()
-    for place in {(one.register, one.element, one.bit) for one in outcomes}:
-        bits[module_of(place[0])] += 1
-    seconds = time.monotonic() - start
-    return UpsetsResult(outcomes, config, seed, seconds, tuple(problems), dict(bits))
+    return UpsetsResult(outcomes, config, seed, time.monotonic() - start, tuple(problems))
+
+
+def _counts(result: UpsetsResult, kind: Kind) -> dict[str, Any]:
+    total = result.kinds[kind]
+    blocks = {module: _row(of) for module, of in result.blocks(kind).items()}
+    return {**_row(total), "dangerous_share_at_most": total.bound, "blocks": blocks}
+
+
+def _row(of: Tally) -> dict[str, int]:
+    row = asdict(of)
+    return {"flips": row.pop("upsets"), **row}
 
 
 def _lines(file: Path) -> list[str]:
@@ -178,21 +192,17 @@ def write_result(result: UpsetsResult) -> Path:
     """Write the result; InputError where it is none."""
     if result.problems:
         raise InputError(f"upsets: {result.problems[0]}")
-    total = result.total
-    dangerous = [one for one in result.outcomes if one.fate is Fate.DANGEROUS]
     content: dict[str, Any] = {
         "passed": result.passed,
-        "problems": [] if result.passed else [f"{total.dangerous} upsets are dangerous"],
+        "problems": [] if result.passed else [f"{len(result.dangerous)} upsets are dangerous"],
         "summary": result.summary,
-        "command": f"triaxis prove upsets --seed {result.seed} --upsets {total.flips}",
+        "command": f"triaxis prove upsets --seed {result.seed} --upsets {len(result.outcomes)}",
         "seconds": round(result.seconds, 1),
         "seed": result.seed,
         "config": result.config,
-        **asdict(total),
-        "dangerous_share_at_most": total.bound,
-        "blocks": {
-            module: {"bits": result.bits.get(module, 0), **asdict(of)} for module, of in result.blocks.items()
-        },
-        "examples": [asdict(one) for one in dangerous[:_DESCRIBED]],
+        **_counts(result, Kind.FLIP),
+        "stuck": _counts(result, Kind.STICK),
+        "missed_edges": _counts(result, Kind.MISS),
+        "examples": [{**asdict(one), "kind": one.kind.name.lower()} for one in result.dangerous[:_DESCRIBED]],
     }
     return write_evidence(RESULT, content, SOURCES)

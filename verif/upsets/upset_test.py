@@ -1,4 +1,4 @@
-"""A talk with the board in which bits of its registers and memories are inverted, one in each of many copies.
+"""A talk with the board in which its registers and memories are upset, once in each of many copies.
 
 The simulator's process forks where the talk begins: the copy goes through it, and forks again at each clock
 at which there is an upset. What comes of that is a line in a file. Without an upset the talk is checked by
@@ -19,7 +19,7 @@ from triaxis.sim.simulated_board import EVENT, NEVER, BoardPlayer
 from triaxis.verif.board.base_test import BoardTest
 from triaxis.verif.board.line_agent import Until
 from triaxis.verif.board.protocol import REPLY, Command, Integers, framed
-from triaxis.verif.upsets.verdict import BUSY, GO, Asked, Events, Fate, Truth, times_of
+from triaxis.verif.upsets.verdict import BUSY, GO, Asked, Events, Fate, Kind, Truth, times_of, upset_files
 
 # Pairs of triangles, of which each second meets the core.
 _PAIRS = 8
@@ -33,15 +33,15 @@ _NEAR = Pose(0, 0, 3)
 _CLEAR = Pose(0, 0, 0)
 
 
-def upset_files(folder: Path) -> list[Path]:
-    """Return the files of what came of the upsets: one a line, a file for each of so many processes."""
-    return [folder / f"upsets_{number}.jsonl" for number in range(os.cpu_count() or 1)]
+# Of so many upsets one is of each of the other kinds than flips.
+_OF_OTHERS = 12
 
 
 @dataclass(frozen=True)
 class Upset:
-    """A bit of a register, or of an element of a memory, inverted before a clock of the talk."""
+    """What happens to a bit of a register, or of an element of a memory, before a clock of the talk."""
 
+    kind: Kind
     clock: int
     register: int
     element: int
@@ -92,10 +92,11 @@ class Talk:
         self.forward(self._end)
 
     def upset(self, upset: Upset, without: Undisturbed, truth: Truth) -> tuple[Fate, str]:
-        """Invert a bit, go to the end, or until all is as without it; return what came of it."""
-        self._player.flip(upset.register, upset.element, upset.bit)
+        """Upset the board, go to the end, or until all is as without it; return what came of it."""
+        self._player.upset(upset.kind, upset.register, upset.element, upset.bit)
         for number in self.strides():
-            if self._player.state() == without.states[number]:
+            # What sticks may do so again.
+            if upset.kind != Kind.STICK and self._player.state() == without.states[number]:
                 events, due = self.events, without.events
                 if np.array_equal(events, due[due["clock"] <= self.clock]):
                     return Fate.NO_EFFECT, ""
@@ -182,15 +183,17 @@ class BoardUpsetsTest(BoardTest):
         assert not any(os.wait()[1] for _ in files), "a copy with an upset came to no end"
 
     def chosen(self, registers: Sequence[Register], events: Events, end: int) -> list[Upset]:
-        """Return the upsets in the order of their clocks: of all bits, none more often than another.
+        """Return the upsets in the order of their clocks: of each kind, of no bit more than of another.
 
         One half while a run goes on, which is a small part of the time.
         """
         sizes = np.array([one.elements * one.bits for one in registers])
         first = np.concatenate([[0], np.cumsum(sizes)])
         count, total = self.settings.pairs, int(first[-1])
-        orders = [self.rng.permutation(total) for _ in range(-(-count // total))]
-        bits = np.concatenate(orders)[:count]
+        others = count // _OF_OTHERS
+        counts = {Kind.FLIP: count - 2 * others, Kind.STICK: others, Kind.MISS: others}
+        kinds = np.concatenate([np.full(many, kind) for kind, many in counts.items()])
+        bits = np.concatenate([_all_alike(self.rng, total, many) for many in counts.values()])
         number = np.searchsorted(first, bits, "right") - 1
         running = np.concatenate([np.arange(*times) for times in times_of(BUSY, events, end)])
         clocks = self.rng.integers(0, end, count)
@@ -200,8 +203,14 @@ class BoardUpsetsTest(BoardTest):
         for at in np.argsort(clocks, kind="stable").tolist():
             register = int(number[at])
             element, bit = divmod(int(bits[at] - first[register]), registers[register].bits)
-            found.append(Upset(int(clocks[at]), register, element, bit))
+            found.append(Upset(Kind(kinds[at]), int(clocks[at]), register, element, bit))
         return found
+
+
+def _all_alike(rng: np.random.Generator, total: int, count: int) -> Integers:
+    """Return so many numbers below ``total``, (count,), none of them more than once oftener than another."""
+    orders = [rng.permutation(total) for _ in range(-(-count // total))]
+    return np.concatenate([np.zeros(0, np.int64), *orders])[:count]
 
 
 def _without_upsets(player: BoardPlayer, script: Sequence[Asked], end: int, file: Path) -> Undisturbed:
@@ -228,7 +237,7 @@ def _upset_all(
             if os.fork() == 0:
                 fate, how = talk.upset(upset, without, truth)
                 register = registers[upset.register]
-                row = (register.name, upset.element, upset.bit, upset.clock, fate, how)
+                row = (upset.kind.name, register.name, upset.element, upset.bit, upset.clock, fate, how)
                 lines.write(json.dumps(row) + "\n")
                 lines.flush()
                 os._exit(0)

@@ -1,8 +1,10 @@
-"""What an upset has done: what the pins said and what a host was told, against what is true of the scene."""
+"""The kinds of upsets, and what came of one: what the pins and a host say, against what is true."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum, StrEnum
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +24,14 @@ GO, BUSY = 1, 1 << 4
 LATE = 1000
 
 
+class Kind(IntEnum):
+    """What an upset does: inverts a bit, holds it inverted from then on, has its element miss an edge."""
+
+    FLIP = 0
+    STICK = 1
+    MISS = 2
+
+
 class Fate(StrEnum):
     """What comes of an upset."""
 
@@ -29,6 +39,11 @@ class Fate(StrEnum):
     FALSE_STOP = "false stop"
     DETECTED = "detected"
     DANGEROUS = "dangerous"
+
+
+def upset_files(folder: Path) -> list[Path]:
+    """Return the files of what came of the upsets: one a line, a file for each of so many processes."""
+    return [folder / f"upsets_{number}.jsonl" for number in range(os.cpu_count() or 1)]
 
 
 @dataclass(frozen=True)

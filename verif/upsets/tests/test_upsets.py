@@ -11,7 +11,7 @@ from triaxis.sim.simulated_board import EVENT, PINS, TX
 from triaxis.verif.board.protocol import HEAD, REPLY, Command, framed
 from triaxis.verif.upsets import campaign
 from triaxis.verif.upsets.builds import module_of, registers
-from triaxis.verif.upsets.verdict import GO, LATE, Asked, Fate, Truth
+from triaxis.verif.upsets.verdict import GO, LATE, Asked, Fate, Kind, Truth
 
 REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
 SESSION, RUN = 7, 1
@@ -106,9 +106,10 @@ def test_upsets_of_the_board_are_seen(tmp_path, seed, monkeypatch):
     monkeypatch.setattr(campaign, "RESULT", tmp_path / "upsets.json")
     told: list[int] = []
     result = campaign.upset_board(told.append, seed, 300)
-    assert not result.problems and sum(told) == len(result.outcomes) == result.total.flips == 300
-    assert result.total.detected and len(result.blocks) > 20
-    assert all(re.fullmatch(r"triaxis_\w+|nexys4ddr_top", module) for module in result.blocks)
+    assert not result.problems and sum(told) == len(result.outcomes) == 300
+    assert [result.kinds[kind].upsets for kind in Kind] == [250, 25, 25]
+    assert sum(of.detected for of in result.kinds.values()) and len(result.blocks(Kind.FLIP)) > 20
+    assert all(re.fullmatch(r"triaxis_\w+|nexys4ddr_top", one.module) for one in result.outcomes)
     assert campaign.write_result(result).exists()
     wrong = replace(result, outcomes=(*result.outcomes, replace(result.outcomes[0], fate=Fate.DANGEROUS)))
-    assert result.passed and not wrong.passed and "1 dangerous" in wrong.summary
+    assert not wrong.passed and len(wrong.dangerous) == len(result.dangerous) + 1
