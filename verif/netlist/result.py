@@ -12,7 +12,7 @@ from triaxis.sim.evidence import write_evidence
 from triaxis.sim.paths import DUT
 from triaxis.sim.programs import yosys_version
 from triaxis.sim.validity import Sources, Validity, validity
-from triaxis.verif.formal.proof import Outcome, Proof, require_tools
+from triaxis.verif.formal.proof import Outcome, require_tools
 from triaxis.verif.formal.proving import outcome_of
 from triaxis.verif.netlist.gates import FOLDER, NOT_SIMULATED, SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import NOT_PROVED, PROOFS
@@ -124,30 +124,26 @@ class NetlistResult:
 
 
 def check_all(seed: int, progress: Callable[[int], None], jobs: int = 2) -> NetlistResult:
-    """Run the tests on the netlists, and prove modules equal to theirs, ``jobs`` proofs at a time."""
+    """Run the tests on the netlists, and prove modules equal to theirs: ``jobs`` of these at a time."""
     require_tools()
-    make_folder(FOLDER)
+    modules = FOLDER / "modules"
+    make_folder(modules)
     before, start = validity(SOURCES), time.monotonic()
-    runs = []
-    for scope in SCOPES:
-        runs.append(gate_run(scope, run_on_gates(scope, seed)))
-        progress(1)
-    outcomes = prove_modules(PROOFS, progress, jobs)
-    seconds = time.monotonic() - start
-    return NetlistResult(tuple(runs), outcomes, seed, seconds, before, validity(SOURCES) != before)
-
-
-def prove_modules(
-    proofs: tuple[Proof, ...], progress: Callable[[int], None], jobs: int, folder: Path = FOLDER / "modules"
-) -> tuple[Outcome, ...]:
-    """Prove modules equal to their netlists."""
-
-    make_folder(folder)
-    with ThreadPoolExecutor(jobs) as pool:
-        running = [pool.submit(outcome_of, proof, DUT, folder / proof.name) for proof in proofs]
-        for _ in as_completed(running):
+    pool = ThreadPoolExecutor(jobs)
+    try:
+        # What takes longest first.
+        running = [pool.submit(run_on_gates, scope, seed) for scope in reversed(SCOPES)]
+        proving = [pool.submit(outcome_of, proof, DUT, modules / proof.name) for proof in PROOFS]
+        for done in as_completed([*running, *proving]):
+            done.result()
             progress(1)
-    return tuple(future.result() for future in running)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    results = [one.result() for one in reversed(running)]
+    return NetlistResult(
+        tuple(map(gate_run, SCOPES, results)), tuple(one.result() for one in proving), seed,
+        time.monotonic() - start, before, validity(SOURCES) != before,
+    )  # fmt: skip
 
 
 def write_result(result: NetlistResult, command: str, path: Path = RESULT) -> Path:
