@@ -58,7 +58,7 @@ COMMANDS = {
         "choose the coordinate width for meshes, a working volume and a clearance", "host.cli.scene",
         ("a width is advised", "none fits"), {"--json": Answer()},
     ),
-    "sim": Command("run one test on the simulated core or mesh engine", "verif.commands.sim"),
+    "sim": Command("run one test on the simulated core, mesh engine or board", "verif.commands.sim"),
     "regress run": Command("run a regression on dvsim, or go on with it", "verif.commands.regress"),
     "regress four-state": Command(
         "run the tests on the pins with values that may be unknown, in Icarus Verilog",

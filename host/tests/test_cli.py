@@ -292,3 +292,14 @@ def test_all_that_the_package_reads_is_package_data():
         found = {path for path in root.rglob("*.*") if path.is_file() and "tests" not in path.parts}
         read = {path for path in found if path.suffix not in (".py", ".pyc", ".md")}
         assert sorted(read - {path for kind in kinds for path in root.glob(kind)}) == []
+
+
+def test_every_folder_with_modules_is_a_package_of_the_wheel():
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+    found = {
+        ".".join(("triaxis", *init.parent.relative_to(ROOT).parts))
+        for folder in told["package-dir"].values()
+        for init in (ROOT / folder).rglob("__init__.py")
+        if "tests" not in init.parts
+    }
+    assert found <= set(told["packages"])

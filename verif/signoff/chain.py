@@ -99,6 +99,13 @@ def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
             "",
             State.OUTSIDE,
         ),
+        Link(
+            "a bit that turns over",
+            "go falls, and nothing is said to be clear, where a register or memory of the FPGA is upset",
+            "none asked for: `make upsets` counts those that are dangerous",
+            "",
+            State.OUTSIDE,
+        ),
     ]
 
 

@@ -249,6 +249,7 @@ def test_each_link_says_what_it_rests_on():
     good = states(signed())
     assert [state for _, state in good] == [
         "not measured", "proved", "checked", "checked", "not measured", "checked", "checked", "not covered",
+        "not covered",
     ]  # fmt: skip
     parts = good_parts()
     assert parts["proofs"].evidence and parts["mutation"].evidence
@@ -265,6 +266,7 @@ def test_each_link_says_what_it_rests_on():
     )
     assert [state for _, state in broken] == [
         "proved", "failed", "not measured", "failed", "proved", "not measured", "checked", "not covered",
+        "not covered",
     ]  # fmt: skip
 
 
