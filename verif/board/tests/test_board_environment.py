@@ -4,7 +4,7 @@ import pytest
 
 from triaxis.sim.models import BOARD_SVA, assertions
 from triaxis.sim.paths import DUT
-from triaxis.verif.board.uvm_tests import BOARD
+from triaxis.verif.board.uvm_tests import BOARD, REAL, SHIPPED
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.settings import BURST, PIN, Block
@@ -116,3 +116,19 @@ def test_every_rule_is_seen_broken(tmp_path):
     assert sorted(rules) == sorted(one[0] for one in BROKEN)
     for rule, module, right, wrong, _ in BROKEN:
         broken_rtl(tmp_path / rule, (f"board/triaxis_{module}.sv", right, wrong))
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize(
+    ("test", "config", "module", "right", "wrong"),
+    [
+        ("BoardDepthTest", SHIPPED, "mesh/triaxis_mesh_store.sv", ".write_address_i(index)",
+         ".write_address_i(Depth == 4096 ? index & ~(1 << 11) : index)"),
+        ("BoardSmokeTest", REAL, "board/triaxis_uart_rx.sv", "CountWidth = $clog2(ClocksPerBit)",
+         "CountWidth = ClocksPerBit == 50 ? 5 : $clog2(ClocksPerBit)"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_as_the_board_ships_is_seen(tmp_path, seed, test, config, module, right, wrong):
+    settings = run_settings(test, config, seed, 20, folder=tmp_path / "run", agent=BURST)
+    result = run(settings, broken_rtl(tmp_path, (module, right, wrong)))
+    assert not result.passed and not result.errors[0].startswith("no error line"), result.explain()
