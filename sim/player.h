@@ -295,9 +295,6 @@ extern "C" void triaxis_trace(const char* file) {
     sizes[1] = all[number].bits;                                                           \
     return all[number].name.c_str();                                                       \
   }                                                                                        \
-  extern "C" const char* triaxis_register_module(void* player, int64_t number) {           \
-    return static_cast<Player*>(player)->bench.registers().all()[number].module.c_str();   \
-  }                                                                                        \
   extern "C" void triaxis_upset(void* player, int32_t upset, int64_t number,               \
                                 int32_t element, int32_t bit) {                            \
     triaxis::Bench& bench = static_cast<Player*>(player)->bench;                           \

@@ -18,10 +18,9 @@ ZEROS = -1
 
 @dataclass(frozen=True)
 class Register:
-    """A register, or a memory of so many elements, of so many bits each: its place, its module."""
+    """A register, or a memory of so many elements, of so many bits each; its name is its place."""
 
     name: str
-    module: str
     elements: int
     bits: int
 
@@ -46,10 +45,9 @@ class Player:
 
     def registers(self) -> tuple[Register, ...]:
         """Return the registers and memories, of a build that makes them public."""
-        name, module = self.library.triaxis_register, self.library.triaxis_register_module
-        name.restype = module.restype = ctypes.c_char_p
+        name = self.library.triaxis_register
+        name.restype = ctypes.c_char_p
         name.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.POINTER(ctypes.c_int32 * 2)]
-        module.argtypes = [ctypes.c_void_p, ctypes.c_int64]
         self.library.triaxis_upset.argtypes = [
             ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64, ctypes.c_int32, ctypes.c_int32,
         ]  # fmt: skip
@@ -58,7 +56,7 @@ class Player:
         self.library.triaxis_state.restype = ctypes.c_uint64
         sizes, found = (ctypes.c_int32 * 2)(), list[Register]()
         while said := name(self.model, len(found), ctypes.byref(sizes)):
-            found.append(Register(said.decode(), module(self.model, len(found)).decode(), *sizes))
+            found.append(Register(said.decode(), *sizes))
         return tuple(found)
 
     def upset(self, kind: int, register: int, element: int, bit: int) -> None:

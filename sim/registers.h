@@ -22,7 +22,6 @@ namespace triaxis {
 // A register, or a memory of so many elements. `bytes`: from one element to the next.
 struct Register {
   std::string name;
-  std::string module;
   uint8_t* data;
   uint32_t bytes;
   int32_t elements;
@@ -41,7 +40,7 @@ class Registers {
         if (!variable.isPublicRW()) continue;
         int32_t elements = 1;
         for (const auto& range : variable.unpackedRanges()) elements *= range.elements();
-        all_.push_back({std::string(scope->name()) + "." + name, scope->defname(),
+        all_.push_back({std::string(scope->name()) + "." + name,
                         static_cast<uint8_t*>(variable.datap()), variable.entSize(), elements,
                         static_cast<int32_t>(variable.entBits())});
       }

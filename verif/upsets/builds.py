@@ -1,10 +1,8 @@
 """The board with all its registers and memories public."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters
@@ -12,52 +10,39 @@ from triaxis.sim.build import content_hash
 from triaxis.sim.models import board_build
 from triaxis.sim.paths import BOARD_TOP, BUILD, DUT, SIM
 from triaxis.sim.verilate import Build
-from triaxis.verif.mutation.syntax import SourceFile, below, kind, module_name, read_source, span
+from triaxis.verif.formal.cone import Hierarchy, hierarchy
+from triaxis.verif.mutation.syntax import below, kind, module_name, read_source, span
 
 FOLDER = BUILD / "upsets"
+_FILES = (*sorted(DUT.rglob("*.sv")), BOARD_TOP)
 _NAME = re.compile(r"[A-Za-z_]\w*")
-
-
-def _modules() -> Iterator[tuple[SourceFile, Any]]:
-    for path in (*sorted(DUT.rglob("*.sv")), BOARD_TOP):
-        source = read_source(path, path.parent)
-        for module in source.modules:
-            yield source, module
 
 
 def registers() -> dict[str, list[str]]:
     """Return the names of the registers and memories of each module: what is assigned at an edge."""
     found: dict[str, list[str]] = {}
-    for source, module in _modules():
-        start, end = span(module)
-        names = {stage.register for stage in source.stages if start <= stage.start < end}
-        for node in below(module):
-            if kind(node) == "NonblockingAssignmentExpression":
-                names |= _assigned(source.of(node.left))
-        if names:
-            found[module_name(module)] = sorted(names)
+    for path in _FILES:
+        source = read_source(path, path.parent)
+        for module in source.modules:
+            start, end = span(module)
+            names = {stage.register for stage in source.stages if start <= stage.start < end}
+            for node in below(module):
+                if kind(node) == "NonblockingAssignmentExpression":
+                    names |= _assigned(source.of(node.left))
+            if names:
+                found[module_name(module)] = sorted(names)
     return found
 
 
 @cache
-def _instances() -> dict[tuple[str, str], str]:
-    """Return of each module, and each name of an instance in it, the instance's module."""
-    return {
-        (module_name(module), str(one.decl.name.valueText)): str(node.type.valueText)
-        for _, module in _modules()
-        for node in below(module)
-        if kind(node) == "HierarchyInstantiation"
-        for one in node.instances
-        if kind(one) == "HierarchicalInstance"
-    }
+def _hierarchy() -> Hierarchy:
+    return hierarchy(_FILES)
 
 
 def module_of(register: str) -> str:
-    """Return the module of a register, by its place from the top on; generate blocks are passed over."""
-    _, module, *places, _ = register.split(".")
-    for place in places:
-        module = _instances().get((module, place), module)
-    return module
+    """Return the module of a register, by its place from the top on."""
+    _, top, path = register.split(".", 2)
+    return _hierarchy().register(top, path).module
 
 
 def _assigned(left: str) -> set[str]:
