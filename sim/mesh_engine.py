@@ -4,7 +4,6 @@ import ctypes
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,10 +14,8 @@ from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import mesh_build
-from triaxis.sim.paths import DUT
 from triaxis.sim.player import HANGS, SYMPTOMS, Player
-from triaxis.sim.verilate import MANY, SAIF
-from triaxis.sim.verilate import library as built_library
+from triaxis.sim.verilate import MANY, SAIF, library
 
 Move = tuple[int, int, int]
 
@@ -46,8 +43,7 @@ class Status(IntEnum):
 class MeshRun:
     """What a run answered.
 
-    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan. ``reached`` (T, 2):
-    the pairs that reached the core, in the same form, where they were asked for.
+    ``near`` (K, 2): near pairs as (number in A, number in B), in the order of the scan.
     """
 
     status: Status
@@ -58,16 +54,6 @@ class MeshRun:
     tested: int
     near_count: int
     near: npt.NDArray[np.int64]
-    reached: npt.NDArray[np.int64] | None = None
-
-
-@dataclass(frozen=True)
-class Traffic:
-    """How a run's streams are treated: stalls with a chance in 256, repeated by seed; an abort at a clock."""
-
-    seed: int = 1
-    stall_chance: int = 0
-    abort_at: int = -1
 
 
 # Kinds of events, in the order of mesh_player.cpp: what a monitor sees. Of those from NEAR on there are many.
@@ -211,39 +197,28 @@ def pairs_of(events: npt.NDArray[np.void], kind: int) -> npt.NDArray[np.int64]:
     return np.stack([some["a"], some["b"]], 1).astype(np.int64)
 
 
-_NO_STALLS = Traffic()
-# Clocks after which the model returns in any case, and stalls that are drawn: used over and over.
-_MOST_CLOCKS, _STALLS = 1 << 40, 2048
+# Clocks after which the model returns in any case.
+_MOST_CLOCKS = 1 << 40
 
 
 class MeshEngine:
     """The engine in one configuration, built on first use."""
 
-    def __init__(
-        self,
-        configuration: MeshConfiguration,
-        dut: Path = DUT,
-        traced: bool = False,
-        library: Path | None = None,
-    ) -> None:
-        """Build the engine where needed, load and reset it. ``dut``: another folder of the same files.
+    def __init__(self, configuration: MeshConfiguration, traced: bool = False) -> None:
+        """Build the engine where needed, load and reset it.
 
-        ``library``: that of another build of it, which is there. ``traced``: a build that follows its own
-        switching activity; see `triaxis.sim.player.followed`.
+        ``traced``: a build that follows its own switching activity; see `triaxis.sim.player.followed`.
         """
         self.configuration = configuration
         self.counts: tuple[int, int] = (0, 0)
-        build = mesh_build(configuration, dut)
-        usual = replace(build, trace=SAIF, speed=MANY) if traced else build
-        self._player = MeshPlayer(library or built_library(usual))
+        build = mesh_build(configuration)
+        self._player = MeshPlayer(library(replace(build, trace=SAIF, speed=MANY) if traced else build))
         self.library = self._player.library
         self._player.run(1)
         self._player.set_reset(False)
         self._player.run(1)
 
-    def load(
-        self, a: npt.NDArray[np.integer[Any]], b: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
-    ) -> None:
+    def load(self, a: npt.NDArray[np.integer[Any]], b: npt.NDArray[np.integer[Any]]) -> None:
         """Load meshes of shape (N, 3, 3) and (M, 3, 3), coordinates in LSB.
 
         Raises InputError where they do not fit.
@@ -254,20 +229,18 @@ class MeshEngine:
                     f"mesh {'AB'[mesh]}: {len(triangles)} triangles: the engine holds "
                     f"{self.configuration.depth}; split the mesh, or build the engine with a greater depth"
                 )
-            held = self.load_unchecked(mesh, triangles, traffic)
+            held = self.load_unchecked(mesh, triangles)
             if held != len(triangles):
                 what = f"holds {held} of the {len(triangles)} triangles of {'AB'[mesh]}"
                 raise CoreError(f"mesh engine {self.configuration.name}: {what}")
 
-    def load_unchecked(
-        self, mesh: int, triangles: npt.NDArray[np.integer[Any]], traffic: Traffic = _NO_STALLS
-    ) -> int:
+    def load_unchecked(self, mesh: int, triangles: npt.NDArray[np.integer[Any]]) -> int:
         """Load mesh 0 (A) or 1 (B), more than fit too; return how many triangles the engine then holds."""
         low, high = coordinate_range(self.configuration.width)
         if len(triangles) and (triangles.min() < low or triangles.max() > high):
             raise InputError(f"mesh {'AB'[mesh]}: coordinates must be {low}..{high}")
         self._player.watch(False, False)
-        self._player.load(mesh, triangles, gaps=_stalls(traffic, 0))
+        self._player.load(mesh, triangles)
         if self._player.run(_MOST_CLOCKS).loading:
             raise CoreError(f"mesh engine {self.configuration.name}: not ready to load")
         counts = list(self.counts)
@@ -275,18 +248,10 @@ class MeshEngine:
         self.counts = (counts[0], counts[1])
         return self._player.held(mesh)
 
-    def run(
-        self,
-        translation: Move = (0, 0, 0),
-        margin: int = 0,
-        mode: int = Mode.ALL,
-        traffic: Traffic = _NO_STALLS,
-        reached: bool = False,
-    ) -> MeshRun:
+    def run(self, translation: Move = (0, 0, 0), margin: int = 0, mode: int = Mode.ALL) -> MeshRun:
         """Run at a translation of A and a margin, both in LSB.
 
-        ``reached``: note the pairs that reach the core. Raises InputError where translation or margin are
-        beyond the engine's ports, CoreError where it hangs.
+        Raises InputError where translation or margin are beyond the engine's ports, CoreError where it hangs.
         """
         limit = 1 << self.configuration.width
         if not all(-limit <= part < limit for part in translation):
@@ -294,19 +259,15 @@ class MeshEngine:
         if not 0 <= margin <= self.configuration.max_margin:
             raise InputError(f"margin {margin}: must be 0..{self.configuration.max_margin}")
         pairs = self.counts[0] * self.counts[1]
-        self._player.watch(False, reached)
-        self._player.set_paces(_stalls(traffic, 0), _stalls(traffic, 1))
-        self._player.offer(translation, margin, mode, [traffic.abort_at])
-        near, tested, summary = self._follow()
-        name = f"mesh engine {self.configuration.name}"
+        self._player.watch(False, False)
+        self._player.offer(translation, margin, mode)
+        near, summary = self._follow()
         if len(near) > pairs:
-            raise CoreError(f"{name}: {len(near)} near pairs of {pairs}")
-        if len(tested) > pairs:
-            raise CoreError(f"{name}: tested {len(tested)} of {pairs} pairs")
-        return MeshRun(Status(summary[0]), *summary[1:7], near=near, reached=tested if reached else None)
+            raise CoreError(f"mesh engine {self.configuration.name}: {len(near)} near pairs of {pairs}")
+        return MeshRun(Status(summary[0]), *summary[1:7], near=near)
 
-    def _follow(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], list[int]]:
-        """Run until a summary was taken; return near pairs, pairs at the core, and what it says."""
+    def _follow(self) -> tuple[npt.NDArray[np.int64], list[int]]:
+        """Run until a summary was taken; return near pairs, and what it says."""
         parts: list[npt.NDArray[np.void]] = []
         before = self._player.run(0).ended
         progress = self._player.run(_MOST_CLOCKS)
@@ -319,17 +280,7 @@ class MeshEngine:
                 break
             progress = self._player.run(_MOST_CLOCKS)
         seen = np.concatenate(parts)
-        return pairs_of(seen, NEAR), pairs_of(seen, REACHED), values[-NUM_VALUES[SUMMARY] :].tolist()
-
-
-def _stalls(traffic: Traffic, stream: int) -> Runs:
-    """Return clocks on and off so that each is off with the chance that is asked for."""
-    off = traffic.stall_chance / 256
-    if not off:
-        return ALWAYS
-    rng = np.random.default_rng([traffic.seed, stream])
-    runs = np.stack([rng.geometric(off, _STALLS), rng.geometric(1 - off, _STALLS)], 1)
-    return runs.clip(max=np.iinfo(np.uint16).max).astype(np.uint16).ravel()
+        return pairs_of(seen, NEAR), values[-NUM_VALUES[SUMMARY] :].tolist()
 
 
 def spatial_order(triangles: npt.NDArray[Any], group: int) -> npt.NDArray[np.int64]:

@@ -58,8 +58,8 @@ def test_an_engine_that_loses_triangles_or_groups_is_not_believed(monkeypatch):
         run = run_scene(engine, *options)
         return replace(run, group_pairs_opened=run.group_pairs_opened - 1)
 
-    def with_one_triangle_less(engine, mesh, facets, traffic):
-        return load(engine, mesh, facets[1:], traffic)
+    def with_one_triangle_less(engine, mesh, facets):
+        return load(engine, mesh, facets[1:])
 
     monkeypatch.setattr(MeshEngine, "run", with_one_group_less)
     with pytest.raises(CoreError, match="3 of 4 pairs of groups decided"):
