@@ -31,14 +31,14 @@ def _shown(value: object) -> object:
     return f"{value:,}" if isinstance(value, int | float) else value
 
 
-def write_page(path: Path, database: CoverageDatabase, title: str = "Functional coverage") -> None:
+def write_page(path: Path, database: CoverageDatabase) -> None:
     """Write every bin with its count, goal and exclusion, or nothing; InputError where that fails."""
     models = [_model(model, counts) for model, counts in database]
     found = [model["found"] for model in models]
     hit, total = sum(one.hit for one in found), sum(one.total for one in found)
     summary = f"{hit} of {total} bins in {len(found)} models, {percent(found):.2f} %"
     template = Path(__file__).with_name("page.html")
-    write_whole(path, rendered(template, title=title, summary=summary, models=models))
+    write_whole(path, rendered(template, title="Functional coverage", summary=summary, models=models))
 
 
 def _model(model: CoverModel[Any], counts: Counts) -> dict[str, Any]:

@@ -77,20 +77,6 @@ class TestpointStatus:
         return [sum(tally.passed for tally in measured), total] if whole else None
 
 
-@dataclass(frozen=True)
-class StageStatus:
-    """How far one stage is met."""
-
-    stage: str
-    testpoints: tuple[TestpointStatus, ...]
-
-    @property
-    def tally(self) -> Tally:
-        """Return how many testpoints are met, are not, and wait for results."""
-        every = [testpoint.passed for testpoint in self.testpoints]
-        return Tally(every.count(True), every.count(False), every.count(None))
-
-
 def every_run_passed(runs: Iterable[tuple[str, bool]]) -> dict[str, bool]:
     """Return results by name: of several runs under one name, in several configurations, all must pass."""
     results: dict[str, bool] = {}
@@ -99,8 +85,8 @@ def every_run_passed(runs: Iterable[tuple[str, bool]]) -> dict[str, bool]:
     return results
 
 
-def stage_progress(plan: Testplan, inventory: Inventory, results: PlanResults) -> tuple[StageStatus, ...]:
-    """Return how far each stage is met, V1 first.
+def progress(plan: Testplan, inventory: Inventory, results: PlanResults) -> list[TestpointStatus]:
+    """Return how far each testpoint is met, those of V1 first.
 
     A testpoint has passed (true) when all that it names ran and passed, all its bins met their goals in every
     configuration, and all its mutants are killed; it has failed (false) when something failed; otherwise
@@ -108,7 +94,7 @@ def stage_progress(plan: Testplan, inventory: Inventory, results: PlanResults) -
     """
     fates = {kind: _fates(kind, inventory, results) for kind in KINDS}
     found = [_status(testpoint, inventory, fates) for testpoint in plan.testpoints]
-    return tuple(StageStatus(stage, tuple(s for s in found if s.stage == stage)) for stage in STAGES)
+    return sorted(found, key=lambda status: STAGES.index(status.stage))
 
 
 # Results of each name, by configuration where there are several; None: not run.

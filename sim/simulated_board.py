@@ -197,21 +197,6 @@ class SimulatedTop(BoardPlayer):
         return self.pins().bad_clocks
 
     @property
-    def beats(self) -> int:
-        """Return how many edges the beat pin has made since power-up."""
-        return self.pins().beats
-
-    @property
-    def framing_errors(self) -> int:
-        """Return how many bytes from the board had no stop bit."""
-        return self.pins().framing_errors
-
-    @property
     def leds(self) -> int:
         """Return the 16 LEDs, bit 0 the rightmost."""
         return self.pins().leds
-
-    @property
-    def digits(self) -> str:
-        """Return what the eight digits show; see `Pins.digits`."""
-        return self.pins().digits

@@ -71,21 +71,10 @@ class Stages(Summed):
 
 
 @dataclass(frozen=True)
-class Clocks(Summed):
-    """How many clocks each part of the engine has work for; all are at work at the same time."""
-
-    rows: int = 0
-    words: int = 0
-    boxes: int = 0
-    core: int = 0
-
-
-@dataclass(frozen=True)
 class StageAnswer:
     """What skipping does to a pair of solids. ``near`` (K, 2): (facet of A, of B), by number."""
 
     stages: Stages
-    clocks: Clocks
     near: Integers
 
 
@@ -94,16 +83,15 @@ def stage_answer(a: Integers, b: Integers, margin: int, engine: MeshConfiguratio
 
     Meshes beyond its depth are loaded in parts; a part is an object of its own.
     """
-    stages, clocks, near = Stages(), Clocks(), [np.empty((0, 2), np.int64)]
+    stages, near = Stages(), [np.empty((0, 2), np.int64)]
     for in_a, in_b in product(_parts(a, engine), _parts(b, engine)):
         answer = scene_answer(a[in_a], b[in_b], margin, engine.group)
         i, j = answer.to_be_tested.T
         verdicts = bulk_verdicts(np.stack([a[in_a[i]], b[in_b[j]]], 1), margin)
         stages += _stages(answer, verdicts["axis"])
-        clocks += _clocks(answer, engine)
         i, j = answer.near_pairs.T
         near.append(np.stack([in_a[i], in_b[j]], 1))
-    return StageAnswer(stages, clocks, in_order(np.concatenate(near)))
+    return StageAnswer(stages, in_order(np.concatenate(near)))
 
 
 def _parts(facets: Integers, engine: MeshConfiguration) -> list[Integers]:
@@ -130,17 +118,6 @@ def _stages(answer: SceneAnswer, axis: Integers) -> Stages:
     )
 
 
-def _clocks(answer: SceneAnswer, engine: MeshConfiguration) -> Clocks:
-    rows, groups_b = answer.groups_apart.shape
-    overlapping_rows = rows - int(answer.rows_apart.sum())
-    return Clocks(
-        rows,
-        overlapping_rows * -(-groups_b // engine.lanes),
-        answer.group_pairs_opened * engine.group * engine.group // engine.lanes,
-        answer.tested,
-    )
-
-
 # What skipping must save over all scenes, in cycles for each of which a core without it takes a pair.
 LEAST_RATIO = 10.0
 
@@ -154,7 +131,6 @@ class Hardware(Summed):
 
     cycles: int
     cycles_without_skipping: int
-    clocks_of_work: Clocks
     right: bool
 
 
@@ -277,5 +253,5 @@ def _at_margin(a: Integers, b: Integers, margin: int, engine: MeshEngineScene) -
     right = right and np.array_equal(run.near, golden.near)
     software = saved(a, b, margin, golden.near)
     software = replace(software, right=software.right and software.pairs_tested == stages.tested)
-    hardware = Hardware(run.cycles or 0, stages.pairs, golden.clocks, right)
+    hardware = Hardware(run.cycles or 0, stages.pairs, right)
     return AtMargin(stages, hardware, software), golden.near

@@ -34,7 +34,6 @@ from triaxis.coverage.code_counters import Point
 from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.cover_model import Bin, CoverItem, CoverModel, Hits, Kind
 from triaxis.coverage.interchange.lcov import branch_statements
-from triaxis.coverage.report import report
 from triaxis.golden.outputs import write_whole
 
 _VERSION = "1.0"
@@ -59,16 +58,15 @@ class TestRecord:
 def write_ucis(
     path: Path,
     database: CoverageDatabase,
-    code: Mapping[str, Mapping[Point, int]] | None = None,
-    tests: Sequence[TestRecord] = (),
+    code: Mapping[str, Mapping[Point, int]],
+    tests: Sequence[TestRecord],
     written: datetime | None = None,
 ) -> Path:
     """Write functional coverage, and code coverage by the name of its build, whole or not at all.
 
-    Without ``tests`` there is one record, passed where every bin met its goal. ``written``: when, now
-    unless given. Raise InputError where the file cannot be written.
+    ``written``: when, now unless given. Raise InputError where the file cannot be written.
     """
-    root = _Document(database, code or {}, tests, written or datetime.now(UTC)).root
+    root = _Document(database, code, tests, written or datetime.now(UTC)).root
     indent(root, " ")
     return write_whole(path, tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
 
@@ -89,7 +87,7 @@ class _Document:
         self._files = {name: number for number, name in enumerate(dict.fromkeys([*modelled, *counted]), 1)}
         for name, number in self._files.items():
             SubElement(self.root, "sourceFiles", fileName=name, id=str(number))
-        self._history(tests or _all_in_one(database), when)
+        self._history(tests, when)
         for model, counts in database:
             self._model(model, counts)
         for name, points in code.items():
@@ -179,12 +177,6 @@ class _Document:
 def _source(model: CoverModel[Any]) -> str:
     """Return the file that defines a model, as far as it says."""
     return f"{model.sources[0].parent.name}/{model.sources[0].name}" if model.sources else model.name
-
-
-def _all_in_one(database: CoverageDatabase) -> list[TestRecord]:
-    return [
-        TestRecord("functional coverage", all(report(model, counts).complete for model, counts in database))
-    ]
 
 
 def _flag(value: bool) -> str:

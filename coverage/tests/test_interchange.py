@@ -116,7 +116,7 @@ def test_pyucis_reads_every_bin_run_and_count(models, rng, tmp_path):
     kinds = {"bins": covers.CVGBIN, "ignore": covers.IGNOREBIN, "illegal": covers.ILLEGALBIN}
     database = database_of(lambda item: rng.integers(0, 40, item.size) * rng.integers(0, 2, item.size))
     runs = [TestRecord("signoff", True, "make signoff", 1), TestRecord("code", False)]
-    path = write_ucis(tmp_path / "t.xml", database, tests=runs, written=datetime(2026, 1, 2, tzinfo=UTC))
+    path = write_ucis(tmp_path / "t.xml", database, {}, runs, written=datetime(2026, 1, 2, tzinfo=UTC))
     read = xml.XmlFactory.read(str(path))
     nodes = read.historyNodes(history.HistoryNodeKind.TEST)
     assert [(node.getLogicalName(), node.getTestStatus()) for node in nodes] == [
@@ -138,7 +138,7 @@ def test_pyucis_reads_every_bin_run_and_count(models, rng, tmp_path):
     assert goals == {"sizes size": 5, "crossed axes": 1, "crossed side": 1, "mixed size": 3}
     # Of code, every count of every instance.
     code = read_code(models[0], tmp_path)
-    read = xml.XmlFactory.read(str(write_ucis(path, CoverageDatabase([]), {"one": code})))
+    read = xml.XmlFactory.read(str(write_ucis(path, CoverageDatabase([]), {"one": code}, runs)))
     [build] = list(read.scopes(scopes.INSTANCE))
     kinds = (scopes.BLOCK, covers.STMTBIN), (scopes.BRANCH, covers.BRANCHBIN)
     for part in build.scopes(scopes.INSTANCE):

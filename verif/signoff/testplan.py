@@ -11,7 +11,7 @@ from triaxis.coverage.report import ModelReport
 from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
-from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, stage_progress
+from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, progress
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.sim.paths import ROOT
@@ -89,8 +89,7 @@ def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | N
     plan, found = check_plan()
     # As the report names files: from the root of the checkout.
     problems = [problem.removeprefix(f"{ROOT}/") for problem in found]
-    stages = stage_progress(plan, inventory(), plan_results(parts, coverage))
-    points = [status.content() for stage in stages for status in stage.testpoints]
+    points = [status.content() for status in progress(plan, inventory(), plan_results(parts, coverage))]
     met = sum(point["passed"] is True for point in points)
     return {
         "passed": met == len(points) and not problems,

@@ -114,11 +114,6 @@ class RunSettings:
         return block_of(self.config)
 
     @property
-    def of_mesh_engine(self) -> bool:
-        """Return whether the mesh engine is under test, not the core; ``pairs`` are then those of scenes."""
-        return self.block is Block.MESH
-
-    @property
     def width(self) -> int:
         """Return the coordinate bits of what is under test."""
         return width_of(self.config)

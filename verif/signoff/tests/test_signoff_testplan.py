@@ -9,7 +9,7 @@ from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import report
 from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
-from triaxis.coverage.testplan_progress import PlanResults, Tally, stage_progress
+from triaxis.coverage.testplan_progress import PlanResults, Tally, progress
 from triaxis.fpga.board_build import SIGNED_OFF, TOP_RTL
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
@@ -91,8 +91,8 @@ def test_a_missing_and_an_illegal_bin_fail_their_owner_alone(model, item, bin_, 
         if one.name == model:
             counts.hits[item][bin_] = hits
         reports.append(report(one, counts))
-    stages = stage_progress(read_testplan(), inventory(), PlanResults(coverage=reports))
-    found = {status.name: status for stage in stages for status in stage.testpoints}
+    statuses = progress(read_testplan(), inventory(), PlanResults(coverage=reports))
+    found = {status.name: status for status in statuses}
     failing = {name: status.failing for name, status in found.items() if status.failing}
     assert set(failing) == ({owner} if owner else set())
     assert all(text.startswith(said) for texts in failing.values() for text in texts)
