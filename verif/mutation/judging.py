@@ -69,7 +69,7 @@ def _remaining(hunt: Hunt, targets: Sequence[AnyTarget], of_core: bool, volume: 
     _, others = _split(hunt)
     steps: Steps = []
     for target in targets:
-        if target.assertions:
+        if not target.combinational:
             stage = Stage(target, target.tests(hunt.seed), speed=target.speed, number=len(steps))
             steps.append(partial(hunt.built, stage, others))
     # Only pairs close to a decision on a long axis show a piece that is cut.

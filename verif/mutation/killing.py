@@ -32,7 +32,6 @@ from triaxis.verif.mutation.outcomes import Killed, Store
 from triaxis.verif.mutation.schema import mutated, write_schema
 from triaxis.verif.mutation.targets import (
     AnyTarget,
-    Elaborated,
     EngineTarget,
     elaborated,
     right_latencies,
@@ -73,7 +72,7 @@ class Stage:
         exact = isinstance(self.target, EngineTarget) and self.target.exact_core
         marks = {
             "exact core": exact,
-            "assertions": self.assertions and self.target.assertions,
+            "assertions": self.assertions and not self.target.combinational,
             self.remark: self.remark,
         }
         return ", ".join([self.target.name, *(mark for mark, holds in marks.items() if holds)])
@@ -110,7 +109,7 @@ class Hunt:
         self._trials: Counter[str] = Counter()
         self.catalogue, self.numbers, self.dut, self.seed, self.jobs = catalogue, numbers, dut, seed, jobs
         self.store, self.killed, self._progress = store, store.killed, progress
-        self._elaborated: dict[str, Elaborated] = {}
+        self._elaborated: dict[str, frozenset[tuple[str, int]]] = {}
         self._libraries: dict[str, Path] = {}
         self._tried: set[tuple[str, str]] = set()
         # Compilers and simulators at a time, of all stages that go on.
@@ -126,7 +125,7 @@ class Hunt:
             return False
         if target.name not in self._elaborated:
             self._elaborated[target.name] = elaborated(target, self.dut)
-        return mutant.needs < 0 or self._elaborated[target.name].holds(mutant.file, mutant.needs)
+        return mutant.needs < 0 or (mutant.file, mutant.needs) in self._elaborated[target.name]
 
     def forget_order(self) -> None:
         """Leave those that were tried in one place alone, in vain, to all that there are."""

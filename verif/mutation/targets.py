@@ -3,20 +3,17 @@
 And which parts of dut/ a target elaborates, and what the package's functions give: by pyslang, in no time.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.models import (
-    BOARD_SVA,
-    CORE_SVA,
-    MESH_SVA,
-    assertions,
     board_build,
     core_build,
     detector_build,
@@ -24,6 +21,7 @@ from triaxis.sim.models import (
 )
 from triaxis.sim.paths import DUT, VERIF
 from triaxis.sim.verilate import MANY, QUICK, Build
+from triaxis.verif.formal.netlist import Package
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, RunSettings
@@ -85,11 +83,6 @@ class Target:
         """Return its name."""
         return f"detector_w{self.configuration.width}" if self.combinational else self.configuration.name
 
-    @property
-    def assertions(self) -> tuple[Path, ...]:
-        """Return the files of verif/core/sva/ that go with it."""
-        return () if self.combinational else assertions(CORE_SVA)
-
     def build(self, dut: Path) -> Build:
         """Return the build of the RTL in a folder, quickly made, without assertions."""
         made = (
@@ -136,11 +129,6 @@ class EngineTarget:
         """Return its name, that of the configuration."""
         return f"mesh_{self.configuration.name}"
 
-    @property
-    def assertions(self) -> tuple[Path, ...]:
-        """Return the files of verif/mesh/sva/ that go with it."""
-        return assertions(MESH_SVA)
-
     def build(self, dut: Path) -> Build:
         """Return the build of the RTL in a folder, quickly made, without assertions."""
         made = self.made(dut)
@@ -182,11 +170,6 @@ class BoardTarget(EngineTarget):
     def name(self) -> str:
         """Return its name, that of the configuration."""
         return self.configuration.name
-
-    @property
-    def assertions(self) -> tuple[Path, ...]:
-        """Return the files of verif/board/sva/ that go with it."""
-        return assertions(BOARD_SVA)
 
     def made(self, dut: Path) -> Build:
         """Return the usual build of the RTL in a folder."""
@@ -244,20 +227,6 @@ TARGETS: tuple[AnyTarget, ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Elaborated:
-    """Where the modules and generate blocks begin that a target elaborates: (file, offset).
-
-    Only of files whose mutants are looked for there.
-    """
-
-    blocks: frozenset[tuple[str, int]]
-
-    def holds(self, file: str, block: int) -> bool:
-        """Return whether the block that begins there is elaborated."""
-        return (file, block) in self.blocks
-
-
 def _compilation(build: Build, parameters: Iterable[str]) -> tuple[Any, Any]:
     import pyslang
     from pyslang.ast import Compilation, CompilationOptions
@@ -276,8 +245,11 @@ def _compilation(build: Build, parameters: Iterable[str]) -> tuple[Any, Any]:
     return compilation, manager
 
 
-def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
-    """Return what a target elaborates."""
+def elaborated(target: AnyTarget, dut: Path = DUT) -> frozenset[tuple[str, int]]:
+    """Return where the modules and generate blocks begin that a target elaborates: (file, offset).
+
+    Only of files whose mutants are looked for there.
+    """
     import pyslang.ast as ast
 
     # What stands in for the data path has no mutants.
@@ -294,8 +266,6 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
             return ast.VisitAction.Skip
         if name in ("GenerateBlock", "InstanceBody") and symbol.syntax is not None:
             start = symbol.syntax.sourceRange.start
-            if name == "GenerateBlock" and symbol.isUninstantiated:
-                return ast.VisitAction.Skip
             place = Path(manager.getFileName(start)).resolve()
             # What stands around the board's modules is of the part, and has no mutants.
             if place.is_relative_to(dut.resolve()):
@@ -306,7 +276,7 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> Elaborated:
         instance.visit(visit)
     # Functions and constants of the package serve every target.
     blocks.update(_packages(build))
-    return Elaborated(frozenset(block for block in blocks if target.mutates(block[0])))
+    return frozenset(block for block in blocks if target.mutates(block[0]))
 
 
 def _packages(build: Build) -> list[tuple[str, int]]:
@@ -318,32 +288,16 @@ def _packages(build: Build) -> list[tuple[str, int]]:
     return found
 
 
-def core_latencies(dut: Path, points: Sequence[tuple[int, int]]) -> list[int] | None:
-    """Return core_latency(W, M) of the package for each (W, M); None where it does not evaluate."""
-    import pyslang.ast as ast
-    from pyslang.syntax import SyntaxTree
-
-    asked = " ".join(
-        f"localparam int unsigned V{number} = triaxis_pkg::core_latency({width}, {margin});"
-        for number, (width, margin) in enumerate(points)
-    )
-    compilation = ast.Compilation()
-    compilation.addSyntaxTree(SyntaxTree.fromFile(str(dut / "core" / "triaxis_pkg.sv")))
-    compilation.addSyntaxTree(SyntaxTree.fromText(f"module asked; {asked} endmodule"))
-    body = compilation.getRoot().topInstances[0].body
-    values = [str(body.find(f"V{number}").value) for number in range(len(points))]
-    numbers = [value.rpartition("d")[2] for value in values]
-    return [int(number) for number in numbers] if all(map(str.isdigit, numbers)) else None
-
-
 def right_latencies(dut: Path) -> bool:
     """Return whether the package in a folder gives the latencies that are signed off, for every width.
 
     It shows mutants that no pair shows: a clock more or less. True as well where it does not evaluate.
     """
-    table = every_latency()
-    found = core_latencies(dut, list(table))
-    return found is None or found == list(table.values())
+    package = Package(dut)
+    try:
+        return all(package.call("core_latency", *point) == due for point, due in every_latency().items())
+    except InputError:
+        return True
 
 
 def every_latency() -> dict[tuple[int, int], int]:

