@@ -2,13 +2,42 @@
 
 import os
 import signal
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
 from multiprocessing import get_context
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+
+def results_in_processes(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    prepare: Callable[[], object] = lambda: None,
+    workers: int | None = None,
+) -> Generator[Result]:
+    """Yield what ``work`` makes of each item, in order; all are begun with the first, unless this is closed.
+
+    ``work`` and ``prepare``, which each process calls first, must be functions of modules; a single item, or
+    a single one of ``workers``, as many as there are processors, is worked on here.
+    """
+    workers = min(workers or os.cpu_count() or 1, len(items))
+    if workers < 2:
+        yield from map(work, items)
+        return
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start, initargs=(prepare,))
+    try:
+        # Workers start here, and inherit the blocked signal: an interrupt is for this process.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            results = pool.map(work, items)
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        yield from results
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def in_processes(
@@ -17,31 +46,13 @@ def in_processes(
     done: Callable[[Result], None] = lambda _: None,
     prepare: Callable[[], object] = lambda: None,
 ) -> list[Result]:
-    """Return what ``work`` makes of each item; ``done`` is told of each result as it comes.
-
-    ``work`` and ``prepare``, which each process calls first, must be functions of modules; a single item, or
-    a single processor, is worked on here.
-    """
-    workers = min(os.cpu_count() or 1, len(items))
-    if workers < 2:
-        results: list[Result] = []
-        for item in items:
-            results.append(work(item))
-            done(results[-1])
-        return results
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start, initargs=(prepare,))
-    try:
-        # Workers start here, and inherit the blocked signal: an interrupt is for this process.
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            futures = [pool.submit(work, item) for item in items]
-        finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        for future in as_completed(futures):
-            done(future.result())
-        return [future.result() for future in futures]
-    finally:
-        pool.shutdown(cancel_futures=True)
+    """Return all of `results_in_processes`; ``done`` is told of each."""
+    found: list[Result] = []
+    with closing(results_in_processes(work, items, prepare)) as results:
+        for result in results:
+            done(result)
+            found.append(result)
+    return found
 
 
 def _start(prepare: Callable[[], object]) -> None:

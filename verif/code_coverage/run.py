@@ -3,12 +3,11 @@
 The tests check every answer as always: coverage by a core that answers wrongly is worth nothing.
 """
 
-import signal
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 
 from filelock import FileLock
@@ -27,6 +26,7 @@ from triaxis.coverage.waiver_upkeep import waiver_records
 from triaxis.coverage.waivers import WAIVERS, Waiver, read_waivers
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import make_folder
+from triaxis.golden.processes import results_in_processes
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
 from triaxis.sim.build import built, content_hash, rtl_hash
 from triaxis.sim.configuration import Configuration
@@ -238,28 +238,16 @@ class _Job:
         return Run(self.model.name, "check_detector", pairs, wrong, time.perf_counter() - start)
 
 
-def _run_job(job: _Job) -> tuple[list[Run], Assessment]:
-    return job.run()
-
-
-def _ignore_interrupts() -> None:
-    """Leave an interrupt to the process that waits for the workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[list[Run], Assessment]]:
     """Build in threads, which only wait for compilers; then run in processes, whose work is Python's."""
     with ThreadPoolExecutor(_JOBS) as threads:
         for _ in threads.map(_Job.build, jobs):
             progress(1)
     done: list[tuple[list[Run], Assessment]] = []
-    pool = ProcessPoolExecutor(_JOBS, get_context("spawn"), initializer=_ignore_interrupts)
-    try:
-        for outcome in pool.map(_run_job, jobs):
+    with closing(results_in_processes(_Job.run, jobs, workers=_JOBS)) as results:
+        for outcome in results:
             done.append(outcome)
             progress(1)
-    finally:
-        pool.shutdown(cancel_futures=True)
     return done
 
 

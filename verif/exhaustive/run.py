@@ -1,14 +1,11 @@
 """A whole grid on all cores, stopped and continued at will, and the proof that nothing is left out."""
 
 import os
-import signal
 import time
-from collections.abc import Callable, Generator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +13,7 @@ import numpy as np
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import default_solver
+from triaxis.golden.processes import results_in_processes
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import LockstepEngine, RtlEngine
 from triaxis.sim.evidence import write_evidence
@@ -114,7 +112,7 @@ def _run_rest(
     last = len(grid.classes)
     tasks = [(identity, start, min(start + step, last)) for start in range(state.done, last, step)]
     start, saved = time.monotonic() - state.seconds, time.monotonic()
-    with closing(_results(tasks, workers)) as results:
+    with closing(results_in_processes(_check_classes, tasks, default_solver, workers)) as results:
         for result in results:
             state.result = _sum([state.result, result])
             state.seconds = time.monotonic() - start
@@ -153,30 +151,6 @@ def _checker(identity: Identity) -> Callable[[int], ClassResult]:
 def _check_classes(task: _Task) -> ClassResult:
     identity, first, end = task
     return _sum([_checker(identity)(number) for number in range(first, end)])
-
-
-def _ignore_interrupts() -> None:
-    """Let a worker finish its task; PPL's loader unblocks the signal and handles it itself."""
-    default_solver()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _results(tasks: list[_Task], workers: int) -> Generator[ClassResult]:
-    """Return the results in the order of the tasks."""
-    if workers < 2 or len(tasks) < 2:
-        yield from map(_check_classes, tasks)
-        return
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_ignore_interrupts)
-    try:
-        # Workers start here, and inherit the blocked signal: an interrupt is for this process.
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            results = pool.map(_check_classes, tasks)
-        finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        yield from results
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def result_file(folder: Path, size: int) -> Path:
