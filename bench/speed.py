@@ -79,7 +79,7 @@ def _bare(configuration: Configuration, pairs: int, plain: bool = False) -> floa
 
 def _checks() -> Work:
     """Return all that is done with answers: checks, claims, kinds, coverage; a few go to the golden model."""
-    coverage = CoreCoverage(*CONFIGURATION.covered)
+    coverage = CoreCoverage(CONFIGURATION)
     checker = Checker(CONFIGURATION, Share(_ONE_IN, 0), on_checked=coverage.sample)
     made: list[tuple[PairBatch, ResultBatch]] = []
 

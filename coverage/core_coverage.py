@@ -3,15 +3,17 @@
 What a build cannot reach is no part of its model, so goals are met build by build.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 from triaxis.coverage import core_points as points
 from triaxis.coverage import core_proofs as proofs
 from triaxis.coverage.core_points import AxisPoints, Point, axis_points, margin_end, margin_point
-from triaxis.coverage.core_sample import Build, CoreSample, CoreView
+from triaxis.coverage.core_sample import CoreSample, CoreView
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import CoverItem, CoverModel
+from triaxis.sim.configuration import Configuration
 
 Item = CoverItem[CoreView]
 
@@ -28,20 +30,18 @@ _LEVEL = "axes exactly at the margin, of near pairs"
 _NEAR_STEP = "axes short of separating by the smallest step, of near pairs"
 
 
-def core_model(
-    width: int, margin_bits: int, edge_box: bool = True, gating: bool = True
-) -> CoverModel[CoreView]:
-    """Return the coverage model of a build; raise InputError where there is no such core."""
-    return _model(Build(width, margin_bits, edge_box, gating))
+def core_model(configuration: Configuration) -> CoverModel[CoreView]:
+    """Return the coverage model of a configuration: the same for every size of tags."""
+    return _model(replace(configuration, tag_bits=Configuration().tag_bits))
 
 
 class CoreCoverage:
-    """Collects the coverage of one build of the core."""
+    """Collects the coverage of one configuration of the core."""
 
-    def __init__(self, width: int, margin_bits: int, edge_box: bool = True, gating: bool = True) -> None:
-        """Start with zero counts; raise InputError where there is no such core."""
-        self._build = Build(width, margin_bits, edge_box, gating)
-        self.model = _model(self._build)
+    def __init__(self, configuration: Configuration) -> None:
+        """Start with zero counts."""
+        self._build = configuration
+        self.model = core_model(configuration)
         self.counts = Counts.empty(self.model)
 
     def sample(self, sample: CoreSample) -> None:
@@ -50,7 +50,7 @@ class CoreCoverage:
 
 
 @cache
-def _model(build: Build) -> CoverModel[CoreView]:
+def _model(build: Configuration) -> CoverModel[CoreView]:
     axes = axis_points(build)
     margin = (points.MARGIN_SIGN,) if build.margin_bits else ()
     items = (
@@ -63,7 +63,7 @@ def _model(build: Build) -> CoverModel[CoreView]:
     return CoverModel(f"core_{build.name}", items, _SOURCES)
 
 
-def _answers(build: Build, axes: AxisPoints) -> list[Item]:
+def _answers(build: Configuration, axes: AxisPoints) -> list[Item]:
     items = [
         Item(
             "answer",
@@ -86,7 +86,7 @@ def _answers(build: Build, axes: AxisPoints) -> list[Item]:
     return items
 
 
-def _axes(build: Build, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Item]:
+def _axes(build: Configuration, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Item]:
     items = [
         Item(
             "sole_axis",
@@ -128,7 +128,7 @@ def _axes(build: Build, axes: AxisPoints, margin: tuple[Point, ...]) -> list[Ite
     return items
 
 
-def _geometry(build: Build, margin: tuple[Point, ...]) -> list[Item]:
+def _geometry(build: Configuration, margin: tuple[Point, ...]) -> list[Item]:
     ranks = (points.RANK_A, points.RANK_B, *margin)
     return [
         Item("relation", "how A and B lie x ranks", (points.RELATION, *ranks), proofs.RELATION_PROOFS),

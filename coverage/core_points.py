@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from triaxis.coverage.core_sample import Build, Codes, CoreView, classes
+from triaxis.coverage.core_sample import Codes, CoreView, axes_of, classes
 from triaxis.coverage.cover_model import Coverpoint, MaskPoint
 from triaxis.golden.axes import axis_name
 from triaxis.golden.facts import Mask
+from triaxis.sim.configuration import Configuration
 
 Point = Coverpoint[CoreView]
 
@@ -119,9 +120,9 @@ class AxisPoints:
     flat: MaskPoint[CoreView]
 
 
-def axis_points(build: Build) -> AxisPoints:
+def axis_points(build: Configuration) -> AxisPoints:
     """Return the points whose bins are the axes of a build."""
-    axes = tuple(f"{n:02d} {axis_name(n)}" for n in range(build.axes))
+    axes = tuple(f"{n:02d} {axis_name(n)}" for n in range(axes_of(build)))
 
     def mask(name: str, masks: Callable[[CoreView], Mask]) -> MaskPoint[CoreView]:
         return MaskPoint(name, axes, masks)
@@ -138,7 +139,7 @@ def axis_points(build: Build) -> AxisPoints:
     )
 
 
-def margin_point(build: Build) -> Point:
+def margin_point(build: Configuration) -> Point:
     """Return the point of margins, from 0 to a quarter of the range and more, as far as a build has them."""
     # From a quarter on every axis can still be the one that separates, whatever W and M.
     large = 1 << max(build.margin_bits - 2, 0)
@@ -150,8 +151,8 @@ def margin_point(build: Build) -> Point:
     return Point("margin", bins, lambda v: classes(v.sample.margins, *starts))
 
 
-def margin_end(build: Build) -> Point:
+def margin_end(build: Configuration) -> Point:
     """Return the point of margins at the end of the range."""
-    largest = build.largest_margin
+    largest = build.max_margin
     bins = ("smaller margin", f"m = {largest}, the largest")
     return Point("largest margin", bins, lambda v: classes(v.sample.margins, largest))

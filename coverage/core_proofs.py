@@ -13,8 +13,9 @@ pairs of a tiny grid.
 
 from collections.abc import Callable
 
-from triaxis.coverage.core_sample import Build, Decision, Relation
+from triaxis.coverage.core_sample import Decision, Relation
 from triaxis.coverage.cover_model import Exclusion, Kind
+from triaxis.sim.configuration import Configuration
 
 # Kinds of argument; every exclusion is of one of these.
 GEOMETRY, BUILD, CONTRACT = "geometry", "build", "contract"
@@ -45,7 +46,7 @@ def _edge_of_b(axis: int) -> bool:
     return 5 <= axis < 14 or axis >= 23
 
 
-def sole_axis(build: Build) -> tuple[Exclusion, ...]:
+def sole_axis(build: Configuration) -> tuple[Exclusion, ...]:
     """Return the proofs for axis x side x rank A x rank B (x margin sign)."""
     proofs = [
         _never(
@@ -138,7 +139,7 @@ _COPLANAR_BLIND = (
 )
 
 
-def decision(build: Build) -> tuple[Exclusion, ...]:
+def decision(build: Configuration) -> tuple[Exclusion, ...]:
     """Return the proofs for decision x coplanar x rank A x rank B (x margin sign)."""
     proofs = [
         _never(
@@ -162,7 +163,7 @@ def decision(build: Build) -> tuple[Exclusion, ...]:
     return tuple(proofs)
 
 
-def flags(build: Build) -> tuple[Exclusion, ...]:
+def flags(build: Configuration) -> tuple[Exclusion, ...]:
     """Return the proofs for decision x flags answered."""
     proofs: list[Exclusion] = []
     if build.gating:
@@ -192,7 +193,7 @@ def flags(build: Build) -> tuple[Exclusion, ...]:
     return tuple(proofs)
 
 
-def largest_margin(build: Build) -> tuple[Exclusion, ...]:
+def largest_margin(build: Configuration) -> tuple[Exclusion, ...]:
     """Return the proofs for whether the margin is the largest x decision."""
     if build.margin_bits < build.width:
         return ()

@@ -11,9 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.axes import BOX_AXES, NUM_AXES
-from triaxis.golden.errors import InputError
 from triaxis.golden.facts import Facts, Mask
-from triaxis.golden.pairs import check_width
+from triaxis.sim.configuration import Configuration
 
 Codes = npt.NDArray[np.uint8]
 
@@ -23,40 +22,9 @@ SPACE_AXES = 14
 _CLAIM_SHIFT, _CLAIM_BITS, _FLAG_SHIFT, _RESERVED = 8, 0x1F, 1, 0xE0F0
 
 
-@dataclass(frozen=True)
-class Build:
-    """The parameters of the core that decide what can happen in it."""
-
-    width: int
-    margin_bits: int
-    edge_box: bool
-    gating: bool
-
-    def __post_init__(self) -> None:
-        """Raise InputError for a core that cannot be built."""
-        check_width(self.width)
-        if not 0 <= self.margin_bits <= (self.width if self.edge_box else 0):
-            raise InputError(
-                f"margin bits {self.margin_bits}: must be 0..{self.width}, and 0 without the edge x box axes"
-            )
-
-    @property
-    def name(self) -> str:
-        """Return a short name: w16_m0, w16_m0_no_edge_box_ungated, .."""
-        parts = [f"w{self.width}", f"m{self.margin_bits}"]
-        parts += [] if self.edge_box else ["no_edge_box"]
-        parts += [] if self.gating else ["ungated"]
-        return "_".join(parts)
-
-    @property
-    def axes(self) -> int:
-        """Return how many axes the core has: the first of the 32."""
-        return NUM_AXES if self.edge_box else SPACE_AXES
-
-    @property
-    def largest_margin(self) -> int:
-        """Return the largest margin that the core can be given."""
-        return (1 << self.margin_bits) - 1
+def axes_of(configuration: Configuration) -> int:
+    """Return how many axes a core has: the first of the 32."""
+    return NUM_AXES if configuration.edge_box else SPACE_AXES
 
 
 class Decision(IntEnum):
@@ -110,7 +78,7 @@ class CoreView:
     to each other, `relation` and `supports`, is geometry and taken from all 32 axes.
     """
 
-    def __init__(self, build: Build, sample: CoreSample) -> None:
+    def __init__(self, build: Configuration, sample: CoreSample) -> None:
         """Compute nothing yet."""
         self.build = build
         self.sample = sample
@@ -155,7 +123,7 @@ class CoreView:
     def _axis_where(self, condition: Codes, axis: Codes) -> Codes:
         """Return the axis where the condition is 1, the number of axes where it is 0."""
         # n | 255 is 255, cut down to the number of axes: no branch, no gather.
-        return np.minimum(axis | (condition - np.uint8(1)), np.uint8(self.build.axes))
+        return np.minimum(axis | (condition - np.uint8(1)), np.uint8(axes_of(self.build)))
 
     @cached_property
     def sole(self) -> Codes:
@@ -257,7 +225,7 @@ class CoreView:
     def claim(self) -> Codes:
         """Return 0 where the core says near, 1 + its claim otherwise; 1 + axes for one that it lacks."""
         claimed = (self.answered_axis + np.uint8(1)) * (1 - self.answered_near)
-        return np.minimum(claimed, np.uint8(self.build.axes + 1))
+        return np.minimum(claimed, np.uint8(axes_of(self.build) + 1))
 
     @cached_property
     def answer(self) -> Codes:

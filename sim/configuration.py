@@ -75,11 +75,6 @@ class Configuration:
             "Gating": int(self.gating),
         }
 
-    @property
-    def covered(self) -> tuple[int, int, bool, bool]:
-        """Return what the coverage model depends on: width, margin bits, edge x box, gating."""
-        return self.width, self.margin_bits, self.edge_box, self.gating
-
 
 _NAME = re.compile(r"w(\d+)_m(\d+)(?:_t(\d+))?(_no_edge_box)?(_ungated)?")
 

@@ -5,17 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.coverage.core_sample import Build, CoreSample
+from triaxis.coverage.core_sample import CoreSample, axes_of
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.facts import Facts
 from triaxis.golden.pairs import Pairs
+from triaxis.sim.configuration import Configuration
 
 _BATCH = 1 << 16
 
 
-def true_words(facts: Facts, build: Build) -> npt.NDArray[np.uint16]:
+def true_words(facts: Facts, build: Configuration) -> npt.NDArray[np.uint16]:
     """Return the result words that docs/interface.md asks of a core."""
-    axes = np.uint32((1 << build.axes) - 1)
+    axes = np.uint32((1 << axes_of(build)) - 1)
     separating = facts.separating & axes
     near = separating == 0
     lowest = np.array([0 if m == 0 else (m & -m).bit_length() - 1 for m in separating.tolist()], np.uint16)
@@ -26,7 +27,7 @@ def true_words(facts: Facts, build: Build) -> npt.NDArray[np.uint16]:
 
 
 def samples(
-    rng: np.random.Generator, build: Build, pairs: Pairs, margins: npt.NDArray[np.integer]
+    rng: np.random.Generator, build: Configuration, pairs: Pairs, margins: npt.NDArray[np.integer]
 ) -> Iterator[CoreSample]:
     """Yield samples of the pairs, with waits at random: in the first of them none."""
     for start in range(0, len(pairs), _BATCH):

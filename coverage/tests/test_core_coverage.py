@@ -3,10 +3,11 @@
 import numpy as np
 
 from triaxis.coverage.core_coverage import CoreCoverage
-from triaxis.coverage.core_sample import Build, CoreSample
+from triaxis.coverage.core_sample import CoreSample
 from triaxis.coverage.report import report
 from triaxis.coverage.tests.core_samples import true_words
 from triaxis.golden.bulk import bulk_facts
+from triaxis.sim.configuration import Configuration
 
 TRIANGLE = [[0, 0, 0], [6, 0, 1], [0, 6, 1]]
 
@@ -17,12 +18,14 @@ def hit_bins(coverage, name):
     return {b.name: n for b, n in zip(item.bins, hits, strict=True) if n}
 
 
-def sampled(pairs, margins, words=None, parameters=(16, 16, True, True)):
+WITH_MARGINS = Configuration(16, 16)
+
+
+def sampled(pairs, margins, words=None, build=WITH_MARGINS):
     """Coverage of pairs, answered truly unless words are given, without waits."""
-    build = Build(*parameters)
     facts = bulk_facts(np.array(pairs), np.array(margins))
     waits = np.zeros(len(facts), np.uint8)
-    coverage = CoreCoverage(*parameters)
+    coverage = CoreCoverage(build)
     answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
     coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits))
     return coverage
@@ -45,7 +48,7 @@ def test_a_point_above_a_triangle_is_decided_by_its_normal():
 def test_a_core_without_the_last_axes_sees_only_what_it_can():
     # Two triangles in the plane z = 0 whose boxes overlap: only edges seen along z separate them.
     pair = [[[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[9, 9, 0], [9, 2, 0], [3, 9, 0]]]
-    full, less = (sampled([pair], [0], parameters=(16, 0, box, True)) for box in (True, False))
+    full, less = (sampled([pair], [0], build=Configuration(edge_box=box)) for box in (True, False))
     assert list(hit_bins(full, "claim")) == ["19 A edge 1 x z"]
     assert list(hit_bins(less, "claim")) == ["near"]
     assert list(hit_bins(less, "blind")) == ["near, though a missing axis separates / coplanar"]

@@ -6,32 +6,32 @@ import numpy as np
 import pytest
 
 from triaxis.coverage.core_coverage import CoreCoverage
-from triaxis.coverage.core_sample import Build
 from triaxis.coverage.report import report
 from triaxis.coverage.tests.core_samples import samples
+from triaxis.sim.configuration import Configuration
 from triaxis.verif.core.stimulus.families import mixed
 
 BUILDS = (
-    (8, 0, True, True),
-    (8, 8, True, True),
-    (16, 0, False, True),
-    (13, 4, True, False),
-    (32, 32, True, True),
+    Configuration(8),
+    Configuration(8, 8),
+    Configuration(edge_box=False),
+    Configuration(13, 4, gating=False),
+    Configuration(32, 32),
 )
 # All 2^18 ordered pairs of triangles with vertices in {0, 1}^3.
 CUBE = np.array(list(product((0, 1), repeat=3)))[np.indices((8,) * 6).reshape(6, -1).T].reshape(-1, 2, 3, 3)
 
 
-@pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: Build(*p).name)
-def test_no_excluded_bin_is_hit(parameters, rng):
-    build, coverage = Build(*parameters), CoreCoverage(*parameters)
+@pytest.mark.parametrize("build", BUILDS, ids=lambda build: build.name)
+def test_no_excluded_bin_is_hit(build, rng):
+    coverage = CoreCoverage(build)
     grid = rng.integers(0, 4, (60_000, 2, 3, 3))
-    families = mixed(rng, 100_000, build.width, build.largest_margin)
+    families = mixed(rng, 100_000, build.width, build.max_margin)
     for pairs, margins in (
         (CUBE, np.zeros(len(CUBE), np.int64)),
-        (grid, rng.integers(0, min(build.largest_margin, 2) + 1, len(grid))),
+        (grid, rng.integers(0, min(build.max_margin, 2) + 1, len(grid))),
         (families.pairs.astype(np.int64), families.margins),
-        (families.pairs[:100].astype(np.int64), np.full(100, build.largest_margin)),
+        (families.pairs[:100].astype(np.int64), np.full(100, build.max_margin)),
     ):
         for sample in samples(rng, build, pairs, margins):
             coverage.sample(sample)

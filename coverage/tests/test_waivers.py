@@ -17,9 +17,17 @@ from triaxis.coverage.waiver_upkeep import (
 )
 from triaxis.coverage.waivers import WAIVERS, BoundError, Waiver, confirm_waivers, evaluate, fit, read_waivers
 from triaxis.golden.errors import InputError
+from triaxis.sim.configuration import Configuration
 
 ROOT = Path(__file__).resolve().parents[2]
-CORES = ((8, 0), (8, 8), (16, 0, False, True), (13, 4, True, False), (16, 0, True, False), (32, 32))
+CORES = (
+    Configuration(8),
+    Configuration(8, 8),
+    Configuration(edge_box=False),
+    Configuration(13, 4, gating=False),
+    Configuration(gating=False),
+    Configuration(32, 32),
+)
 
 
 GOOD = """
@@ -145,9 +153,9 @@ def test_waivers_that_are_not_those_measured_are_a_problem(spoil, said):
     assert said in problem
 
 
-@pytest.mark.parametrize("parameters", CORES)
-def test_every_exclusion_is_illegal_proved_owned_and_of_some_bin(parameters):
-    for item in core_model(*parameters).items:
+@pytest.mark.parametrize("core", CORES, ids=lambda core: core.name)
+def test_every_exclusion_is_illegal_proved_owned_and_of_some_bin(core):
+    for item in core_model(core).items:
         used = {id(one.exclusion) for one in item.bins}
         for exclusion in item.exclusions:
             assert exclusion.kind is Kind.ILLEGAL

@@ -47,7 +47,7 @@ class CoreTest(EnvironmentTest):
         made = mixed(np.random.default_rng(1), len(FAMILIES), configuration.width, configuration.max_margin)
         words = expected_words(bulk_facts(made.pairs, made.margins), configuration)
         numbers, waits = np.arange(len(made)), np.zeros(len(made), np.uint16)
-        checker = Checker(configuration, on_checked=CoreCoverage(*configuration.covered).sample)
+        checker = Checker(configuration, on_checked=CoreCoverage(configuration).sample)
         checker.check(
             PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits, numbers)
         )

@@ -24,7 +24,7 @@ class CoverageSubscriber(uvm_subscriber):
     def build_phase(self) -> None:
         """Start with empty counts."""
         self.settings = settings_of(self)
-        self.coverage = CoreCoverage(*self.settings.configuration.covered)
+        self.coverage = CoreCoverage(self.settings.configuration)
         self.every = _SOAK_EVERY if self.settings.soak else 1
         self.batches = 0
 

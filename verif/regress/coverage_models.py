@@ -32,7 +32,7 @@ def model_of(config: str) -> CoverModel[Any]:
         return board_model(parse_board_configuration(config).width)
     if is_mesh_configuration(config):
         return mesh_model(mesh_build(parse_mesh_configuration(config)))
-    return core_model(*parse_configuration(config).covered)
+    return core_model(parse_configuration(config))
 
 
 def model_named(name: str) -> CoverModel[Any]:

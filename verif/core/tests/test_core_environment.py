@@ -43,7 +43,7 @@ def test_passes(tmp_path, seed, test, agent):
     result = run(run_settings(test, config, seed, pairs, folder=tmp_path, agent=agent, judged_one_in=50))
     assert result.passed and result.counts, result.explain()
     assert result.counts["judged_by_golden_model"] > 0
-    hits = load(result.coverage, core_model(*result.settings.configuration.covered)).hits
+    hits = load(result.coverage, core_model(result.settings.configuration)).hits
     assert hits["claim"].sum() == result.counts["checked"] > 0
     if test == "ResetsTest":
         assert result.counts["resets"] > 2

@@ -181,7 +181,7 @@ def test_a_good_regression_leaves_its_reports(place, seed):
             assert "JobState=COMPLETED" in shown and "JobName=triaxis-good-" in shown
 
     # The merged coverage is the sum of that of the runs.
-    model = core_model(*Configuration().covered)
+    model = core_model(Configuration())
     parts = [load(path, model) for path in (folder / "runs").glob("*/coverage.json")]
     assert len(parts) == 3
     for name, hits in load(folder / "coverage.json", model).hits.items():

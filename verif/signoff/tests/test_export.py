@@ -14,10 +14,14 @@ from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts, CoverageDatabase
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
+from triaxis.sim.configuration import Configuration
 from triaxis.verif.commands import coverage
 
 HERE = "1234567890abcdef"
-MODELS = [core_model(16, 0), core_model(13, 4), core_model(16, 0, False, False)]
+MODELS = [
+    core_model(one)
+    for one in (Configuration(), Configuration(13, 4), Configuration(edge_box=False, gating=False))
+]
 FUNCTIONAL, SIGNOFF, CODE = "signoff/coverage.json", "signoff/signoff.json", "code.json"
 
 

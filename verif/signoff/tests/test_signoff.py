@@ -112,7 +112,7 @@ def test_plan_covers_widths_margins_and_builds():
 
 def test_coverage_of_another_model_ends_the_signoff(tmp_path):
     """A run of one configuration that left the coverage of another."""
-    Counts.empty(core_model(16, 16)).save(coverage_file(tmp_path))
+    Counts.empty(core_model(Configuration(16, 16))).save(coverage_file(tmp_path))
     assert merge_coverage(tmp_path, ["w16_m16"], [("w16_m16", tmp_path)])[0].model == "core_w16_m16"
     wrong = {"counts of coverage model core_w16_m16": tmp_path, "cannot read": tmp_path / "none"}
     for message, folder in wrong.items():

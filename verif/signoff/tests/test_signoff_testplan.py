@@ -13,6 +13,7 @@ from triaxis.coverage.testplan_progress import PlanResults, Tally, progress
 from triaxis.fpga.board_build import SIGNED_OFF, TOP_RTL
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
+from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.plan import plan
@@ -39,7 +40,7 @@ def test_the_testplan_is_clean_and_the_inventory_whole(capsys):
     assert "lattice_near_misses" in capsys.readouterr().out
     known = inventory()
     assert all(known.names(kind) for kind in KINDS)
-    assert len(known.bins) == 8 + 5 + 1 and core_model(16, 0).name in known.bins
+    assert len(known.bins) == 8 + 5 + 1 and core_model(Configuration()).name in known.bins
     assert "mesh_w16_m16_d4096_g8_l8" in known.bins
     assert "answer.clear, wrongly" in known.illegal["core_w16_m0"]
     modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").rglob("*.sv*")}
