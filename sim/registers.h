@@ -28,8 +28,8 @@ struct Register {
   int32_t bits;
 };
 
-// One bit is inverted; it keeps the value that it did not have from then on; its element misses the next edge.
-enum Upset : int32_t { kFlip = 0, kStick, kMiss };
+// One bit is inverted; it keeps the value 0 or 1 from then on; its element misses the next edge.
+enum Upset : int32_t { kFlip = 0, kStuckAt0, kStuckAt1, kMissedEdge };
 
 class Registers {
  public:
@@ -52,21 +52,23 @@ class Registers {
   void Disturb(Upset upset, int64_t number, int32_t element, int32_t bit) {
     const Register& one = all_[number];
     uint8_t* const data = one.data + size_t{one.bytes} * element;
-    if (upset == kMiss) {
+    if (upset == kMissedEdge) {
       missing_ = data;
       kept_.assign(data, data + one.bytes);
       return;
     }
     uint8_t* const byte = data + bit / 8;
     mask_ = static_cast<uint8_t>(1u << bit % 8);
-    *byte ^= mask_;
-    if (upset == kStick) {
-      stuck_ = byte;
-      value_ = *byte & mask_;
+    if (upset == kFlip) {
+      *byte ^= mask_;
+      return;
     }
+    stuck_ = byte;
+    value_ = upset == kStuckAt1 ? mask_ : 0;
+    *byte = static_cast<uint8_t>((*byte & ~mask_) | value_);
   }
 
-  // After an evaluation: puts back what must not have changed, and says whether anything had.
+  // After an evaluation: puts back what must not have changed. Returns whether there may be more to evaluate.
   bool PutBack(bool rising) {
     if (stuck_ && (*stuck_ & mask_) != value_) {
       *stuck_ ^= mask_;
@@ -78,15 +80,16 @@ class Registers {
     return true;
   }
 
-  // FNV-1a over words: the same in two models where all their registers and memories are.
+  // A hash of all registers and memories; each bit of a word reaches every bit of it.
   uint64_t State() const {
-    uint64_t state = 0xcbf29ce484222325;
+    uint64_t state = 0;
     for (const Register& one : all_) {
       const size_t size = size_t{one.bytes} * one.elements;
       for (size_t at = 0; at < size; at += 8) {
         uint64_t word = 0;
         std::memcpy(&word, one.data + at, size - at < 8 ? size - at : 8);
-        state = (state ^ word) * 0x100000001b3;
+        state = (state ^ word) * 0x9e3779b97f4a7c15;
+        state ^= state >> 32;
       }
     }
     return state;

@@ -40,7 +40,8 @@ from triaxis.verif.mutation.run import mutate
 from triaxis.verif.netlist import result as netlists
 from triaxis.verif.netlist.gates import SCOPES, Scope, run_on_gates
 from triaxis.verif.netlist.module_proofs import PROOFS
-from triaxis.verif.upsets.campaign import CONFIG, UPSETS, upset_board
+from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
+from triaxis.verif.upsets.campaign import tally as tally_upsets
 from triaxis.verif.upsets.campaign import write_result as write_upsets
 from triaxis.verif.upsets.verdict import Kind
 
@@ -342,7 +343,7 @@ def add_upsets(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--upsets", type=positive, default=UPSETS, metavar="N",
-        help=f"so many ({UPSETS}: of every bit of the small board one at least)",
+        help=f"so many ({UPSETS}: each bit of the small board is inverted once at least)",
     )  # fmt: skip
     parser.add_argument("--config", default=CONFIG, help=f"the board ({CONFIG})")
     add_seed(parser)
@@ -353,11 +354,14 @@ def _upsets(options: argparse.Namespace) -> int:
     with progress_bar("upsets", options.upsets) as progress:
         result = upset_board(progress, options.seed, options.upsets, options.config)
     flips = table("bits inverted", ("module", "upsets", "dangerous", "detected", "false stops"))
-    for module, row in (*result.blocks(Kind.FLIP).items(), ("all", result.kinds[Kind.FLIP])):
+    inverted = result.of(Kind.FLIP)
+    for module, row in (*by_module(inverted).items(), ("all", tally_upsets(inverted))):
         flips.add_row(module, *map(str, (row.upsets, row.dangerous, row.detected, row.false_stops)))
     Console(width=110).print(flips)
     print_list("PROBLEM", result.problems)
-    if not result.problems:
+    if result.config != CONFIG:
+        print("another board: no result written")
+    elif not result.problems:
         print(f"written to {write_upsets(result)}")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO

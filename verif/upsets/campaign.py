@@ -6,17 +6,16 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
-from functools import cached_property
 from math import exp, lgamma, log
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import parse_board_configuration
-from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import write_evidence
-from triaxis.sim.paths import DUT
-from triaxis.sim.validity import Sources
+from triaxis.sim.validity import Provenance, Sources, provenance
 from triaxis.sim.verilate import library
 from triaxis.verif.testbench.settings import BOARD_TESTS, BURST, ENTRY
 from triaxis.verif.testbench.simulation import run, run_settings
@@ -29,17 +28,23 @@ SOURCES = Sources(
     ("triaxis.verif.upsets.campaign", "triaxis.verif.upsets.upset_test", ENTRY, *BOARD_TESTS),
     ("dut/board/*.f", "fpga/nexys4ddr_top.sv"),
 )  # fmt: skip
-# A board small enough that so many upsets are one of each bit at least, memories and core among them.
-CONFIG, UPSETS = "board_w8_m0_d16_g4_l2", 40_000
+# A board small enough that so many upsets invert each bit at least once, memories and core among them.
+CONFIG, UPSETS = "board_w8_m0_d16_g4_l2", 44_000
 # Dangerous ones that are described in full.
 _DESCRIBED = 50
 _CONFIDENCE = 0.95
 _POLL_SECONDS = 1.0
+# Of the watchdog, which each upset is to outlive.
+_LONGEST = 1_000_000
+STUCK = (Kind.STUCK_AT_0, Kind.STUCK_AT_1)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """An upset, before which clock of the talk, in which module, and what came of it; how that showed."""
+    """An upset, before which clock of the talk, in which module, and what came of it; how that showed.
+
+    ``running``: the clock was drawn from those of runs.
+    """
 
     kind: Kind
     module: str
@@ -47,6 +52,7 @@ class Outcome:
     element: int
     bit: int
     clock: int
+    running: bool
     fate: Fate
     how: str
 
@@ -97,26 +103,19 @@ def most_share(found: int, tried: int) -> float:
 
 @dataclass(frozen=True)
 class UpsetsResult:
-    """What came of all upsets. ``problems``: of the run itself."""
+    """What came of all upsets of a board. ``problems``: of the run itself; ``bits``: of the design."""
 
     outcomes: tuple[Outcome, ...]
     config: str
+    bits: int
     seed: int
     seconds: float
     problems: tuple[str, ...]
+    valid_for: Provenance
 
-    @cached_property
-    def kinds(self) -> dict[Kind, Tally]:
-        """Return the totals of each kind."""
-        return {kind: tally([one for one in self.outcomes if one.kind is kind]) for kind in Kind}
-
-    def blocks(self, kind: Kind) -> dict[str, Tally]:
-        """Return the totals of a kind in each module."""
-        groups: dict[str, list[Outcome]] = {}
-        for one in self.outcomes:
-            if one.kind is kind:
-                groups.setdefault(one.module, []).append(one)
-        return {module: tally(groups[module]) for module in sorted(groups)}
+    def of(self, *kinds: Kind, running: bool | None = None) -> list[Outcome]:
+        """Return what came of some kinds, in runs, between them, or at all times."""
+        return [one for one in self.outcomes if one.kind in kinds and running in (None, one.running)]
 
     @property
     def dangerous(self) -> list[Outcome]:
@@ -131,20 +130,39 @@ class UpsetsResult:
     @property
     def summary(self) -> str:
         """Return the result in one line."""
-        flips, others = self.kinds[Kind.FLIP], (self.kinds[Kind.STICK], self.kinds[Kind.MISS])
-        return (
-            f"{flips.upsets} bits inverted: {flips.dangerous} dangerous (with 95 % confidence at most "
-            f"{100 * flips.bound:.3f} %), {flips.detected} detected, {flips.false_stops} false stops; "
-            f"{others[0].dangerous} of {others[0].upsets} that stick and {others[1].dangerous} of "
-            f"{others[1].upsets} edges that are missed are dangerous"
+        flips, stuck = tally(self.of(Kind.FLIP)), tally(self.of(*STUCK))
+        missed = tally(self.of(Kind.MISSED_EDGE))
+        shares = [tally(self.of(Kind.FLIP, running=running)) for running in (True, False)]
+        within, between = (
+            f"{one.dangerous} of {one.upsets} (at most {100 * one.bound:.2f} %)" for one in shares
         )
+        return (
+            f"bits inverted: dangerous in runs {within}, between runs {between}; {flips.detected} detected, "
+            f"{flips.false_stops} false stops; dangerous are {stuck.dangerous} of {stuck.upsets} bits that "
+            f"are stuck, {missed.dangerous} of {missed.upsets} edges that are missed"
+        )
+
+
+def by_module(outcomes: Sequence[Outcome]) -> dict[str, Tally]:
+    """Return the totals of each module."""
+    groups: dict[str, list[Outcome]] = {}
+    for one in outcomes:
+        groups.setdefault(one.module, []).append(one)
+    return {module: tally(groups[module]) for module in sorted(groups)}
 
 
 def upset_board(
     progress: Callable[[int], None], seed: int = 1, upsets: int = UPSETS, config: str = CONFIG
 ) -> UpsetsResult:
-    """Upset the board so many times; ``progress`` is told how many more are done."""
-    start, rtl = time.monotonic(), rtl_hash(DUT)
+    """Upset the board so many times; ``progress`` is told how many more are done.
+
+    Raises InputError for a board whose watchdog takes too long.
+    """
+    if parse_board_configuration(config).watchdog_clocks > _LONGEST:
+        raise InputError(
+            f"{config}: its watchdog takes more than {_LONGEST} clocks: give one with short times"
+        )
+    start, before = time.monotonic(), provenance(SOURCES)
     built = library(upset_build(parse_board_configuration(config)))
     settings = run_settings(TEST, config, seed, upsets, folder=FOLDER / "run", agent=BURST)
     done = 0
@@ -158,34 +176,32 @@ def upset_board(
                 lines = sum(len(_lines(file)) for file in upset_files(Path(settings.folder)))
                 progress(lines - done)
                 done = lines
+    folder = Path(settings.folder)
     outcomes = tuple(
-        Outcome(Kind[kind], module_of(register), register, element, bit, clock, Fate(fate), how)
-        for file in upset_files(Path(settings.folder))
-        for kind, register, element, bit, clock, fate, how in map(json.loads, _lines(file))
+        sorted(
+            (
+                Outcome(Kind[kind], module_of(name), name, element, bit, clock, running, Fate(fate), how)
+                for file in upset_files(folder)
+                for kind, name, element, bit, clock, running, fate, how in map(json.loads, _lines(file))
+            ),
+            key=lambda one: (one.clock, one.register, one.element, one.bit, one.kind),
+        )
     )
     progress(len(outcomes) - done)
     problems = [] if result.passed else [line.strip() for line in result.explain().splitlines()]
-    if result.passed and len(outcomes) != upsets:
-        problems.append(f"{len(outcomes)} upsets of {upsets} came to an end")
-    if rtl_hash(DUT) != rtl:
-        problems.append("the RTL changed during the run: run again")
-    return UpsetsResult(outcomes, config, seed, time.monotonic() - start, tuple(problems))
-
-
-def _counts(result: UpsetsResult, kind: Kind) -> dict[str, Any]:
-    total = result.kinds[kind]
-    blocks = {module: _row(of) for module, of in result.blocks(kind).items()}
-    return {**_row(total), "dangerous_share_at_most": total.bound, "blocks": blocks}
-
-
-def _row(of: Tally) -> dict[str, int]:
-    row = asdict(of)
-    return {"flips": row.pop("upsets"), **row}
-
-
-def _lines(file: Path) -> list[str]:
-    """Return the lines that are whole."""
-    return file.read_text().split("\n")[:-1] if file.exists() else []
+    bits = 0
+    if result.passed:
+        with np.load(folder / "undisturbed.npz") as kept:
+            bits = int(kept["bits"])
+        if len(outcomes) != upsets:
+            problems.append(f"{len(outcomes)} upsets of {upsets} came to an end")
+        inverted = {(one.register, one.element, one.bit) for one in outcomes if one.kind is Kind.FLIP}
+        if (config, upsets) == (CONFIG, UPSETS) and len(inverted) < bits:
+            problems.append(f"{len(inverted)} of {bits} bits were inverted, not each: raise UPSETS")
+    if not before.still_holds(SOURCES):
+        problems.append("the RTL, or its environment, changed during the run: run again")
+    seconds = time.monotonic() - start
+    return UpsetsResult(outcomes, config, bits, seed, seconds, tuple(problems), before)
 
 
 def write_result(result: UpsetsResult) -> Path:
@@ -196,13 +212,38 @@ def write_result(result: UpsetsResult) -> Path:
         "passed": result.passed,
         "problems": [] if result.passed else [f"{len(result.dangerous)} upsets are dangerous"],
         "summary": result.summary,
-        "command": f"triaxis prove upsets --seed {result.seed} --upsets {len(result.outcomes)}",
+        "command": f"triaxis prove upsets --seed {result.seed} --upsets {len(result.outcomes)} "
+        f"--config {result.config}",
         "seconds": round(result.seconds, 1),
         "seed": result.seed,
         "config": result.config,
-        **_counts(result, Kind.FLIP),
-        "stuck": _counts(result, Kind.STICK),
-        "missed_edges": _counts(result, Kind.MISS),
-        "examples": [{**asdict(one), "kind": one.kind.name.lower()} for one in result.dangerous[:_DESCRIBED]],
+        "bits": result.bits,
+        **_row(tally(result.of(Kind.FLIP)), "flips"),
+        "in_runs": _bounded(tally(result.of(Kind.FLIP, running=True))),
+        "between_runs": _bounded(tally(result.of(Kind.FLIP, running=False))),
+        "blocks": {name: _row(of, "flips") for name, of in by_module(result.of(Kind.FLIP)).items()},
+        "stuck": _blocks(result.of(*STUCK)),
+        "missed_edges": _blocks(result.of(Kind.MISSED_EDGE)),
+        "examples": [{**asdict(one), "kind": one.kind.name} for one in result.dangerous[:_DESCRIBED]],
+        **asdict(result.valid_for),
     }
     return write_evidence(RESULT, content, SOURCES)
+
+
+def _row(of: Tally, name: str = "upsets") -> dict[str, int]:
+    row = asdict(of)
+    return {name: row.pop("upsets"), **row}
+
+
+def _bounded(of: Tally) -> dict[str, float]:
+    return {**_row(of, "flips"), "dangerous_share_at_most": of.bound}
+
+
+def _blocks(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    blocks = {name: _row(of) for name, of in by_module(outcomes).items()}
+    return {**_row(tally(outcomes)), "blocks": blocks}
+
+
+def _lines(file: Path) -> list[str]:
+    """Return the lines that are whole."""
+    return file.read_text().split("\n")[:-1] if file.exists() else []

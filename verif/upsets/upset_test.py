@@ -7,42 +7,55 @@ the environment, as all others are.
 
 import json
 import os
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from triaxis.host.link.messages import Mode, Pose, RunNumber, RunRequest
+from triaxis.host.link.messages import Loaded, Mode, Pose, RunNumber, RunRequest
 from triaxis.sim.player import Register
 from triaxis.sim.simulated_board import EVENT, NEVER, BoardPlayer
 from triaxis.verif.board.base_test import BoardTest
 from triaxis.verif.board.line_agent import Until
-from triaxis.verif.board.protocol import REPLY, Command, Integers, framed
-from triaxis.verif.upsets.verdict import BUSY, GO, Asked, Events, Fate, Kind, Truth, times_of, upset_files
+from triaxis.verif.board.protocol import REPLY, Command, Integers, framed, load_payload
+from triaxis.verif.upsets.verdict import (
+    Asked,
+    AskedRun,
+    Events,
+    Fate,
+    Kind,
+    Truth,
+    permitted,
+    runs,
+    upset_files,
+)
 
-# Pairs of triangles, of which each second meets the core.
-_PAIRS = 8
-# Clocks from one command to the next: the longest frame and the longest answer take as many bytes.
-_BYTES = 170
-# Clocks after which a copy is compared with the talk without an upset: where all is as there, it stays so.
-_STRIDE = 256
+# Triangles of each mesh, the number of the one in B that comes near, and where it does.
+_TRIANGLES, _NEAREST = 8, 2
+_NEAR, _CLEAR = Pose(0, 0, 3), Pose(0, 0, 0)
+# Bytes of the longest frame and its answer, and of the longest answer: RESULTS.
+_SHORT, _LONG = 130, 170
 _BYTE_BITS = 10
-# Where one pair is near, and where none is.
-_NEAR = Pose(0, 0, 3)
-_CLEAR = Pose(0, 0, 0)
-
-
+# Clocks after which a copy is compared with the talk without an upset: more than a byte takes, so that what
+# is on the line by then has been seen by the stride after.
+_STRIDE = 256
 # Of so many upsets one is of each of the other kinds than flips.
 _OF_OTHERS = 12
 
 
 @dataclass(frozen=True)
 class Upset:
-    """What happens to a bit of a register, or of an element of a memory, before a clock of the talk."""
+    """What happens to a word of a register or memory, or to a bit of it, before a clock of the talk.
+
+    ``running``: the clock was drawn from those of runs.
+    """
 
     kind: Kind
     clock: int
+    running: bool
     register: int
     element: int
     bit: int
@@ -63,7 +76,7 @@ class Talk:
         """Begin at the clock at which the player stands."""
         self._player, self._end, self._start = player, end, player.clocks
         self._left = list(script)
-        self._seen = [np.zeros(0, EVENT)]
+        self._seen = np.zeros(0, EVENT)
         self.clock = 0
 
     @property
@@ -71,18 +84,21 @@ class Talk:
         """Return all that was seen, in clocks of the script."""
         new = self._player.events()
         new["clock"] -= self._start
-        self._seen = [np.concatenate([*self._seen, new])]
-        return self._seen[0]
+        self._seen = np.concatenate([self._seen, new])
+        return self._seen
 
     def forward(self, until: int) -> None:
         """Go on to a clock."""
-        while self.clock < until or (self._left and self._left[0].clock <= self.clock):
-            if self._left and self._left[0].clock <= self.clock:
-                self._player.send(self._left.pop(0).data)
-                continue
-            next_ = min(until, self._left[0].clock if self._left else until)
-            self._player.run(next_ - self.clock, NEVER)
-            self.clock = next_
+        while self._left and self._left[0].clock <= until:
+            self._run(self._left[0].clock)
+            self._player.send(self._left.pop(0).data)
+        self._run(until)
+
+    def _run(self, until: int) -> None:
+        progress = self._player.run(until - self.clock, NEVER)
+        if progress.symptom:
+            raise RuntimeError(f"the board {progress.symptom}")
+        self.clock = until
 
     def strides(self) -> Iterator[int]:
         """Go on to the end; yield the number of each stride at its end."""
@@ -94,9 +110,12 @@ class Talk:
     def upset(self, upset: Upset, without: Undisturbed, truth: Truth) -> tuple[Fate, str]:
         """Upset the board, go to the end, or until all is as without it; return what came of it."""
         self._player.upset(upset.kind, upset.register, upset.element, upset.bit)
+        once = upset.kind in (Kind.FLIP, Kind.MISSED_EDGE)
+        alike = 0
         for number in self.strides():
-            # What sticks may do so again.
-            if upset.kind != Kind.STICK and self._player.state() == without.states[number]:
+            alike = alike + 1 if once and self._player.state() == without.states[number] else 0
+            # The second time nothing is on the line any more that was sent before.
+            if alike == 2:
                 events, due = self.events, without.events
                 if np.array_equal(events, due[due["clock"] <= self.clock]):
                     return Fate.NO_EFFECT, ""
@@ -104,7 +123,7 @@ class Talk:
 
 
 class BoardUpsetsTest(BoardTest):
-    """Clear and go, near and stop, clear and go again, until the host is silent.
+    """Clear and go, near and stop, by a pose and by a load; go that a damaged frame ends; then silence.
 
     ``pairs``: so many upsets.
     """
@@ -116,129 +135,179 @@ class BoardUpsetsTest(BoardTest):
         await self.ask(Command.MOVE, _CLEAR.pack())
         script = self.script()
         # Until after the watchdog has run out.
-        end = script[-1].clock + self.parameters.watchdog_clocks + 3 * self.step
+        end = script[-1].clock + self.parameters.watchdog_clocks + 2 * self.clocks_of(_LONG)
         self.upset(script, end)
-        for asked, after in zip(script, [*script[1:], None], strict=True):
-            gap = (after.clock if after else end) - asked.clock
-            await self.line(asked.data, Until.NOW, gap=gap)
+        for asked, after in zip(script, [*(one.clock for one in script[1:]), end], strict=True):
+            await self.line(asked.data, Until.NOW, gap=after - asked.clock)
 
-    @property
-    def step(self) -> int:
-        """Return the clocks from one command to the next."""
-        return _BYTES * _BYTE_BITS * self.parameters.clocks_per_bit
+    def clocks_of(self, count: int) -> int:
+        """Return how long so many bytes are on the line."""
+        return count * _BYTE_BITS * self.parameters.clocks_per_bit
 
-    def meshes(self) -> tuple[Integers, Integers]:
-        """Return two meshes that are clear, and of which one pair is near at the other pose.
+    def meshes(self, near: bool = False) -> tuple[Integers, Integers]:
+        """Return two meshes of which no pair is near, or one; at the other pose one is in any case.
 
         Of each pair the boxes meet, or do not; pairs of different numbers are far apart.
         """
         low = -(1 << self.parameters.width - 1)
-        places = np.stack([low + 12 + 28 * np.arange(_PAIRS), np.zeros(_PAIRS), np.zeros(_PAIRS)], -1)
-        places = places.astype(np.int64)[:, None]
-        second = np.where(np.arange(_PAIRS)[:, None, None] % 2, self.corners(_PAIRS), self.flat(9, _PAIRS))
-        second[2] = self.flat(3)[0]
-        return self.flat(0, _PAIRS) + places, second + places
+        numbers = np.arange(_TRIANGLES)
+        places = np.stack([low + 12 + 28 * numbers, 0 * numbers, 0 * numbers], -1)[:, None]
+        corners, flat = self.corners(_TRIANGLES), self.flat(9, _TRIANGLES)
+        second = np.where(numbers[:, None, None] % 2, corners, flat)
+        second[_NEAREST] = self.flat(0 if near else _NEAR.z)[0]
+        return self.flat(0, _TRIANGLES) + places, second + places
 
     def script(self) -> tuple[Asked, ...]:
-        """Return the commands of the talk."""
-        request = RunRequest(Mode.ALL, 0, _PAIRS, _PAIRS)
-        asked: list[Asked] = []
+        """Return what a host sends, one after another."""
+        request = RunRequest(Mode.ALL, 0, _TRIANGLES, _TRIANGLES)
+        script: list[Asked] = []
+        clock = ahead = number = 0
 
-        def ask(command: Command, payload: bytes, near: bool) -> Asked:
-            body = self.frame(command, payload, len(asked) + 1)
-            sequence = (self.sequence + len(asked) + 1) % 2**32
-            head = command | REPLY, sequence, self.session
-            return Asked(len(asked) * self.step, framed(body), head, near, request=request)
+        def ask(
+            command: Command,
+            payload: bytes,
+            answer: Loaded | Pose | RunNumber | None = None,
+            run: AskedRun | None = None,
+        ) -> None:
+            nonlocal clock, ahead
+            ahead += 1
+            head = command | REPLY, (self.sequence + ahead) % 2**32, self.session
+            script.append(Asked(clock, framed(self.frame(command, payload, ahead)), head, answer, run))
+            clock += self.clocks_of(_LONG if run else _SHORT)
 
-        for number, pose in enumerate((_CLEAR, _NEAR, _CLEAR), 1):
-            near = pose is _NEAR
-            if number > 1:
-                asked.append(replace(ask(Command.MOVE, pose.pack(), near), record=pose))
-            run = RunNumber(number)
-            asked.append(replace(ask(Command.RUN, request.pack(), near), record=run))
-            results = ask(Command.RESULTS, bytes(4), near)
-            asked.append(replace(results, pose=pose, number=number))
-        return tuple(asked)
+        def run(pose: Pose, near: bool) -> None:
+            nonlocal number
+            number += 1
+            ask(Command.RUN, request.pack(), RunNumber(number))
+            ask(Command.RESULTS, bytes(4), run=AskedRun(request, pose, number, near))
+
+        def load(near: bool) -> None:
+            second = self.meshes(near)[1]
+            ask(Command.LOAD, load_payload(1, 0, second, self.parameters.width), Loaded(_TRIANGLES))
+
+        run(_CLEAR, near=False)
+        ask(Command.MOVE, _NEAR.pack(), _NEAR)
+        run(_NEAR, near=True)
+        ask(Command.MOVE, _CLEAR.pack(), _CLEAR)
+        run(_CLEAR, near=False)
+        damaged = bytearray(framed(self.frame(Command.STATUS)))
+        damaged[3] ^= 1
+        script.append(Asked(clock, bytes(damaged)))
+        clock += self.clocks_of(_SHORT)
+        run(_CLEAR, near=False)
+        load(near=True)
+        run(_CLEAR, near=True)
+        load(near=False)
+        run(_CLEAR, near=False)
+        return tuple(script)
 
     def upset(self, script: tuple[Asked, ...], end: int) -> None:
         """Play the talk in copies of this process, one upset in each; what came of them is in the files."""
         assert self.bfm
         player, files = self.bfm.player, upset_files(Path(self.settings.folder))
         registers = player.registers()
-        without = _without_upsets(player, script, end, files[0].with_name("undisturbed.npz"))
-        runs = [one.clock for one in script if isinstance(one.record, RunNumber) and not one.near]
-        gos = [last for _, last in times_of(GO, without.events, end)]
-        truth = Truth(script, self.parameters.group, tuple(zip(runs, gos, strict=True)), end)
+        file = files[0].with_name("undisturbed.npz")
+        _in_copies([partial(_undisturbed, player, script, end, registers, file)])
+        with np.load(file) as kept:
+            without = Undisturbed(kept["events"], tuple(kept["states"].tolist()))
+        due = permitted(without.events, end)
+        clear = [asked.run for asked in script if asked.run and not asked.run.near]
+        assert len(due) == len(clear), f"go {len(due)} times, {len(clear)} runs are clear"
+        truth = Truth(script, tuple(due), self.parameters.group, end)
         fate, how = truth.judge(without.events)
         assert fate is Fate.NO_EFFECT, f"without an upset: {fate}: {how}"
-        upsets = self.chosen(registers, without.events, end)
-        for number, file in enumerate(files):
-            if os.fork() == 0:
-                status = 1
-                try:
-                    _upset_all(player, script, upsets[number :: len(files)], without, truth, registers, file)
-                    status = 0
-                finally:
-                    os._exit(status)
-        assert not any(os.wait()[1] for _ in files), "a copy with an upset came to no end"
+        upsets = self.chosen(registers, runs(without.events, end), end)
+        share = len(files)
+        _in_copies(
+            [
+                partial(_upset_all, player, upsets[number::share], without, truth, registers, to)
+                for number, to in enumerate(files)
+            ]
+        )
 
-    def chosen(self, registers: Sequence[Register], events: Events, end: int) -> list[Upset]:
+    def chosen(
+        self, registers: Sequence[Register], running: Sequence[tuple[int, int]], end: int
+    ) -> list[Upset]:
         """Return the upsets in the order of their clocks: of each kind, of no bit more than of another.
 
-        One half while a run goes on, which is a small part of the time.
+        Edges are missed by no register more than by another. One half is while a run goes on, which is a
+        small part of the time.
         """
         sizes = np.array([one.elements * one.bits for one in registers])
         first = np.concatenate([[0], np.cumsum(sizes)])
-        count, total = self.settings.pairs, int(first[-1])
+        count, total, rng = self.settings.pairs, int(first[-1]), self.rng
         others = count // _OF_OTHERS
-        counts = {Kind.FLIP: count - 2 * others, Kind.STICK: others, Kind.MISS: others}
-        kinds = np.concatenate([np.full(many, kind) for kind, many in counts.items()])
-        bits = np.concatenate([_all_alike(self.rng, total, many) for many in counts.values()])
+        missing = _evenly(rng, len(registers), others)
+        counts = {Kind.FLIP: count - 3 * others, Kind.STUCK_AT_0: others, Kind.STUCK_AT_1: others}
+        kinds = np.concatenate(
+            [np.full(many, kind) for kind, many in (*counts.items(), (Kind.MISSED_EDGE, others))]
+        )
+        bits = np.concatenate(
+            [
+                *(_evenly(rng, total, many) for many in counts.values()),
+                first[missing] + rng.integers(0, sizes[missing]),
+            ]
+        )
         number = np.searchsorted(first, bits, "right") - 1
-        running = np.concatenate([np.arange(*times) for times in times_of(BUSY, events, end)])
-        clocks = self.rng.integers(0, end, count)
-        half = self.rng.permutation(count) < count // 2
-        clocks[half] = self.rng.choice(running, int(half.sum()))
+        clocks = rng.integers(0, end, count)
+        half = rng.permutation(count) < count // 2
+        clocks[half] = rng.choice(np.concatenate([np.arange(*times) for times in running]), int(half.sum()))
         found: list[Upset] = []
         for at in np.argsort(clocks, kind="stable").tolist():
             register = int(number[at])
             element, bit = divmod(int(bits[at] - first[register]), registers[register].bits)
-            found.append(Upset(Kind(kinds[at]), int(clocks[at]), register, element, bit))
+            found.append(Upset(Kind(kinds[at]), int(clocks[at]), bool(half[at]), register, element, bit))
         return found
 
 
-def _all_alike(rng: np.random.Generator, total: int, count: int) -> Integers:
+def _evenly(rng: np.random.Generator, total: int, count: int) -> Integers:
     """Return so many numbers below ``total``, (count,), none of them more than once oftener than another."""
     orders = [rng.permutation(total) for _ in range(-(-count // total))]
     return np.concatenate([np.zeros(0, np.int64), *orders])[:count]
 
 
-def _without_upsets(player: BoardPlayer, script: Sequence[Asked], end: int, file: Path) -> Undisturbed:
-    """Return what is seen where nothing is upset: a copy of this process goes through the talk."""
-    if os.fork() == 0:
-        talk = Talk(player, script, end)
-        states = [player.state(), *(player.state() for _ in talk.strides())]
-        np.savez(file, events=talk.events, states=np.array(states, np.uint64))
-        os._exit(0)
-    assert os.wait()[1] == 0, "the talk without an upset came to no end"
-    with np.load(file) as kept:
-        return Undisturbed(kept["events"], tuple(kept["states"].tolist()))
+def _in_copies(work: Sequence[Callable[[], None]]) -> None:
+    """Do all of this at a time, in copies of this process; raise AssertionError where one fails."""
+    for one in work:
+        if os.fork() == 0:
+            status = 1
+            try:
+                one()
+                status = 0
+            except BaseException:
+                traceback.print_exc()
+            finally:
+                # No copy may go on as the simulator.
+                os._exit(status)
+    failed = [status for status in [os.wait()[1] for _ in work] if status]
+    assert not failed, "a copy of the simulator came to no end: see the log"
+
+
+def _undisturbed(
+    player: BoardPlayer, script: Sequence[Asked], end: int, registers: Sequence[Register], file: Path
+) -> None:
+    """Write down what is seen where nothing is upset."""
+    talk = Talk(player, script, end)
+    states = [player.state(), *(player.state() for _ in talk.strides())]
+    bits = sum(one.elements * one.bits for one in registers)
+    np.savez(file, events=talk.events, states=np.array(states, np.uint64), bits=bits)
 
 
 def _upset_all(
-    player: BoardPlayer, script: Sequence[Asked], upsets: Sequence[Upset], without: Undisturbed,
-    truth: Truth, registers: Sequence[Register], file: Path,
+    player: BoardPlayer, upsets: Sequence[Upset], without: Undisturbed, truth: Truth,
+    registers: Sequence[Register], file: Path,
 ) -> None:  # fmt: skip
     """Go through the talk, and leave a copy with an upset behind at each of these clocks."""
-    talk = Talk(player, script, truth.end)
+    talk = Talk(player, truth.script, truth.end)
     with file.open("w") as lines:
+
+        def told(upset: Upset) -> None:
+            fate, how = talk.upset(upset, without, truth)
+            name = registers[upset.register].name
+            row = (upset.kind.name, name, upset.element, upset.bit, upset.clock, upset.running, fate, how)
+            lines.write(json.dumps(row) + "\n")
+            lines.flush()
+
         for upset in upsets:
             talk.forward(upset.clock)
-            if os.fork() == 0:
-                fate, how = talk.upset(upset, without, truth)
-                register = registers[upset.register]
-                row = (upset.kind.name, register.name, upset.element, upset.bit, upset.clock, fate, how)
-                lines.write(json.dumps(row) + "\n")
-                lines.flush()
-                os._exit(0)
-            assert os.wait()[1] == 0, f"{registers[upset.register].name}: no end after an upset"
+            _in_copies([partial(told, upset)])

@@ -9,27 +9,29 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.host.link.audit import BoardRun, audit, check_status
+from triaxis.host.link.audit import BoardRun, audit, check_results
 from triaxis.host.link.exchange import LinkError
-from triaxis.host.link.messages import Pose, RunNumber, RunRequest, Status
+from triaxis.host.link.messages import Loaded, Pose, Results, RunNumber, RunRequest, twice
 from triaxis.sim.simulated_board import PINS, TX
-from triaxis.verif.board.protocol import Code, Reply
-from triaxis.verif.board.protocol import Status as StatusBlock
+from triaxis.verif.board.protocol import END, Code, Reply
 
 Events = npt.NDArray[np.void]
-_END = 0xC0
-# Bits of the pins: go, and the LED of a run that goes on.
-GO, BUSY = 1, 1 << 4
-# Go may end so many clocks later than without an upset: a hundredth of the time in which a machine must stop.
-LATE = 1000
+# Of the pins: the levels of go and stop, of which nothing but these permits the machine to move; and the LED
+# of a run that goes on.
+_LEVELS, _PERMITTED = 0b11, 0b01
+_BUSY = 1 << 4
+# Go may end so many clocks later than without an upset, a hundredth of the time in which a machine must stop;
+# and begin so many earlier, where a byte is heard at another moment of its last bit.
+LATE, EARLY = 1000, 8
 
 
 class Kind(IntEnum):
-    """What an upset does: inverts a bit, holds it inverted from then on, has its element miss an edge."""
+    """What an upset does: inverts a bit; holds it at 0 or 1 from then on; has a word miss an edge."""
 
     FLIP = 0
-    STICK = 1
-    MISS = 2
+    STUCK_AT_0 = 1
+    STUCK_AT_1 = 2
+    MISSED_EDGE = 3
 
 
 class Fate(StrEnum):
@@ -47,101 +49,121 @@ def upset_files(folder: Path) -> list[Path]:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A command of the script: so many clocks after its begin these bytes.
+class AskedRun:
+    """A run, whose results are asked for; ``near``: whether anything is near then."""
 
-    ``head``: of the answer, command, sequence and session. ``record``: what the answer must say, the pose or
-    the number of the run; None where it has the results of that run, of ``request`` at ``pose``. ``near``:
-    whether anything is near in the scene at the pose that there is then.
+    request: RunRequest
+    pose: Pose
+    number: int
+    near: bool
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a host sends, so many clocks after the talk began.
+
+    ``head``: of the answer, command, sequence and session; None where there is none. ``answer``: what it must
+    say; of results, ``run`` is what they are of.
     """
 
     clock: int
     data: bytes
-    head: tuple[int, int, int]
-    near: bool
-    record: Pose | RunNumber | None = None
-    request: RunRequest | None = None
-    pose: Pose | None = None
-    number: int = 0
+    head: tuple[int, int, int] | None = None
+    answer: Loaded | Pose | RunNumber | None = None
+    run: AskedRun | None = None
 
 
-def times_of(bit: int, events: Events, end: int) -> list[tuple[int, int]]:
-    """Return when a bit of the pins is set, from a clock to before another; it is not at the start."""
+def _times(events: Events, mask: int, value: int, end: int) -> list[tuple[int, int]]:
+    """Return when some of the pins have a value, from a clock to before another; not so at the start."""
     pins = events[events["kind"] == PINS]
     times: list[tuple[int, int]] = []
     since: int | None = None
-    for clock, value in zip(pins["clock"].tolist(), pins["value"].tolist(), strict=True):
-        if value & bit and since is None:
+    for clock, level in zip(pins["clock"].tolist(), (pins["value"] & mask == value).tolist(), strict=True):
+        if level and since is None:
             since = clock
-        elif not value & bit and since is not None:
+        elif not level and since is not None:
             times.append((since, clock))
             since = None
     return [*times, (since, end)] if since is not None else times
 
 
+def permitted(events: Events, end: int) -> list[tuple[int, int]]:
+    """Return when the machine may move: go is said, and stop is not."""
+    return _times(events, _LEVELS, _PERMITTED, end)
+
+
+def runs(events: Events, end: int) -> list[tuple[int, int]]:
+    """Return when a run goes on."""
+    return _times(events, _BUSY, _BUSY, end)
+
+
 @dataclass(frozen=True)
 class Truth:
-    """The script, and the times within which go may be said: from a command to run, to its usual end.
+    """The talk, and when the machine may move in it: ``due``, from a clock to another, as without an upset.
 
     ``group``: triangles of a group of the board; ``end``: the last clock.
     """
 
     script: tuple[Asked, ...]
+    due: tuple[tuple[int, int], ...]
     group: int
-    allowed: tuple[tuple[int, int], ...]
     end: int
 
     def judge(self, events: Events) -> tuple[Fate, str]:
         """Return what came of an upset, and how it showed."""
-        said = times_of(GO, events, self.end)
+        said = permitted(events, self.end)
         for first, last in said:
-            within = any(begin <= first and last <= end + LATE for begin, end in self.allowed)
-            if not within:
+            if not any(begin - EARLY <= first and last <= end + LATE for begin, end in self.due):
                 return Fate.DANGEROUS, f"go from clock {first} to {last}"
         fate, how = self._told(events)
         if fate is not Fate.NO_EFFECT:
             return fate, how
-        for begin, end in self.allowed:
-            if not any(begin <= first and last <= end + LATE for first, last in said):
-                return Fate.FALSE_STOP, f"no go from clock {begin} to {end}"
+        for begin, end in self.due:
+            if not any(first <= begin + LATE and last >= end - LATE for first, last in said):
+                return Fate.FALSE_STOP, f"no go all the time from clock {begin} to {end}"
         return Fate.NO_EFFECT, ""
 
     def _told(self, events: Events) -> tuple[Fate, str]:
         """Return what a host makes of the answers, up to the first that it does not believe."""
-        replies = iter(_frames(events["value"][events["kind"] == TX].tolist()))
+        lines = iter(_lines(events["value"][events["kind"] == TX].tolist()))
         alarm = ""
         for asked in self.script:
+            if asked.head is None:
+                continue
             try:
-                near = _answer(asked, Reply.of(next(replies)), self.group)
+                near = _near(asked, Reply.of(next(lines)), self.group)
             except StopIteration:
                 return Fate.DETECTED, "no answer"
             except (ValueError, LinkError) as error:
                 return Fate.DETECTED, str(error)
-            if near is not None and asked.near and not near:
+            if asked.run and asked.run.near and not near:
                 return Fate.DANGEROUS, "a host is told clear"
-            if near and not asked.near:
+            if asked.run and near and not asked.run.near:
                 alarm = alarm or "a host is told near"
         return (Fate.FALSE_STOP, alarm) if alarm else (Fate.NO_EFFECT, "")
 
 
-def _frames(data: Sequence[int]) -> list[bytes]:
+def _lines(data: Sequence[int]) -> list[bytes]:
     """Return what stands between two ENDs."""
-    return [part for part in bytes(data).split(bytes([_END])) if part]
+    return [part for part in bytes(data).split(bytes([END])) if part]
 
 
-def _answer(asked: Asked, reply: Reply, group: int) -> int | None:
-    """Return how many pairs are near by an answer to RESULTS; None of others.
+def _near(asked: Asked, reply: Reply, group: int) -> int:
+    """Return how many pairs are near by the results of a run; 0 where other things were asked for.
 
     Raises what a host raises where it does not believe an answer.
     """
-    if (reply.command, reply.sequence, reply.session, reply.code) != (*asked.head, Code.OK):
+    if (reply.command, reply.sequence, reply.session) != asked.head or reply.code != Code.OK:
         raise ValueError(f"no answer to what was asked, or code {reply.code}")
-    if asked.record is not None:
-        if reply.payload != asked.record.pack():
-            raise ValueError("another pose, or run, than asked for")
-        return None
-    assert asked.request and asked.pose
-    status = Status.unpack(reply.payload[: StatusBlock.SIZE])
-    check_status(status, group)
-    audit(BoardRun(asked.request, asked.pose, asked.number, status, reply.pairs))
-    return status.near
+    if asked.answer is not None:
+        if reply.payload != asked.answer.pack():
+            raise ValueError("another answer than what was asked for")
+        return 0
+    assert asked.run
+    results = Results.unpack(twice(reply.payload) + reply.pairs.astype("<u2").tobytes())
+    check_results(results, group)
+    if results.start:
+        raise ValueError(f"near pairs from {results.start} on")
+    run = asked.run
+    audit(BoardRun(run.request, run.pose, run.number, results.status, results.near))
+    return results.status.near

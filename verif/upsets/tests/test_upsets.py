@@ -6,30 +6,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.host.link.messages import Mode, Pose, RunNumber, RunRequest, Status
+from triaxis.host.link.messages import Flag, Mode, Pose, RunNumber, RunRequest, Status
 from triaxis.sim.simulated_board import EVENT, PINS, TX
 from triaxis.verif.board.protocol import HEAD, REPLY, Command, framed
 from triaxis.verif.upsets import campaign
 from triaxis.verif.upsets.builds import module_of, registers
-from triaxis.verif.upsets.verdict import GO, LATE, Asked, Fate, Kind, Truth
+from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kind, Truth, permitted
 
 REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
 SESSION, RUN = 7, 1
 CLEAR, NEAR = Pose(0, 0, 0), Pose(0, 0, 3)
-GOES, ENDS, OVER = 100, 50_000, 80_000
-
-
-def asked(place, command, near, **what):
-    return Asked(10_000 * place, b"", (command | REPLY, place, SESSION), near, **what)
+GO, STOP = 1, 2
+GOES, ENDS, OVER = 5000, 50_000, 80_000
 
 
 def truth(near):
     """Return what holds where a run, at a pose that is near or not, is asked for, and its results."""
-    script = (
-        asked(0, Command.RUN, near, record=RunNumber(RUN)),
-        asked(1, Command.RESULTS, near, request=REQUEST, pose=NEAR if near else CLEAR, number=RUN),
-    )
-    return Truth(script, 8, () if near else ((0, ENDS),), OVER)
+    run = AskedRun(REQUEST, NEAR if near else CLEAR, RUN, near)
+    heads = [
+        (command | REPLY, number, SESSION) for number, command in enumerate((Command.RUN, Command.RESULTS))
+    ]
+    script = Asked(0, b"", heads[0], RunNumber(RUN)), Asked(10_000, b"", heads[1], run=run)
+    return Truth(script, () if near else ((GOES, ENDS),), 8, OVER)
 
 
 def answer(number, command, payload, pairs=b"", code=0):
@@ -37,15 +35,17 @@ def answer(number, command, payload, pairs=b"", code=0):
     return framed(HEAD.pack(command | REPLY, number, SESSION) + bytes([code]) + twice + pairs)
 
 
-def results(count, z=0, **changes):
-    status = Status(RUN, 2, 1, 0, Mode.ALL, 0, 0, z, 0, 20, 0, 1, 0, 1, count, 0, 1, 1)
-    head = (0).to_bytes(4, "little") + bytes([count])
+def results(count, z=0, first=0, **changes):
+    flags = Flag.NEAR_WAITING if count else 0
+    status = Status(RUN, 2, 1, flags, Mode.ALL, 0, 0, z, 0, 20, 0, 1, 0, 1, count, 0, 1, 1)
+    head = first.to_bytes(4, "little") + bytes([count])
     return answer(1, Command.RESULTS, replace(status, **changes).pack() + head, bytes(4 * count))
 
 
 def seen(said, *go):
     """Return what is seen: bytes of the board, and go from each of some clocks to another."""
-    rows = [(clock, PINS, level) for first, last in go for clock, level in ((first, GO), (last, 0))]
+    levels = [(clock, level) for first, last in go for clock, level in ((first, GO), (last, STOP))]
+    rows = [(clock, PINS, level) for clock, level in levels]
     rows += [(20_000, TX, byte) for byte in said]
     return np.array(sorted(rows, key=lambda row: row[0]), EVENT)
 
@@ -60,6 +60,10 @@ WHOLE = (GOES, ENDS)
         (False, BEGUN + results(0), [WHOLE], Fate.NO_EFFECT),
         (False, BEGUN + results(0), [(GOES, ENDS + LATE)], Fate.NO_EFFECT),
         (False, BEGUN + results(0), [(GOES, ENDS + LATE + 1)], Fate.DANGEROUS),
+        (False, BEGUN + results(0), [(GOES - EARLY, ENDS)], Fate.NO_EFFECT),
+        (False, BEGUN + results(0), [(GOES - EARLY - 1, ENDS)], Fate.DANGEROUS),
+        (False, BEGUN + results(0), [(GOES, GOES + 1)], Fate.FALSE_STOP),
+        (False, BEGUN + results(0), [(GOES, GOES + 9000), (GOES + 9001, ENDS)], Fate.FALSE_STOP),
         (False, BEGUN + results(0), [WHOLE, (ENDS + 9000, ENDS + 9001)], Fate.DANGEROUS),
         (False, BEGUN + results(0), [], Fate.FALSE_STOP),
         (False, BEGUN + results(1), [WHOLE], Fate.FALSE_STOP),
@@ -70,6 +74,8 @@ WHOLE = (GOES, ENDS)
         (True, BEGUN + results(1, 3), [], Fate.NO_EFFECT),
         (True, BEGUN + results(1, 3), [(GOES, GOES + 1)], Fate.DANGEROUS),
         (True, BEGUN + results(0, 3), [], Fate.DANGEROUS),
+        # Near pairs that begin with another than the first.
+        (True, BEGUN + results(1, 3, first=1), [], Fate.DETECTED),
         # What a host does not believe it does not take for clear.
         (True, BEGUN + results(0, 2), [], Fate.DETECTED),
         (True, BEGUN + results(0, 3, tested=0), [], Fate.DETECTED),
@@ -79,6 +85,12 @@ WHOLE = (GOES, ENDS)
 )
 def test_go_or_clear_where_something_is_near_is_dangerous(near, said, go, fate):
     assert truth(near).judge(seen(said, *go))[0] is fate
+
+
+def test_the_machine_may_move_where_go_is_said_and_stop_is_not():
+    fault = np.array([(GOES, PINS, GO | STOP), (ENDS, PINS, STOP)], EVENT)
+    assert permitted(fault, OVER) == []
+    assert permitted(seen(b"", WHOLE), OVER) == [WHOLE]
 
 
 def test_the_share_that_is_not_exceeded():
@@ -107,8 +119,11 @@ def test_upsets_of_the_board_are_seen(tmp_path, seed, monkeypatch):
     told: list[int] = []
     result = campaign.upset_board(told.append, seed, 300)
     assert not result.problems and sum(told) == len(result.outcomes) == 300
-    assert [result.kinds[kind].upsets for kind in Kind] == [250, 25, 25]
-    assert sum(of.detected for of in result.kinds.values()) and len(result.blocks(Kind.FLIP)) > 20
+    assert [len(result.of(kind)) for kind in Kind] == [225, 25, 25, 25]
+    assert (
+        campaign.tally(list(result.outcomes)).detected and len(campaign.by_module(result.of(Kind.FLIP))) > 20
+    )
+    assert result.bits > 30_000 and len(result.of(*Kind, running=True)) == 150
     assert all(re.fullmatch(r"triaxis_\w+|nexys4ddr_top", one.module) for one in result.outcomes)
     assert campaign.write_result(result).exists()
     wrong = replace(result, outcomes=(*result.outcomes, replace(result.outcomes[0], fate=Fate.DANGEROUS)))
