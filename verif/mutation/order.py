@@ -44,9 +44,9 @@ def read_order(mutants: Iterable[str], file: Path = FILE) -> dict[str, Place]:
             for line in lines
             for name in line.split()
         }
-    except (OSError, ValueError, AttributeError) as error:
+    except (OSError, ValueError, AttributeError, TypeError) as error:
         raise InputError(
-            f"{file}: damaged: {error}: write it anew, `triaxis prove mutate --order`"
+            f"{file}: damaged: {error}: write {{}} into it, and run `triaxis prove mutate --order`"
         ) from error
     return {mutant: places[_short(mutant)] for mutant in mutants if _short(mutant) in places}
 

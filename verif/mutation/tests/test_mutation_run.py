@@ -187,9 +187,10 @@ def test_where_a_mutant_was_noticed_late_is_where_it_is_tried_first(tmp_path, se
     assert {one.mutant.id: one.killed.trial for one in judged if one.killed} == {late.id: 1}
 
 
-def test_a_damaged_order_is_refused(tmp_path):
-    (tmp_path / "order.json").write_text("[1]")
-    with pytest.raises(InputError, match=r"order.json: damaged: .* `triaxis prove mutate --order`"):
+@pytest.mark.parametrize("text", ["[1]", '{"a stage": {"a test": 5}}', "{"])
+def test_a_damaged_order_is_refused(tmp_path, text):
+    (tmp_path / "order.json").write_text(text)
+    with pytest.raises(InputError, match=r"order.json: damaged: .* write \{\} into it"):
         order.read_order((), tmp_path / "order.json")
 
 
