@@ -12,10 +12,14 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
+def _nothing() -> None:
+    """Prepare nothing: a function of a module, as processes need it."""
+
+
 def results_in_processes(
     work: Callable[[Item], Result],
     items: Sequence[Item],
-    prepare: Callable[[], object] = lambda: None,
+    prepare: Callable[[], object] = _nothing,
     workers: int | None = None,
 ) -> Generator[Result]:
     """Yield what ``work`` makes of each item, in order; all are begun with the first, unless this is closed.
@@ -44,7 +48,7 @@ def in_processes(
     work: Callable[[Item], Result],
     items: Sequence[Item],
     done: Callable[[Result], None] = lambda _: None,
-    prepare: Callable[[], object] = lambda: None,
+    prepare: Callable[[], object] = _nothing,
 ) -> list[Result]:
     """Return all of `results_in_processes`; ``done`` is told of each."""
     found: list[Result] = []

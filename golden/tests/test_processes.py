@@ -1,0 +1,20 @@
+"""Work in processes: results in the order of the items, with nothing to prepare or something."""
+
+from math import sqrt
+from operator import neg
+
+import pytest
+
+from triaxis.golden.processes import in_processes, results_in_processes
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_come_in_order_from_processes_or_here(workers):
+    assert list(results_in_processes(neg, range(5), workers=workers)) == [0, -1, -2, -3, -4]
+
+
+def test_what_one_raises_ends_all():
+    told: list[float] = []
+    with pytest.raises(ValueError, match="math domain"):
+        in_processes(sqrt, [4, -1, 9], told.append)
+    assert told == [2.0]
