@@ -167,10 +167,10 @@ def upset_board(
     settings = run_settings(TEST, config, seed, upsets, folder=FOLDER / "run", agent=BURST)
     done = 0
     with ThreadPoolExecutor(1) as pool:
-        running = pool.submit(run, settings, model=built)
+        simulation = pool.submit(run, settings, model=built)
         while True:
             try:
-                result = running.result(_POLL_SECONDS)
+                result = simulation.result(_POLL_SECONDS)
                 break
             except TimeoutError:
                 lines = sum(len(_lines(file)) for file in upset_files(Path(settings.folder)))
