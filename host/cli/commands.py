@@ -85,14 +85,15 @@ COMMANDS = {
         "run every ordered pair of triangles on a small grid", "verif.commands.prove"
     ),
     "prove faults": Command(
-        "put known faults into the design, and see each caught", "verif.commands.prove", ("all caught", "not")
+        "put known faults into the design, and see each caught", "verif.commands.inject",
+        ("all caught", "not"),
     ),
     "prove mutate": Command(
         "put small faults into dut/, and see each noticed by a test or shown to change nothing",
-        "verif.commands.prove", ("every mutant killed or equivalent", "not"),
+        "verif.commands.inject", ("every mutant killed or equivalent", "not"),
     ),
     "prove upsets": Command(
-        "invert bits of the running board, and count what comes of it", "verif.commands.prove",
+        "invert bits of the running board, and count what comes of it", "verif.commands.inject",
         ("nothing dangerous", "something"),
     ),
     "coverage plan": Command(

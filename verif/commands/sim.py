@@ -16,7 +16,7 @@ from triaxis.sim.simulators import ICARUS, UNTRIED
 from triaxis.verif.core.failing_pairs import read_failing_pairs
 from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
-from triaxis.verif.faults.broken_rtl import faulty_rtl
+from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN, VERBOSITIES, VERILATOR, Block

@@ -14,8 +14,8 @@ from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.verif.faults import runs
-from triaxis.verif.faults.broken_rtl import faulty_rtl
 from triaxis.verif.faults.environment_faults import try_environment, try_healthy_environment
+from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import FAULTS, Fault, Kind
 from triaxis.verif.faults.result import Attempt, FaultsResult, Outcome
 from triaxis.verif.faults.rtl_faults import SEARCHES, try_rtl

@@ -8,7 +8,7 @@ from typing import Any
 
 from triaxis.sim.evidence import write_evidence
 from triaxis.sim.validity import Sources
-from triaxis.verif.faults.broken_rtl import FOLDER
+from triaxis.verif.faults.faulty_rtl import FOLDER
 from triaxis.verif.faults.known_faults import FAULTS, Fault
 from triaxis.verif.testbench.settings import TEST_DATA, TEST_MODULES
 

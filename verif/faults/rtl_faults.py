@@ -11,7 +11,7 @@ from triaxis.sim.paths import ROOT
 from triaxis.sim.verilate import library
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, failing_stream, find
-from triaxis.verif.faults.broken_rtl import FOLDER
+from triaxis.verif.faults.faulty_rtl import FOLDER
 from triaxis.verif.faults.known_faults import Fault, Kind
 from triaxis.verif.faults.result import Attempt, Catch, Example
 from triaxis.verif.faults.runs import design_sign_of, run_test

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
-from triaxis.verif.faults.broken_rtl import FOLDER
+from triaxis.verif.faults.faulty_rtl import FOLDER
 from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.failures import Blame, HungError
 from triaxis.verif.testbench.settings import Block

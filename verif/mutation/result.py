@@ -152,7 +152,7 @@ def _summary(fates: Iterable[Fate]) -> str:
     total = tally(fates)
     score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
     return (
-        f"{total.mutants} mutants: {total.killed} killed, {total.equivalent} equivalent, "
+        f"{total.mutants:,} mutants: {total.killed:,} killed, {total.equivalent} equivalent, "
         f"{total.surviving + total.absent} surviving; {score}"
     )
 

@@ -116,7 +116,7 @@ class NetlistResult:
         proved = self.modules_proved
         others = len(self.not_proved)
         return (
-            f"{self.pairs} pairs and {self.replies} replies of the board on {len(self.runs)} netlists, "
+            f"{self.pairs:,} pairs and {self.replies} replies of the board on {len(self.runs)} netlists, "
             f"{differences} differences; {proved} of {len(self.outcomes) + others} modules proved equal, "
             f"{others} named with the reason why not; so are {len(self.not_simulated)} signed configurations "
             "of which no netlist is simulated"

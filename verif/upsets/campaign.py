@@ -5,7 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from math import exp, lgamma, log
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from triaxis.sim.verilate import library
 from triaxis.verif.testbench.settings import BOARD_TESTS, BURST, ENTRY
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.upsets.builds import FOLDER, module_of, upset_build
-from triaxis.verif.upsets.verdict import Fate, Kind, upset_files
+from triaxis.verif.upsets.verdict import Fate, Kind, Upset, upset_files
 
 RESULT = FOLDER / "upsets.json"
 TEST = "BoardUpsetsTest"
@@ -41,18 +41,10 @@ STUCK = (Kind.STUCK_AT_0, Kind.STUCK_AT_1)
 
 @dataclass(frozen=True)
 class Outcome:
-    """An upset, before which clock of the talk, in which module, and what came of it; how that showed.
+    """An upset, in which module, and what came of it; how that showed."""
 
-    ``running``: the clock was drawn from those of runs.
-    """
-
-    kind: Kind
+    upset: Upset
     module: str
-    register: str
-    element: int
-    bit: int
-    clock: int
-    running: bool
     fate: Fate
     how: str
 
@@ -115,7 +107,9 @@ class UpsetsResult:
 
     def of(self, *kinds: Kind, running: bool | None = None) -> list[Outcome]:
         """Return what came of some kinds, in runs, between them, or at all times."""
-        return [one for one in self.outcomes if one.kind in kinds and running in (None, one.running)]
+        return [
+            one for one in self.outcomes if one.upset.kind in kinds and running in (None, one.upset.running)
+        ]
 
     @property
     def dangerous(self) -> list[Outcome]:
@@ -180,11 +174,11 @@ def upset_board(
     outcomes = tuple(
         sorted(
             (
-                Outcome(Kind[kind], module_of(name), name, element, bit, clock, running, Fate(fate), how)
+                Outcome(Upset(Kind(kind), *what), module_of(what[0]), Fate(fate), how)
                 for file in upset_files(folder)
-                for kind, name, element, bit, clock, running, fate, how in map(json.loads, _lines(file))
+                for kind, *what, fate, how in map(json.loads, _lines(file))
             ),
-            key=lambda one: (one.clock, one.register, one.element, one.bit, one.kind),
+            key=lambda one: (one.upset.clock, astuple(one.upset)),
         )
     )
     progress(len(outcomes) - done)
@@ -195,7 +189,8 @@ def upset_board(
             bits = int(kept["bits"])
         if len(outcomes) != upsets:
             problems.append(f"{len(outcomes)} upsets of {upsets} came to an end")
-        inverted = {(one.register, one.element, one.bit) for one in outcomes if one.kind is Kind.FLIP}
+        flips = [one.upset for one in outcomes if one.upset.kind is Kind.FLIP]
+        inverted = {(one.register, one.element, one.bit) for one in flips}
         if (config, upsets) == (CONFIG, UPSETS) and len(inverted) < bits:
             problems.append(f"{len(inverted)} of {bits} bits were inverted, not each: raise UPSETS")
     if not before.still_holds(SOURCES):
@@ -224,10 +219,17 @@ def write_result(result: UpsetsResult) -> Path:
         "blocks": {name: _row(of, "flips") for name, of in by_module(result.of(Kind.FLIP)).items()},
         "stuck": _blocks(result.of(*STUCK)),
         "missed_edges": _blocks(result.of(Kind.MISSED_EDGE)),
-        "examples": [{**asdict(one), "kind": one.kind.name} for one in result.dangerous[:_DESCRIBED]],
+        "examples": [_described(one) for one in result.dangerous[:_DESCRIBED]],
         **asdict(result.valid_for),
     }
     return write_evidence(RESULT, content, SOURCES)
+
+
+def _described(one: Outcome) -> dict[str, Any]:
+    return {
+        **asdict(one.upset), "kind": one.upset.kind.name, "module": one.module, "fate": one.fate,
+        "how": one.how,
+    }  # fmt: skip
 
 
 def _row(of: Tally, name: str = "upsets") -> dict[str, int]:

@@ -9,7 +9,7 @@ import json
 import os
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import partial
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from triaxis.verif.upsets.verdict import (
     Fate,
     Kind,
     Truth,
+    Upset,
     permitted,
     runs,
     upset_files,
@@ -44,21 +45,6 @@ _BYTE_BITS = 10
 _STRIDE = 256
 # Of so many upsets one is of each of the other kinds than flips.
 _OF_OTHERS = 12
-
-
-@dataclass(frozen=True)
-class Upset:
-    """What happens to a word of a register or memory, or to a bit of it, before a clock of the talk.
-
-    ``running``: the clock was drawn from those of runs.
-    """
-
-    kind: Kind
-    clock: int
-    running: bool
-    register: int
-    element: int
-    bit: int
 
 
 @dataclass(frozen=True)
@@ -107,9 +93,12 @@ class Talk:
             yield number
         self.forward(self._end)
 
-    def upset(self, upset: Upset, without: Undisturbed, truth: Truth) -> tuple[Fate, str]:
-        """Upset the board, go to the end, or until all is as without it; return what came of it."""
-        self._player.upset(upset.kind, upset.register, upset.element, upset.bit)
+    def upset(self, upset: Upset, register: int, without: Undisturbed, truth: Truth) -> tuple[Fate, str]:
+        """Upset the board, go to the end, or until all is as without it; return what came of it.
+
+        ``register``: its number in the player.
+        """
+        self._player.upset(upset.kind, register, upset.element, upset.bit)
         once = upset.kind in (Kind.FLIP, Kind.MISSED_EDGE)
         alike = 0
         for number in self.strides():
@@ -254,9 +243,9 @@ class BoardUpsetsTest(BoardTest):
         clocks[half] = rng.choice(np.concatenate([np.arange(*times) for times in running]), int(half.sum()))
         found: list[Upset] = []
         for at in np.argsort(clocks, kind="stable").tolist():
-            register = int(number[at])
-            element, bit = divmod(int(bits[at] - first[register]), registers[register].bits)
-            found.append(Upset(Kind(kinds[at]), int(clocks[at]), bool(half[at]), register, element, bit))
+            register = registers[number[at]]
+            element, bit = divmod(int(bits[at] - first[number[at]]), register.bits)
+            found.append(Upset(Kind(kinds[at]), register.name, element, bit, int(clocks[at]), bool(half[at])))
         return found
 
 
@@ -299,13 +288,12 @@ def _upset_all(
 ) -> None:  # fmt: skip
     """Go through the talk, and leave a copy with an upset behind at each of these clocks."""
     talk = Talk(player, truth.script, truth.end)
+    numbers = {register.name: number for number, register in enumerate(registers)}
     with file.open("w") as lines:
 
         def told(upset: Upset) -> None:
-            fate, how = talk.upset(upset, without, truth)
-            name = registers[upset.register].name
-            row = (upset.kind.name, name, upset.element, upset.bit, upset.clock, upset.running, fate, how)
-            lines.write(json.dumps(row) + "\n")
+            came = talk.upset(upset, numbers[upset.register], without, truth)
+            lines.write(json.dumps([*astuple(upset), *came]) + "\n")
             lines.flush()
 
         for upset in upsets:

@@ -43,6 +43,21 @@ class Fate(StrEnum):
     DANGEROUS = "dangerous"
 
 
+@dataclass(frozen=True)
+class Upset:
+    """What happens to a word of a register or memory, or to a bit of it, before a clock of the talk.
+
+    ``running``: the clock was drawn from those of runs.
+    """
+
+    kind: Kind
+    register: str
+    element: int
+    bit: int
+    clock: int
+    running: bool
+
+
 def upset_files(folder: Path) -> list[Path]:
     """Return the files of what came of the upsets: one a line, a file for each of so many processes."""
     return [folder / f"upsets_{number}.jsonl" for number in range(os.cpu_count() or 1)]

@@ -18,14 +18,14 @@ from triaxis.sim.build import rtl_files
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import DUT
-from triaxis.verif.commands import prove as command
+from triaxis.verif.commands import inject as command
 from triaxis.verif.core.failing_pairs import Stream
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS
 from triaxis.verif.counterexample.candidates import bit_lengths
 from triaxis.verif.counterexample.finding import BareCore, Symptom
 from triaxis.verif.faults import environment_faults, result, rtl_faults, runs
-from triaxis.verif.faults.broken_rtl import apply_patch, faulty_rtl, read_hunks
 from triaxis.verif.faults.catching import catch, catch_all, control
+from triaxis.verif.faults.faulty_rtl import apply_patch, faulty_rtl, read_hunks
 from triaxis.verif.faults.known_faults import FAULTS, PATCHES, Kind, fault_names, fault_of, faults_of
 from triaxis.verif.faults.result import Catch, FaultsResult, Outcome, write_json
 from triaxis.verif.faults.runs import Sign, design_sign_of, sign_of

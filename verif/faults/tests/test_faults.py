@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from triaxis.verif.faults.broken_rtl import faulty_rtl
+from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import FAULTS, fault_of
 from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
