@@ -16,7 +16,7 @@ def perfect():
 def test_each_figure_alone_stands_against_a_pass(figure):
     bound = figure.bounds["V3"]
     # The last stage asks for everything; what proofs do not look at is named instead.
-    others = {"pairs_checked": 1e8, "registers_proved": 84}
+    others = {"pairs_checked": 1e8, "registers_proved": 88}
     assert bound == (0 if figure.is_most else others.get(figure.name, 100))
     for value in (bound + 0.01 if figure.is_most else bound - 0.01, None):
         judgement = judge(FIGURES, {**perfect(), figure.name: value})

@@ -48,7 +48,8 @@ class BoardScoreboard(CountingScoreboard):
         # More than any of them.
         self._hold = _HEARD - begun
         self.seen_export = Export("seen_export", self, self.see)
-        self.failures: list[str] = []
+        # What is wrong, and the clock at which that was known.
+        self.failures: list[tuple[str, int]] = []
         self.failed = 0
         self._released: int | None = None
         self._waiting: list[tuple[int, int, int, int]] = []
@@ -59,7 +60,7 @@ class BoardScoreboard(CountingScoreboard):
         self.failed += 1
         found(what, self.reference.replies)
         if len(self.failures) < _DESCRIBED:
-            self.failures.append(what)
+            self.failures.append((what, self.reference.clock))
 
     def see(self, seen: Seen) -> None:
         """Take what was seen; what may not be complete yet waits."""
@@ -147,12 +148,15 @@ class BoardScoreboard(CountingScoreboard):
             "resets": reference.resets,
             "clocks": reference.clock,
             "failed": self.failed,
-            "failures": [{"blame": Blame.DESIGN, "message": message} for message in self.failures],
+            "failures": [
+                {"blame": Blame.DESIGN, "message": message, "clock": clock}
+                for message, clock in self.failures
+            ],
         }
         self.write_counts(counts)
-        for message in self.failures:
+        for message, _ in self.failures:
             report(ERROR, message, "SCOREBOARD")
         if self.failed:
-            raise AssertionError(f"{self.failed} failures, first: {self.failures[0]}")
+            raise AssertionError(f"{self.failed} failures, first: {self.failures[0][0]}")
         if not reference.replies or not reference.gos:
             raise AssertionError(f"{reference.replies} replies and {reference.gos} gos: nothing was checked")

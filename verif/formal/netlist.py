@@ -99,8 +99,10 @@ def run_yosys(script: str, dut: Path, names: Sequence[str], folder: Path, result
     folder.mkdir(parents=True, exist_ok=True)
     for name in (*names, "core/triaxis_stage.svh"):
         shutil.copy(dut / name, folder)
-    path = folder / result
-    run_to_result([str(yosys()), "-p", script], path, folder / "yosys.log", folder)
+    # A file: a command line has an end.
+    commands, path = folder / "commands.ys", folder / result
+    commands.write_text(script.replace("; ", "\n") + "\n", encoding="utf-8")
+    run_to_result([str(yosys()), "-s", commands.name], path, folder / "yosys.log", folder)
     return path
 
 

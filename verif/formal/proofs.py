@@ -164,7 +164,8 @@ def _walk() -> SbyProof:
         26,
         (
             "queues of four places in the copy that is proved, as in `engine_queue`",
-            "what is read of a memory is what was written; boxes lie around their triangles: `engine_boxes`",
+            "what is read of a memory is what was written: `engine_memory`; boxes lie around their "
+            "triangles: `engine_boxes`",
             "the core gives one verdict a pair, at any time: `streams`",
         ),
         beside=("triaxis_mesh_surroundings",),
@@ -187,6 +188,18 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
             window=5,
+        ),
+        replace(
+            _assertions(
+                "engine_memory",
+                "For all time: a word that is read of a memory is the one that was written last at its "
+                "address, and stays until the next read.",
+                ("mesh/triaxis_ram",),
+                {"Width": 9 * _WIDTH, "Words": 4096},
+                6,
+            ),
+            assumptions=(),
+            cover_from_reset=False,
         ),
         _assertions(
             "engine_queue",
@@ -342,8 +355,12 @@ def proofs() -> tuple[Proof, ...]:
     without_margins = tuple(Configuration(width, 0) for width in (8, 13, 16, 24, 32))
     other = (
         *without_margins,
+        Configuration(13, 4),
         Configuration(16, 8),
         Configuration(24, 10),
+        # Margins by additions, and on the wider port of a multiplier.
+        Configuration(32, 3),
+        Configuration(32, 20),
         Configuration(16, 0, edge_box=False),
         Configuration(16, 0, gating=False),
     )

@@ -26,7 +26,9 @@ from triaxis.sim.mesh_configuration import (
 )
 from triaxis.verif.testbench.table import Runs
 
-NO_EDGE_BOX, NONE, SOME, ALL = "no edge box", "none", "some", "all"
+NO_EDGE_BOX, NONE, ALL = "no edge box", "none", "all"
+# Margins of some bits, less than coordinates have.
+SOME = range(1, MAX_WIDTH)
 _SWITCH = (True, False)
 Row = tuple[Any, ...]
 
@@ -41,10 +43,11 @@ def _powers(most: int) -> tuple[int, ...]:
     return tuple(1 << n for n in range(most.bit_length()))
 
 
-# Width, margin, tag, gating; every width with every kind of margin and of tag.
+# Width, margin, tag, gating; every width with every kind of margin and of tag. A margin is multiplied by
+# additions, in one piece of either port, of the wider one, or in two pieces.
 CORE_KINDS = (
     range(MIN_WIDTH, MAX_WIDTH + 1),
-    (NO_EDGE_BOX, NONE, SOME, ALL),
+    (NO_EDGE_BOX, NONE, *_bands((1, 5, 18, 25), MAX_WIDTH - 1), ALL),
     _bands(range(1, MOST_TAG_BITS, 16), MOST_TAG_BITS),
     _SWITCH,
 )
@@ -70,6 +73,12 @@ BOARD_KINDS = (
     ((1,), (2, 4, 8), (16, 32, MOST_GROUP)),
     ((1,), (2, 4), (8, 16), (MOST_LANES,)),
 )
+
+
+def core_fits(row: Row) -> bool:
+    """Return whether a core can have these kinds."""
+    width, margin, _, _ = row
+    return not isinstance(margin, range) or margin.start < width
 
 
 def mesh_fits(row: Row) -> bool:
@@ -127,8 +136,10 @@ class _Fewest:
         return value
 
 
-def _margin(kind: str, width: int, some: _Fewest) -> int:
-    return width if kind == ALL else some(range(1, width)) if kind == SOME else 0
+def _margin(kind: str | range, width: int, some: _Fewest) -> int:
+    if isinstance(kind, range):
+        return some(kind[: width - kind.start])
+    return width if kind == ALL else 0
 
 
 # Twice what a counter of sixteen bits holds. Small engines, whose scenes have few pairs each, see fewer of
@@ -162,7 +173,7 @@ def core_array() -> tuple[Configuration, ...]:
     tags, some = _Fewest(), _Fewest(CORE_KINDS[0])
     return tuple(
         Configuration(width, _margin(margin, width, some), tags(tag), margin != NO_EDGE_BOX, gating)
-        for width, margin, tag, gating in covering_rows(CORE_KINDS)
+        for width, margin, tag, gating in covering_rows(CORE_KINDS, core_fits)
     )
 
 

@@ -94,17 +94,22 @@ class RunResult:
 
     @property
     def waves_command(self) -> str:
-        """Return the command that shows the failure in waves; "" where no run on the pins repeats it."""
-        settings, again = self.settings, ""
+        """Return the command that shows the failure in waves."""
         if self.failing_pairs:
             # Of what failed on the core: those pairs alone, each after those before it.
-            again = _replay(settings.config, self.failing_pairs)
-        elif settings.agent == PIN and not settings.four_state:
-            again = settings.replay_command
-        elif settings.test in SAME_ON_PINS and (pairs := self._pairs_before) is not None:
+            return f"{_replay(self.settings.config, self.failing_pairs)} --waves"
+        settings = replace(self.settings, agent=PIN, simulator=VERILATOR, soak=False)
+        if settings.test in SAME_ON_PINS and (pairs := self._pairs_before) is not None:
             # The scene goes on to its end: one pair more is enough.
-            again = replace(settings, agent=PIN, pairs=pairs + 1).replay_command
-        return again and f"{again} --waves"
+            settings = replace(settings, pairs=pairs + 1)
+        return f"{settings.replay_command} --waves"
+
+    @property
+    def waves_repeat(self) -> bool:
+        """Return whether that run takes the same course, not only sends the same at other clocks."""
+        settings = self.settings
+        same = settings.block is Block.BOARD or settings.agent == PIN or settings.test in SAME_ON_PINS
+        return same and not settings.four_state and not self.failing_pairs
 
     @property
     def _pairs_before(self) -> int | None:
@@ -127,8 +132,8 @@ class RunResult:
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
         lines += [f"  {line}" for line in self.counterexamples]
-        if self.waves_command:
-            lines.append(f"  waves:  {self.waves_command}")
+        doubt = "" if self.waves_repeat else "  (at other clocks, where it may not fail)"
+        lines.append(f"  waves:  {self.waves_command}{doubt}")
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
 

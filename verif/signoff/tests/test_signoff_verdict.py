@@ -248,14 +248,18 @@ def test_each_link_says_what_it_rests_on():
 
     good = states(signed())
     assert [state for _, state in good] == [
-        "not measured", "proved", "checked", "checked", "not measured", "checked", "checked", "not covered",
-        "not covered",
+        "not measured", "proved", "not measured", "checked", "checked", "not measured", "checked", "checked",
+        "not covered", "not covered",
     ]  # fmt: skip
     parts = good_parts()
     assert parts["proofs"].evidence and parts["mutation"].evidence
     proofs = parts["proofs"].evidence["proofs"]
-    proofs += [{**proofs[0], "name": name} for name in ("theorem", "board_go")]
-    assert states(signed(parts))[0] == ("distance to 32 axes", "proved")
+    small = {"W": 4, "Depth": 1024}
+    proofs += [{**proofs[0], "name": name, "parameters": small} for name in ("theorem", "engine_walk")]
+    proofs.append({**proofs[0], "name": "board_go"})
+    result = signed(parts)
+    assert states(result)[0] == ("distance to 32 axes", "proved")
+    assert result.chain[2].amount == "1 of 1 proofs; `engine_walk` at W = 4, Depth = 1,024"
     proofs[0].update(passed=False, result="failed")
     parts["mutation"].evidence.update(passed=False)
     broken = states(
@@ -265,8 +269,8 @@ def test_each_link_says_what_it_rests_on():
         )
     )
     assert [state for _, state in broken] == [
-        "proved", "failed", "not measured", "failed", "proved", "not measured", "checked", "not covered",
-        "not covered",
+        "proved", "failed", "proved", "not measured", "failed", "proved", "not measured", "checked",
+        "not covered", "not covered",
     ]  # fmt: skip
 
 
