@@ -923,5 +923,7 @@ class BoardMixedTest(BoardTest):
         frame = bytearray(framed(self.frame(Command.STATUS)))
         for _ in range(int(self.rng.integers(1, 3))):
             frame[int(self.rng.integers(1, len(frame) - 1))] ^= 1 << int(self.rng.integers(8))
+        # The same bit twice is no damage.
+        frame[1] ^= bytes(frame) == framed(self.frame(Command.STATUS))
         await self.silent(bytes(frame) + b"\xc0", gap=6000)
         self.sequence = self.env.scoreboard.reference.sequence

@@ -48,7 +48,7 @@ from triaxis.verif.testbench.waves import DUMP, finished
 
 # So many error lines of the log are repeated to the user, and how one is known.
 _SHOWN = 5
-_MARKS = ("ERROR", "%Error", "CRITICAL", "Error:")
+_MARK = re.compile(r"\bERROR\b|%Error|CRITICAL|[Ee]rror:")
 # What Verilator says of an assertion, after the time in picoseconds.
 _TIMED = re.compile(r"\[(\d+)\] (%Error.*)")
 _BROKEN = re.compile(r"%Error: .*Assertion failed in \S*?(\w+): (.*)")
@@ -202,7 +202,7 @@ def errors_in(log: Path) -> tuple[tuple[str, ...], BrokenRule | None]:
     with log.open(errors="replace") as lines:
         for line in lines:
             text, rule = in_clocks(line.strip())
-            if any(mark in text for mark in _MARKS):
+            if _MARK.search(text):
                 found.setdefault(text, rule)
             if len(found) == _SHOWN:
                 break

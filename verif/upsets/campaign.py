@@ -4,10 +4,10 @@ import json
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, astuple, dataclass
 from math import exp, lgamma, log
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 
 import numpy as np
@@ -159,18 +159,24 @@ def upset_board(
     start, before = time.monotonic(), provenance(SOURCES)
     built = library(upset_build(parse_board_configuration(config)))
     settings = run_settings(TEST, config, seed, upsets, folder=FOLDER / "run", agent=BURST)
-    done = 0
-    with ThreadPoolExecutor(1) as pool:
-        simulation = pool.submit(run, settings, model=built)
-        while True:
-            try:
-                result = simulation.result(_POLL_SECONDS)
-                break
-            except TimeoutError:
-                lines = sum(len(_lines(file)) for file in upset_files(Path(settings.folder)))
-                progress(lines - done)
-                done = lines
     folder = Path(settings.folder)
+    over, told = Event(), 0
+
+    def tell() -> None:
+        nonlocal told
+        while not over.wait(_POLL_SECONDS):
+            lines = sum(len(_lines(file)) for file in upset_files(folder))
+            progress(lines - told)
+            told = lines
+
+    # The simulation is in the main thread: who interrupts this ends it.
+    telling = Thread(target=tell)
+    telling.start()
+    try:
+        result = run(settings, model=built)
+    finally:
+        over.set()
+        telling.join()
     outcomes = tuple(
         sorted(
             (
@@ -181,7 +187,7 @@ def upset_board(
             key=lambda one: (one.upset.clock, astuple(one.upset)),
         )
     )
-    progress(len(outcomes) - done)
+    progress(len(outcomes) - told)
     problems = [] if result.passed else [line.strip() for line in result.explain().splitlines()]
     bits = 0
     if result.passed:

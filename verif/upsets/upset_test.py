@@ -289,6 +289,7 @@ def _upset_all(
     """Go through the talk, and leave a copy with an upset behind at each of these clocks."""
     talk = Talk(player, truth.script, truth.end)
     numbers = {register.name: number for number, register in enumerate(registers)}
+    simulator = os.getppid()
     with file.open("w") as lines:
 
         def told(upset: Upset) -> None:
@@ -297,5 +298,7 @@ def _upset_all(
             lines.flush()
 
         for upset in upsets:
+            if os.getppid() != simulator:
+                raise RuntimeError("the simulator has ended, so this copy of it does")
             talk.forward(upset.clock)
             _in_copies([partial(told, upset)])
