@@ -243,7 +243,7 @@ class BoardUpsetsTest(BoardTest):
         clocks[half] = rng.choice(np.concatenate([np.arange(*times) for times in running]), int(half.sum()))
         found: list[Upset] = []
         for at in np.argsort(clocks, kind="stable").tolist():
-            register = registers[number[at]]
+            register = registers[int(number[at])]
             element, bit = divmod(int(bits[at] - first[number[at]]), register.bits)
             found.append(Upset(Kind(kinds[at]), register.name, element, bit, int(clocks[at]), bool(half[at])))
         return found
