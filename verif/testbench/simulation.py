@@ -95,11 +95,11 @@ class RunResult:
     @property
     def waves_command(self) -> str:
         """Return the command that shows the failure in waves."""
+        settings = replace(self.settings, agent=PIN, simulator=VERILATOR, soak=False)
         if self.failing_pairs:
             # Of what failed on the core: those pairs alone, each after those before it.
-            return f"{_replay(self.settings.config, self.failing_pairs)} --waves"
-        settings = replace(self.settings, agent=PIN, simulator=VERILATOR, soak=False)
-        if settings.test in SAME_ON_PINS and (pairs := self._pairs_before) is not None:
+            settings = replace(settings, replay=str(self.failing_pairs))
+        elif settings.test in SAME_ON_PINS and (pairs := self._pairs_before) is not None:
             # The scene goes on to its end: one pair more is enough.
             settings = replace(settings, pairs=pairs + 1)
         return f"{settings.replay_command} --waves"
@@ -132,15 +132,10 @@ class RunResult:
         if self.failing_pairs:
             lines.append(f"  pairs:  {self.failing_pairs}")
         lines += [f"  {line}" for line in self.counterexamples]
-        doubt = "" if self.waves_repeat else "  (at other clocks, where it may not fail)"
+        doubt = "" if self.waves_repeat else "  # at other clocks, where it may not fail"
         lines.append(f"  waves:  {self.waves_command}{doubt}")
         lines.append(f"  replay: {self.settings.replay_command}")
         return "\n".join(lines)
-
-
-def _replay(config: str, pairs: Path) -> str:
-    """Return the command that sends failing pairs again, each after those before it: few clocks in all."""
-    return f".venv/bin/triaxis sim ReplayTest --config {config} --replay {pairs}"
 
 
 def run_settings(
