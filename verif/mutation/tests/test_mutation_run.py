@@ -215,7 +215,7 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     entry = Equivalent((wrong.id,), "reason", CONTRACT, "triaxis_stream_fifo", {}, "nothing is lost")
     for module, said in (
         ("triaxis_stream_fifo", "not equivalent by its contract"),
-        ("triaxis_ram", "there is no proof of triaxis_ram"),
+        ("triaxis_display", "there is no proof of triaxis_display"),
         ("triaxis_pick", "are not of mesh/triaxis_stream_fifo.sv"),
         ("triaxis_go", "are not of mesh/triaxis_stream_fifo.sv"),
     ):
