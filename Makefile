@@ -68,7 +68,7 @@ regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least onc
 	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
 	@$(BIN)/pytest -n 2 -m regress
 
-nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds, and all sizes of the parameters: an hour
+nightly: $(READY) $(DVSIM) ## a billion pairs on dvsim, with many seeds, and all sizes of the parameters: an hour or two
 	@$(BIN)/triaxis regress run nightly --launcher $(LAUNCHER)
 
 four-state: $(READY) $(YOSYS) ## the tests on the pins with unknown values (Debian: apt-get install iverilog)
