@@ -47,7 +47,7 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.paths import BOARD_TOP, DUT
+from triaxis.sim.paths import DUT
 
 
 class BoundError(ValueError):
@@ -286,7 +286,7 @@ def _check_subject(fields: dict[str, Any], place: str) -> None:
 def module_hash(modules: Iterable[str], dut: Path = DUT) -> str:
     """Return a short hash of the RTL of these modules, comments and spacing left out; ``*``: of all."""
     wanted = set(modules)
-    found = [path for path in (*sorted(dut.rglob("*.sv")), BOARD_TOP) if "*" in wanted or path.stem in wanted]
+    found = [path for path in sorted(dut.rglob("*.sv")) if "*" in wanted or path.stem in wanted]
     code = [_COMMENTS.sub(" ", path.read_text(encoding="utf-8")).split() for path in found]
     return hashlib.sha256(" ".join(word for words in code for word in words).encode()).hexdigest()[:12]
 

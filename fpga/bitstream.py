@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, TOP_RTL, VIVADO, Inputs
+from triaxis.fpga.board_build import BUILD_SCRIPT, CONSTRAINTS, PART, TOP, VIVADO, Inputs
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import BUILD
@@ -162,9 +162,9 @@ def file_hash(path: Path) -> str:
 
 
 def board_hash() -> str:
-    """Return the hash of what surrounds the RTL of dut/: the part's top, constraints, scripts."""
+    """Return the hash of what surrounds the RTL of dut/: constraints and scripts."""
     digest = hashlib.sha256()
-    for path in sorted([TOP_RTL, *(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES)]):
+    for path in sorted(path for path in VIVADO.rglob("*") if path.suffix in _SUFFIXES):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 

@@ -8,7 +8,6 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import TOP_TIMES, BoardParameters
 
 FPGA = Path(__file__).resolve().parent
-TOP_RTL = FPGA / "nexys4ddr_top.sv"
 VIVADO = FPGA / "vivado"
 BUILD_SCRIPT = VIVADO / "build.tcl"
 CONSTRAINTS = VIVADO / "nexys4ddr.xdc"
@@ -87,7 +86,6 @@ def bitstream_sources(dut: Path) -> list[Path]:
         *_listed(dut / "core" / "triaxis.f"),
         *_listed(dut / "mesh" / "triaxis_mesh.f"),
         *_listed(dut / "board" / "triaxis_board.f"),
-        TOP_RTL,
     ]
 
 

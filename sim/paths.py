@@ -7,7 +7,6 @@ DUT = ROOT / "dut"
 SIM = ROOT / "sim"
 VERIF = ROOT / "verif"
 BUILD = ROOT / "build"
-BOARD_TOP = ROOT / "fpga" / "nexys4ddr_top.sv"
 
 
 def rtl_sources(dut: Path = DUT) -> list[Path]:
@@ -22,7 +21,7 @@ def mesh_sources(dut: Path = DUT) -> list[Path]:
 
 def board_sources(dut: Path = DUT) -> list[Path]:
     """Return the RTL files of the board and its top, which compile after those of the mesh engine."""
-    return [*listed(dut / "board" / "triaxis_board.f"), BOARD_TOP]
+    return listed(dut / "board" / "triaxis_board.f")
 
 
 def listed(listing: Path) -> list[Path]:

@@ -18,7 +18,7 @@ from triaxis.bench.activity import (
     trace,
 )
 from triaxis.bench.saif import read_saif
-from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP_RTL
+from triaxis.fpga.board_build import ENGINE_INSTANCE, TOP
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
@@ -101,7 +101,9 @@ def test_saif_files(tmp_path):
     path.write_text(in_place(engine))
     places = {"nexys4ddr_top": {"clk_i": 2}, "nexys4ddr_top/u_mesh": {"busy": 3}}
     assert read_saif(path).instances == {**places, "nexys4ddr_top/u_mesh/u_core": {"a": 4}}
-    assert re.search(rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", TOP_RTL.read_text())
+    assert re.search(
+        rf"triaxis_mesh\s*#\([^;]*\)\s*{ENGINE_INSTANCE}\s*\(", (DUT / "board" / f"{TOP}.sv").read_text()
+    )
     for text, says in (
         (GOOD[:-3], "ends early"),
         (GOOD.replace("(DURATION 840)\n", ""), "no DURATION"),

@@ -22,3 +22,4 @@ triaxis_safety.sv
 triaxis_beat.sv
 triaxis_decimal.sv
 triaxis_display.sv
+nexys4ddr_top.sv

@@ -141,6 +141,12 @@ package triaxis_board_pkg;
     byte_t version;
   } hello_block_t;
 
+  // The watchdog's time as HELLO gives it, rounded up.
+  localparam int unsigned ClocksPerMs = 100_000;
+  function automatic int unsigned watchdog_ms(int unsigned clocks);
+    return (clocks + ClocksPerMs - 1) / ClocksPerMs;
+  endfunction
+
   localparam int unsigned StatusBytes = $bits(status_block_t) / 8;
   localparam int unsigned HelloBytes = $bits(hello_block_t) / 8;
   // Command, sequence number, session, code.

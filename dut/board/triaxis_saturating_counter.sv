@@ -10,12 +10,13 @@ module triaxis_saturating_counter #(
 ) (
     input logic clk_i,
     input logic rst_ni,
-    input logic [1:0] events_i,
+    input logic one_i,
+    input logic other_i,
     output logic [Width-1:0] count_o
 );
 
   logic [Width:0] sum;
-  assign sum = {1'b0, count_o} + (Width + 1)'(events_i[0]) + (Width + 1)'(events_i[1]);
+  assign sum = {1'b0, count_o} + (Width + 1)'(one_i) + (Width + 1)'(other_i);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) count_o <= '0;

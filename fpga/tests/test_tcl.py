@@ -18,12 +18,12 @@ from triaxis.fpga.board_build import (
     PART,
     SIGNED_OFF,
     TOP,
-    TOP_RTL,
     VIVADO,
     Inputs,
     generics,
 )
 from triaxis.golden.errors import InputError
+from triaxis.sim.paths import DUT
 
 pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
 
@@ -209,7 +209,7 @@ def test_every_port_is_on_its_published_pin_once_with_the_standard_of_its_bank()
     assert all(way == ("-from" if port.endswith("i") else "-to") for port, way in paths.items())
     declared = re.findall(
         r"^\s*(?:input|output)\s+(?:logic\s+)?(?:\[(\d+):0\]\s*)?(\w+)\s*,?\s*(?://.*)?$",
-        TOP_RTL.read_text(),
+        (DUT / "board" / f"{TOP}.sv").read_text(),
         re.MULTILINE,
     )
     widths = {name: int(high) + 1 if high else 0 for high, name in declared}

@@ -24,7 +24,7 @@ from pyslang.syntax import SyntaxKind, SyntaxTree
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.paths import BOARD_TOP, DUT, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.paths import DUT, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.programs import read_slang
 from triaxis.verif.formal.netlist import flat, run_yosys
 
@@ -32,7 +32,7 @@ UNPROVED_FILE = Path(__file__).with_name("unproved.toml")
 # What together has every register of dut/, whatever parameters leave out: the board with the mesh engine,
 # the core with pieces that take no DSP block, and without margins.
 _WHOLE = (
-    (BOARD_TOP.stem, {}),
+    ("nexys4ddr_top", {}),
     *(("triaxis_core", one.parameters) for one in (Configuration(20, 20), Configuration(gating=False))),
 )
 # yosys-slang names a flip-flop after what it holds, and yosys keeps that name whatever the cell becomes.
@@ -160,7 +160,7 @@ def of_cells(names: Iterable[str], top: str, dut: Path) -> frozenset[Register]:
 def all_registers(dut: Path, folder: Path) -> frozenset[Register]:
     """Return every register of dut/, as elaborated; ``folder`` takes netlists and a log."""
     files = [*rtl_sources(DUT), *mesh_sources(DUT), *board_sources(DUT)]
-    names = [str(path if path == BOARD_TOP else path.relative_to(DUT)) for path in files]
+    names = [str(path.relative_to(DUT)) for path in files]
     script = "; ".join(
         f"{read_slang(flat(names), top, parameters)}; write_json whole_{number}.json; design -reset"
         for number, (top, parameters) in enumerate(_WHOLE)

@@ -15,13 +15,15 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import read_slang, run_to_result, yosys
 
+CORE_PACKAGE = "core/triaxis_pkg.sv"
+
 
 class Package:
-    """``triaxis_pkg`` of a folder of RTL."""
+    """A package of a folder of RTL."""
 
-    def __init__(self, dut: Path = DUT) -> None:
+    def __init__(self, dut: Path = DUT, file: str = CORE_PACKAGE) -> None:
         """Remember where the package is."""
-        self._path = dut / "core" / "triaxis_pkg.sv"
+        self._path = dut / file
         self._known: dict[str, int] = {}
 
     @cached_property
@@ -34,7 +36,7 @@ class Package:
         """Return a constant, or what a function answers; InputError where the package has none so called."""
         expression = f"{name}({', '.join(map(str, arguments))})" if arguments else name
         if expression not in self._known:
-            value = self._session.eval(f"triaxis_pkg::{expression}").value
+            value = self._session.eval(f"{self._path.stem}::{expression}").value
             if not isinstance(value, SVInt):
                 raise InputError(f"{self._path}: {expression} has no value")
             self._known[expression] = int(value)

@@ -14,7 +14,6 @@ from enum import StrEnum
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.paths import BOARD_TOP
 from triaxis.sim.programs import executable, read_slang, run_limited, run_to_result, yosys
 from triaxis.verif.formal.cone import Register, read_cone
 from triaxis.verif.formal.netlist import NetlistError, flat
@@ -191,7 +190,7 @@ class SbyProof(Proof):
         model = folder / f"proof_{_CHECK}" / "model"
         script = "read_rtlil design_prep.il; write_json cone.json"
         run_to_result([str(yosys()), "-p", script], model / "cone.json", folder / "cone.log", model)
-        own = frozenset(Path(name).stem for name in self.dut_files) - {BOARD_TOP.stem}
+        own = frozenset(Path(name).stem for name in self.dut_files)
         return read_cone(model / "cone.json", (folder / "sources").glob("*.sv"), self.top, own)
 
     def _run(self, task: str, folder: Path, log: Path) -> str | None:
@@ -212,7 +211,7 @@ class SbyProof(Proof):
         for path in (dut / "core" / _STAGE, *own):
             shutil.copy(path, sources)
         for name in self.dut_files:
-            text = (BOARD_TOP if name == BOARD_TOP.name else dut / name).read_text(encoding="utf-8")
+            text = (dut / name).read_text(encoding="utf-8")
             for old, new in self.edits.get(name, ()):
                 if text.count(old) != 1:
                     raise InputError(f"{dut / name}: `{old}` must occur once: adapt the proof {self.name}")

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
-from triaxis.sim.paths import BOARD_TOP
 from triaxis.verif.formal.axis_proofs import axes_proof
 from triaxis.verif.formal.coq import theorem
 from triaxis.verif.formal.pieces import multiply_wide
@@ -275,7 +274,7 @@ def _board_go() -> SbyProof:
             "replies leave at any pace, and what RESULTS may ask for is anything",
         ),
         top="triaxis_go_formal",
-        dut_files=(*(f"{file}.sv" for file in rtl), BOARD_TOP.name),
+        dut_files=tuple(f"{file}.sv" for file in (*rtl, "board/nexys4ddr_top")),
         formal_files=("triaxis_board_surroundings.sv", "triaxis_go_formal.sv"),
         depth=1,
         cover_depth=10,
@@ -333,6 +332,24 @@ def board_proofs() -> tuple[SbyProof, ...]:
                 "which ends what goes on and then forgets it: shown by `board_go`",
                 "the engine ends a run once: shown by `engine_control`",
             ),
+        ),
+        replace(
+            _assertions(
+                "board_reply",
+                "For all time: a request is answered once, with the head and the payload that the protocol "
+                "gives that answer, every byte at its place, the payload again inverted, the near pairs "
+                "of the ring from the number asked for, and their own CRC-32; nothing else is sent.",
+                ("board/triaxis_reply", "board/triaxis_answer", "board/triaxis_crc32"),
+                {"IndexWidth": 12},
+                4,
+                (
+                    "only a LOAD is refused for its place, and only known commands are executed: shown by "
+                    "`board_go`",
+                    "the ring gives the pair of a number a clock after that: words of a memory, shown by "
+                    "`engine_memory`",
+                ),
+            ),
+            cover_from_reset=False,
         ),
         replace(
             _assertions(

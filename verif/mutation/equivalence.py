@@ -36,7 +36,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
-from triaxis.sim.paths import BOARD_TOP, DUT, rtl_sources
+from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
@@ -369,7 +369,7 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None
     solver = _solver() if entry.evidence in (PROOF, REGISTERS, CONTRACT) else ""
     # The board, which changes more often, is part of few.
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
-    files = (*rtl_files(dut), BOARD_TOP) if of_board else mesh_files(dut)
+    files = rtl_files(dut) if of_board else mesh_files(dut)
     key = content_hash(
         files, killers_hash(), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,

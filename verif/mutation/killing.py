@@ -34,7 +34,7 @@ from triaxis.verif.mutation.targets import (
     AnyTarget,
     EngineTarget,
     elaborated,
-    right_latencies,
+    right_package,
 )
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_trials
@@ -43,8 +43,6 @@ from triaxis.verif.testbench.trials import Model, Trials, Verdict
 # Mutants with a library of their own that a stage tries at a time: that many libraries are on the disk.
 _AT_A_TIME = 72
 _OF_ALL_KINDS = ("MixedTest", "MeshRandomTest", "BoardMixedTest")
-_PACKAGE = "core/triaxis_pkg.sv"
-_LATENCIES = Killed("LatencyTable", "triaxis_pkg", "wrong latency", 0)
 # A model without a mutant, which every test must pass.
 _ORIGINAL = "no mutant"
 
@@ -211,8 +209,10 @@ class Hunt:
         if self._ended.is_set():
             return None
         with self._slots, mutated(self.dut, mutant) as dut:
-            if mutant.file == _PACKAGE and not right_latencies(dut):
-                self._notice(mutant.id, _LATENCIES, stage)
+            if not right_package(dut, mutant.file):
+                self._notice(
+                    mutant.id, Killed("right_package", Path(mutant.file).stem, "wrong value", 0), stage
+                )
                 return None
             try:
                 library = stage.library(dut, folder, original)

@@ -21,7 +21,7 @@ from triaxis.sim.models import (
 )
 from triaxis.sim.paths import DUT, VERIF
 from triaxis.sim.verilate import MANY, QUICK, Build
-from triaxis.verif.formal.netlist import Package
+from triaxis.verif.formal.netlist import CORE_PACKAGE, Package
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, RunSettings
@@ -52,6 +52,10 @@ _BOARD_TESTS = {
     "BoardFullTest": 1,
 }  # fmt: skip
 _BOARD_VOLUME = 1000
+
+_BOARD_PACKAGE = "board/triaxis_board_pkg.sv"
+# A millisecond and the clocks beside it, and the top's own time.
+_WATCHDOG_CLOCKS = (99_999, 100_000, 100_001, 10_000_000)
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"
@@ -267,9 +271,7 @@ def elaborated(target: AnyTarget, dut: Path = DUT) -> frozenset[tuple[str, int]]
         if name in ("GenerateBlock", "InstanceBody") and symbol.syntax is not None:
             start = symbol.syntax.sourceRange.start
             place = Path(manager.getFileName(start)).resolve()
-            # What stands around the board's modules is of the part, and has no mutants.
-            if place.is_relative_to(dut.resolve()):
-                blocks.add((place.relative_to(dut.resolve()).as_posix(), start.offset))
+            blocks.add((place.relative_to(dut.resolve()).as_posix(), start.offset))
         return ast.VisitAction.Advance
 
     for instance in compilation.getRoot().topInstances:
@@ -288,14 +290,21 @@ def _packages(build: Build) -> list[tuple[str, int]]:
     return found
 
 
-def right_latencies(dut: Path) -> bool:
-    """Return whether the package in a folder gives the latencies that are signed off, for every width.
+def right_package(dut: Path, file: str) -> bool:
+    """Return whether a package in a folder gives what is signed off: latencies, times; True of others.
 
-    It shows mutants that no pair shows: a clock more or less. True as well where it does not evaluate.
+    It shows mutants that no simulation of one configuration shows: a clock more or less. True as well where
+    it does not evaluate.
     """
-    package = Package(dut)
+    if file == CORE_PACKAGE:
+        function, due = "core_latency", every_latency()
+    elif file == _BOARD_PACKAGE:
+        function, due = "watchdog_ms", {(clocks,): -(-clocks // 100_000) for clocks in _WATCHDOG_CLOCKS}
+    else:
+        return True
+    package = Package(dut, file)
     try:
-        return all(package.call("core_latency", *point) == due for point, due in every_latency().items())
+        return all(package.call(function, *point) == value for point, value in due.items())
     except InputError:
         return True
 

@@ -38,16 +38,16 @@ class Scope:
         )  # fmt: skip
 
 
-# The core as it is signed at W = 16, without margins and with; scenes on the smallest engine that is signed;
-# talks with the whole board.
+# The cores that are signed up to W = 16; scenes on the smallest engine that is; talks with the whole board.
 SCOPES = (
+    Scope("MixedTest", "w8_m8", 100_000),
+    Scope("MixedTest", "w13_m4_t1", 100_000),
     Scope("MixedTest", "w16_m0", 100_000),
+    Scope("MixedTest", "w16_m0_no_edge_box", 100_000),
+    Scope("MixedTest", "w16_m0_ungated", 100_000),
     Scope("MixedTest", "w16_m16", 100_000),
     Scope("MeshRandomTest", "mesh_w12_m0_d32_g4_l2_c8", 20_000),
     Scope("BoardMixedTest", "board_w12_m5_d128_g8_l4", 100),
-)
-_MORE_OF_THE_SAME = (
-    "time: another synthesis and model of minutes, of the logic of the cores of W = 16 and less"
 )
 _LARGE = "size: two or four times the multipliers of W = 16, which are most of a model that takes minutes"
 _ENGINE = "size: larger than the engine that is, which takes minutes to synthesise and as long to compile"
@@ -60,12 +60,8 @@ NOT_SIMULATED = {
     "mesh_w16_m16_d64_g8_l8": _ENGINE,
     "mesh_w24_m1_d16_g4_l1": _ENGINE,
     "mesh_w32_m32_d16_g4_l2": _ENGINE,
-    "w13_m4_t1": _MORE_OF_THE_SAME,
-    "w16_m0_no_edge_box": _MORE_OF_THE_SAME,
-    "w16_m0_ungated": _MORE_OF_THE_SAME,
     "w24_m24": _LARGE,
     "w32_m32": _LARGE,
-    "w8_m8": _MORE_OF_THE_SAME,
 }
 # What yosys's models of cells declare and leave empty, and what is there instead.
 _EMPTY = re.compile(r"(\nmodule RAMB(?:18|36)E1 .*?)\n *specify\n.*?\nendmodule", re.DOTALL)

@@ -95,8 +95,8 @@ class RunRecord:
 
     @property
     def judged(self) -> int:
-        """Return how many of them the golden model judged as well."""
-        return int(self.counts["judged_by_golden_model"]) if self.counts else 0
+        """Return how many of them the golden model judged as well: none of the board's replies."""
+        return int(self.counts.get("judged_by_golden_model", 0)) if self.counts else 0
 
 
 def record_of(

@@ -31,8 +31,8 @@ MESH_TESTS = ("triaxis.verif.mesh.uvm_tests", "triaxis.verif.mesh.solid_tests")
 ENTRY = "triaxis.verif.testbench.entry"
 BOARD_TESTS = ("triaxis.verif.board.uvm_tests",)
 TEST_MODULES = (ENTRY, *CORE_TESTS, *MESH_TESTS, *BOARD_TESTS)
-# What tests read: counterexamples that were kept, and clocks; and what is under test but not in dut/.
-TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json", "fpga/nexys4ddr_top.sv")
+# What tests read: counterexamples that were kept, and clocks.
+TEST_DATA = ("verif/core/kept/*.json", "verif/mesh/*.json")
 
 
 def width_of(config: str) -> int:

@@ -8,13 +8,13 @@ from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.build import content_hash
 from triaxis.sim.models import board_build
-from triaxis.sim.paths import BOARD_TOP, BUILD, DUT, SIM
+from triaxis.sim.paths import BUILD, DUT, SIM
 from triaxis.sim.verilate import Build
 from triaxis.verif.formal.cone import Hierarchy, hierarchy
 from triaxis.verif.mutation.syntax import below, kind, module_name, read_source, span
 
 FOLDER = BUILD / "upsets"
-_FILES = (*sorted(DUT.rglob("*.sv")), BOARD_TOP)
+_FILES = tuple(sorted(DUT.rglob("*.sv")))
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
 

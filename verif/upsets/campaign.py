@@ -24,10 +24,7 @@ from triaxis.verif.upsets.verdict import Fate, Kind, Upset, upset_files
 
 RESULT = FOLDER / "upsets.json"
 TEST = "BoardUpsetsTest"
-SOURCES = Sources(
-    ("triaxis.verif.upsets.campaign", "triaxis.verif.upsets.upset_test", ENTRY, *BOARD_TESTS),
-    ("dut/board/*.f", "fpga/nexys4ddr_top.sv"),
-)  # fmt: skip
+SOURCES = Sources(("triaxis.verif.upsets.campaign", "triaxis.verif.upsets.upset_test", ENTRY, *BOARD_TESTS))
 # A board small enough that so many upsets invert each bit at least once, memories and core among them.
 CONFIG, UPSETS = "board_w8_m0_d16_g4_l2", 44_000
 # Dangerous ones that are described in full.

@@ -136,13 +136,13 @@ module triaxis_board_sva
 endmodule
 
 bind nexys4ddr_top triaxis_board_sva u_sva (
-    .clk_i(clk),
+    .clk_i(clk_100mhz_i),
     .rst_ni(rst_n),
     .load_tvalid,
     .load_tready,
     .load_tuser,
     .run_tvalid,
-    .run_tready(unused_ready),
+    .run_tready(unused.ready),
     .frame_full,
     .frame_release,
     .frame_length,

@@ -6,9 +6,8 @@ from argparse import ArgumentParser
 import pytest
 
 from triaxis.fpga import bitstream as bitstream_module
-from triaxis.fpga import board_build
 from triaxis.fpga.bitstream import build_id, manifest_path
-from triaxis.fpga.board_build import bitstream_sources
+from triaxis.fpga.board_build import BUILD_SCRIPT, bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli.engine import checkout_id
@@ -160,9 +159,9 @@ def test_what_changes_during_the_build_is_refused(bench, capsys, monkeypatch, ha
 def test_the_build_id_and_what_a_checkout_says_change_with_rtl_and_board(tmp_path, monkeypatch):
     assert len({build_id(rtl * 64, board * 64) for rtl in "ab" for board in "ab"}) == 4
     before = checkout_id()
-    copy = tmp_path / "top.sv"
-    copy.write_text(board_build.TOP_RTL.read_text() + "// changed")
-    monkeypatch.setattr(bitstream_module, "TOP_RTL", copy)
+    script = tmp_path / BUILD_SCRIPT.name
+    script.write_text(BUILD_SCRIPT.read_text() + "# changed")
+    monkeypatch.setattr(bitstream_module, "VIVADO", tmp_path)
     assert checkout_id() != before
 
 

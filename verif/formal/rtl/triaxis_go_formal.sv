@@ -202,7 +202,7 @@ module triaxis_go_formal
   byte_t  engine_byte_q;
   count_t engine_count  [2];
   assign load = u_top.load_tvalid && u_top.load_tready;
-  assign accept = u_top.run_tvalid && u_top.unused_ready;
+  assign accept = u_top.run_tvalid && u_top.unused.ready;
   assign engine_count[0] = 17'(u_top.count_a);
   assign engine_count[1] = 17'(u_top.count_b);
   assign loaded_here = load && u_top.load_tuser == {1'b0, mesh_q} &&
@@ -427,7 +427,7 @@ module triaxis_go_formal
       // The runner and the engine.
       assert (busy == (u_top.run_tvalid || u_top.u_mesh.running_q));
       assert (!u_top.run_tvalid || (!u_top.u_mesh.running_q && state == Reply));
-      TakenAtOnce : assert (!u_top.run_tvalid || u_top.unused_ready);
+      TakenAtOnce : assert (!u_top.run_tvalid || u_top.unused.ready);
       assert (u_top.run_state <= RunDone);
       // A first HELLO forgets what nobody has given.
       if (u_top.u_command.u_session.session_q != '0 && state != HelloEnd) begin

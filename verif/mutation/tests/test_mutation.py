@@ -15,7 +15,7 @@ from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.statements import hosts
 from triaxis.verif.mutation.syntax import read_source
 from triaxis.verif.mutation.targets import (
-    right_latencies,
+    right_package,
 )
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
@@ -169,12 +169,21 @@ def test_a_mutant_that_is_no_systemverilog_is_the_generators_fault():
         pass
 
 
-def test_the_latency_table_finds_a_wrong_latency(tmp_path):
-    assert right_latencies(DUT)
-    package = (DUT / "core" / "triaxis_pkg.sv").read_text()
-    (tmp_path / "core").mkdir()
-    (tmp_path / "core" / "triaxis_pkg.sv").write_text(package.replace("BoxLatency = 4", "BoxLatency = 5"))
-    assert not right_latencies(tmp_path)
+@pytest.mark.parametrize(
+    ("file", "right", "wrong"),
+    [
+        ("core/triaxis_pkg.sv", "BoxLatency = 4", "BoxLatency = 5"),
+        ("board/triaxis_board_pkg.sv", "ClocksPerMs = 100_000", "ClocksPerMs = 100_001"),
+        ("board/triaxis_board_pkg.sv", "ClocksPerMs = 100_000", "ClocksPerMs = 99_999"),
+    ],
+)
+def test_a_package_that_gives_a_wrong_latency_or_time_is_found(tmp_path, file, right, wrong):
+    assert right_package(DUT, file)
+    text, copy = (DUT / file).read_text(), tmp_path / file
+    assert right in text
+    copy.parent.mkdir()
+    copy.write_text(text.replace(right, wrong))
+    assert not right_package(tmp_path, file)
     # What gives none at all is for others to find.
-    (tmp_path / "core" / "triaxis_pkg.sv").write_text("package triaxis_pkg; endpackage")
-    assert right_latencies(tmp_path)
+    copy.write_text(f"package {copy.stem}; endpackage")
+    assert right_package(tmp_path, file)

@@ -18,7 +18,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.evidence import Timeline
-from triaxis.sim.paths import BOARD_TOP, DUT, ROOT
+from triaxis.sim.paths import DUT, ROOT
 from triaxis.verif.mutation import builds, killers, killing, order, outcomes, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
@@ -416,8 +416,7 @@ def test_the_killers_are_all_of_them_and_nothing_else():
     assert {"configuration.py", "exact.py", "toolchain.py", "near_miss.py", "proof.py"} <= names
     assert not {"result.json", "README.md", "meshcheck.py"} & names
     foreign = ("host", "docs", "bench", "fpga")
-    # The board's environment is around its real top.
-    assert {path for path in files if path.relative_to(ROOT).parts[0] in foreign} == {BOARD_TOP}
+    assert not [path for path in files if path.relative_to(ROOT).parts[0] in foreign]
 
 
 KILL = outcomes.Killed("MixedTest", "w8_m8", "wrong word", 3)

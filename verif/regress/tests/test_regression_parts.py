@@ -200,6 +200,14 @@ def test_results_and_history_tell_nothing_from_zero(tmp_path):
     assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
 
 
+def test_results_of_the_board_count_replies_and_none_that_the_golden_model_judged(tmp_path):
+    result = read_evidence(
+        write_results(outcome(tmp_path, records=(PASSED, replace(PASSED, counts={"checked": 9}))))
+    )
+    assert result is not None
+    assert (result["pairs_checked"], result["pairs_judged_by_golden_model"]) == (2009, 2000)
+
+
 # --- Jobs -----------------------------------------------------------------------------------------------
 
 

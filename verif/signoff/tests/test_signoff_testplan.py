@@ -10,11 +10,12 @@ from triaxis.coverage.counts import Counts
 from triaxis.coverage.report import report
 from triaxis.coverage.testplan import KINDS, TESTPLAN, read_testplan
 from triaxis.coverage.testplan_progress import PlanResults, Tally, progress
-from triaxis.fpga.board_build import SIGNED_OFF, TOP_RTL
+from triaxis.fpga.board_build import SIGNED_OFF, TOP
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
+from triaxis.sim.paths import DUT
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.signoff.plan import plan
 from triaxis.verif.signoff.testplan import check_plan, inventory
@@ -30,7 +31,7 @@ def test_the_board_that_ships_is_simulated_also_at_its_own_times():
     assert of_its_sizes >= {"BoardSmokeTest", "BoardGoTest", "BoardMixedTest", "BoardDepthTest"}
     assert any(replace(parameters, build_id=0) == SIGNED_OFF for _, parameters in ran)
     # A bitstream takes them from the top itself.
-    named = re.findall(r"parameter int unsigned (\w+) = ([\d_]+)", TOP_RTL.read_text(encoding="utf-8"))
+    named = re.findall(r"parameter int unsigned (\w+) = ([\d_]+)", (DUT / "board" / f"{TOP}.sv").read_text())
     assert {**{name: int(value) for name, value in named}, "BuildId": 0} == SIGNED_OFF.rtl
 
 

@@ -38,8 +38,7 @@ module nexys4ddr_top
   localparam int unsigned IndexWidth = $clog2(Depth);
   localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1;
   localparam int unsigned PairCountWidth = 2 * IndexWidth + 1;
-  localparam int unsigned ClocksPerMs = 100_000;
-  localparam int unsigned WatchdogMs = (WatchdogClocks + ClocksPerMs - 1) / ClocksPerMs;
+  localparam int unsigned WatchdogMs = watchdog_ms(WatchdogClocks);
   localparam hello_block_t Hello = '{
       version: ProtocolVersion,
       w: 8'(W),
@@ -61,11 +60,10 @@ module nexys4ddr_top
     $fatal(1, "WatchdogClocks must be 1 .. 65,535 ms");
   end
 
-  logic clk, rst_n;
-  assign clk = clk_100mhz_i;
+  logic rst_n;
 
   triaxis_reset_sync u_reset (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .button_ni(cpu_reset_ni),
       .rst_no(rst_n)
   );
@@ -80,7 +78,7 @@ module nexys4ddr_top
   triaxis_receiver #(
       .ClocksPerBit(ClocksPerBit)
   ) u_receiver (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .line_i(uart_rx_i),
       .full_o(frame_full),
@@ -107,7 +105,7 @@ module nexys4ddr_top
       .M(M),
       .Depth(Depth)
   ) u_command (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .full_i(frame_full),
       .length_i(frame_length),
@@ -149,7 +147,7 @@ module nexys4ddr_top
   triaxis_watchdog #(
       .Clocks(WatchdogClocks)
   ) u_watchdog (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .kick_i(kick),
       .forget_i(begins),
@@ -179,7 +177,7 @@ module nexys4ddr_top
       .W(W),
       .M(M)
   ) u_runner (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .forget_i(forget),
       .move_i(move),
@@ -215,8 +213,12 @@ module nexys4ddr_top
 
   // The runner knows of a run before the engine does. A mesh that was given too much is found by
   // the engine: the run ends so.
-  logic unused_busy, unused_ready;
-  logic [1:0] unused_overfull;
+  typedef struct packed {
+    logic busy;
+    logic ready;
+    logic [1:0] overfull;
+  } unused_t;
+  unused_t unused;
 
   triaxis_mesh #(
       .W(W),
@@ -225,7 +227,7 @@ module nexys4ddr_top
       .Group(Group),
       .Lanes(Lanes)
   ) u_mesh (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .s_axis_load_tvalid_i(load_tvalid),
       .s_axis_load_tready_o(load_tready),
@@ -233,13 +235,13 @@ module nexys4ddr_top
       .s_axis_load_tuser_i(load_tuser),
       .count_a_o(count_a),
       .count_b_o(count_b),
-      .overfull_o(unused_overfull),
+      .overfull_o(unused.overfull),
       .s_axis_run_tvalid_i(run_tvalid),
-      .s_axis_run_tready_o(unused_ready),
+      .s_axis_run_tready_o(unused.ready),
       .s_axis_run_tdata_i(run_tdata),
       .s_axis_run_tuser_i(run_tuser),
       .abort_i(aborting),
-      .busy_o(unused_busy),
+      .busy_o(unused.busy),
       .m_axis_near_tvalid_o(near_tvalid),
       .m_axis_near_tready_i(near_tready),
       .m_axis_near_tdata_o(near_tdata),
@@ -263,7 +265,7 @@ module nexys4ddr_top
   triaxis_near_ring #(
       .Width(2 * IndexWidth)
   ) u_ring (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .clear_i(ring_clear),
       .drop_i(aborting),
@@ -284,9 +286,10 @@ module nexys4ddr_top
   triaxis_saturating_counter #(
       .Width($bits(errors))
   ) u_errors (
-      .clk_i(clk),
-      .rst_ni(rst_n),
-      .events_i({link_error, foreign}),
+      .clk_i  (clk_100mhz_i),
+      .rst_ni (rst_n),
+      .one_i  (link_error),
+      .other_i(foreign),
       .count_o(errors)
   );
 
@@ -328,7 +331,7 @@ module nexys4ddr_top
       .IndexWidth  (IndexWidth),
       .ClocksPerBit(ClocksPerBit)
   ) u_transmitter (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .valid_i(reply_valid),
       .ready_o(reply_ready),
@@ -346,7 +349,7 @@ module nexys4ddr_top
   triaxis_safety #(
       .NearWidth(PairCountWidth)
   ) u_safety (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .hello_i(hello),
       .load_i(load),
@@ -366,14 +369,14 @@ module nexys4ddr_top
   triaxis_beat #(
       .Clocks(BeatClocks)
   ) u_beat (
-      .clk_i (clk),
+      .clk_i (clk_100mhz_i),
       .rst_ni(rst_n),
       .go_i  (go_o),
       .beat_o
   );
 
   logic wrong_q, shown_wrong;
-  always_ff @(posedge clk or negedge rst_n) begin
+  always_ff @(posedge clk_100mhz_i or negedge rst_n) begin
     if (!rst_n) wrong_q <= 1'b0;
     else if (link_error || refused) wrong_q <= 1'b1;
     else if (begins) wrong_q <= 1'b0;
@@ -383,7 +386,7 @@ module nexys4ddr_top
   triaxis_display #(
       .DigitClocks(DigitClocks)
   ) u_display (
-      .clk_i(clk),
+      .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
       .go_i(go_o),
       .running_i(busy),
