@@ -216,7 +216,8 @@ module nexys4ddr_top
   typedef struct packed {
     logic busy;
     logic ready;
-    logic [1:0] overfull;
+    logic overfull_b;
+    logic overfull_a;
   } unused_t;
   unused_t unused;
 
@@ -235,7 +236,7 @@ module nexys4ddr_top
       .s_axis_load_tuser_i(load_tuser),
       .count_a_o(count_a),
       .count_b_o(count_b),
-      .overfull_o(unused.overfull),
+      .overfull_o({unused.overfull_b, unused.overfull_a}),
       .s_axis_run_tvalid_i(run_tvalid),
       .s_axis_run_tready_o(unused.ready),
       .s_axis_run_tdata_i(run_tdata),
