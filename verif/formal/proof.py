@@ -152,7 +152,7 @@ class Method(StrEnum):
 
 @dataclass(frozen=True)
 class SbyProof(Proof):
-    """Assertions of the module ``top``, with the files of dut/ (or the board's top) and rtl/ that they need.
+    """Assertions of the module ``top``, with the files of dut/ and rtl/ that they need.
 
     ``depth``: the k of the induction, or the clocks of the window, in which only the last one is checked.
     ``cover_depth``: clocks in which everything to be covered is reached. ``edits``: what the copy of a file

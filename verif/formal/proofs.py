@@ -282,6 +282,28 @@ def _board_go() -> SbyProof:
     )
 
 
+def _board_reply() -> SbyProof:
+    return replace(
+        _assertions(
+            "board_reply",
+            "For all time: a request is answered once, with the head and the payload that the protocol "
+            "gives that answer, every byte at its place, the payload again inverted, the near pairs "
+            "of the ring from the number asked for, and their own CRC-32; nothing else is sent. A byte is "
+            "offered in each clock, or in the one after it, until all are sent.",
+            ("board/triaxis_reply", "board/triaxis_answer", "board/triaxis_crc32"),
+            {"IndexWidth": 12},
+            4,
+            (
+                "only a LOAD is refused for its place, and only known commands are executed: shown by "
+                "`board_go`",
+                "the ring gives the pair of a number a clock after that: words of a memory, shown by "
+                "`engine_memory`",
+            ),
+        ),
+        cover_from_reset=False,
+    )
+
+
 def board_proofs() -> tuple[SbyProof, ...]:
     """Return the proofs of what the board's go rests on, the longest first."""
     return (
@@ -335,24 +357,6 @@ def board_proofs() -> tuple[SbyProof, ...]:
         ),
         replace(
             _assertions(
-                "board_reply",
-                "For all time: a request is answered once, with the head and the payload that the protocol "
-                "gives that answer, every byte at its place, the payload again inverted, the near pairs "
-                "of the ring from the number asked for, and their own CRC-32; nothing else is sent.",
-                ("board/triaxis_reply", "board/triaxis_answer", "board/triaxis_crc32"),
-                {"IndexWidth": 12},
-                4,
-                (
-                    "only a LOAD is refused for its place, and only known commands are executed: shown by "
-                    "`board_go`",
-                    "the ring gives the pair of a number a clock after that: words of a memory, shown by "
-                    "`engine_memory`",
-                ),
-            ),
-            cover_from_reset=False,
-        ),
-        replace(
-            _assertions(
                 "board_errors",
                 "For all time: the count of errors grows by what happens in a clock, two things at most, and "
                 "stays at the largest number that it can show.",
@@ -382,6 +386,7 @@ def proofs() -> tuple[Proof, ...]:
         Configuration(16, 0, gating=False),
     )
     return (
+        _board_reply(),
         axes_proof("axes_margins", margins),
         axes_proof("axes_other", other, detectors=(8, 16, 32)),
         _streams(0),

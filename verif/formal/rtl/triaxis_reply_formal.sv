@@ -5,7 +5,7 @@
 // the payload again inverted, the near pairs of the ring from the number asked for, the CRC-32 over
 // all of it (that of the definition: shown by `board_frame`), and nothing else. One byte of the head
 // and payload, of any place, and one near pair, of any number, chosen once by the prover, are
-// followed.
+// followed. And a byte is offered in every clock, or in the one after it, until all are sent.
 
 `include "triaxis_formal.svh"
 
@@ -156,11 +156,15 @@ module triaxis_reply_formal
   assign whole = crc_from + 9'(CrcBytes);
   assign all_taken = taken_i && sent_q == whole - 9'd1;
 
-  logic going_q;
+  logic going_q, waited_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) going_q <= 1'b0;
     else if (ready_o) going_q <= valid_i;
     else if (all_taken) going_q <= 1'b0;
+  end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) waited_q <= 1'b0;
+    else waited_q <= going_q && !valid_o;
   end
   always_ff @(posedge clk_i) begin
     if (ready_o) begin
@@ -215,6 +219,7 @@ module triaxis_reply_formal
     if (rst_ni) begin
       OneAtATime : assert (ready_o == !going_q);
       NothingElse : assert (!valid_o || (going_q && sent_q < whole));
+      KeepsOffering : assert (!going_q || valid_o || !waited_q);
       EndsInTime : assert (!valid_o || last_o == (sent_q == whole - 9'd1));
       AsDue :
       assert (!valid_o || followed >= inverted_from || sent_q != followed || data_o == followed_q);

@@ -216,6 +216,8 @@ BROKEN = (
      "~bytes_t'(reply_i.body)", "~bytes_t'(reply_i.body) ^ bytes_t'(8)", "check"),
     ("near pairs from the next one on", "board_reply", "board/triaxis_reply.sv",
      "number_q <= first_pair_i;", "number_q <= first_pair_i + 32'd1;", "check"),
+    ("a reply without its CRC", "board_reply", "board/triaxis_reply.sv",
+     "pairs_q == '0 ? Crc : Bytes", "pairs_q == '0 ? Next : Bytes", "KeepsOffering"),
     ("the other mesh's triangles are told", "board_reply", "board/triaxis_answer.sv",
      "? status_i.count_b : status_i.count_a", "? status_i.count_a : status_i.count_b", "check"),
 )  # fmt: skip
