@@ -141,10 +141,10 @@ package triaxis_board_pkg;
     byte_t version;
   } hello_block_t;
 
-  // The watchdog's time as HELLO gives it, rounded up.
+  // The watchdog's time as HELLO gives it, rounded up; of at least one clock.
   localparam int unsigned ClocksPerMs = 100_000;
   function automatic int unsigned watchdog_ms(int unsigned clocks);
-    return (clocks + ClocksPerMs - 1) / ClocksPerMs;
+    return (clocks - 1) / ClocksPerMs + 1;
   endfunction
 
   localparam int unsigned StatusBytes = $bits(status_block_t) / 8;

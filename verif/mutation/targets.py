@@ -55,7 +55,7 @@ _BOARD_VOLUME = 1000
 
 _BOARD_PACKAGE = "board/triaxis_board_pkg.sv"
 # A millisecond and the clocks beside it, and the top's own time.
-_WATCHDOG_CLOCKS = (99_999, 100_000, 100_001, 10_000_000)
+_WATCHDOG_CLOCKS = (1, 99_999, 100_000, 100_001, 10_000_000, (1 << 32) - 1)
 
 EXACT_CORE = VERIF / "mutation" / "exact_core"
 _DATAPATH = "triaxis_datapath.sv"

@@ -89,6 +89,14 @@ def test_every_pair_of_kinds_is_in_a_configuration(array, kinds, fits):
     assert 0 <= len(array) - len(covering_rows(kinds, fits)) < 10
 
 
+def test_the_margins_are_told_apart_as_the_multipliers_do():
+    text = (DUT / "core" / "triaxis_pkg.sv").read_text(encoding="utf-8")
+    sizes = dict(re.findall(r"parameter int unsigned (NarrowBits|DspPort[AB]) = (\d+);", text))
+    # A margin is unsigned: as a signed operand it has a bit more, so each begins where that no longer fits.
+    begins = [1, *(int(sizes[name]) for name in ("NarrowBits", "DspPortB", "DspPortA"))]
+    assert [kind.start for kind in CORE_KINDS[1] if isinstance(kind, range)] == begins
+
+
 def documented(file):
     """Return least and largest value of each parameter in a document's table; W, M for what is said so."""
     text = (ROOT / "docs" / file).read_text(encoding="utf-8").split("## Parameters")[1].split("\n## ")[0]
