@@ -267,7 +267,9 @@ class _ModelAssessor:
         """Count cover properties: of modules that are bound to an instance, with no other counters."""
         outer = (path.rsplit(".", depth)[0] for depth in range(path.count(".")))
         self._variables[path] = next(self._variables[one] for one in outer if one in self._variables)
-        self._points(Instance(path, next(iter(points)).module), points)
+        # Verilator adds the parameters of an instance to the name of its module.
+        module = next(iter(points)).module.partition("__")[0]
+        self._points(Instance(path, module), points)
 
     def _points(self, instance: Instance, points: dict[Point, int]) -> None:
         # Counting begins in reset, after power-up.

@@ -59,6 +59,7 @@ def _model(build: Configuration) -> CoverModel[CoreView]:
         *_geometry(build, margin),
         *_orders(),
         *_protocol(),
+        *(_attempts(margin) if build.certified else ()),
     )
     return CoverModel(f"core_{build.name}", items, _SOURCES)
 
@@ -185,4 +186,24 @@ def _protocol() -> list[Item]:
             (points.WAITS_IN, points.WAITS_OUT),
         ),
         Item("runs", "pairs in a row that waited on neither side", (points.RUNS,)),
+    ]
+
+
+def _attempts(margin: tuple[Point, ...]) -> list[Item]:
+    return [
+        Item(
+            "tried_claim",
+            "axes claimed on trial x how far they separate",
+            (points.TRIED_CLAIM, points.TRIED_DISTANCE, *margin),
+        ),
+        Item(
+            "tried_parity",
+            "parity bits inverted on trial x who decided",
+            (points.TRIED_PARITY, points.DECISION),
+        ),
+        Item(
+            "tried_number",
+            "bits of the pair's number inverted on trial x who decided",
+            (points.TRIED_NUMBER, points.DECISION),
+        ),
     ]

@@ -7,7 +7,7 @@ import numpy as np
 
 from triaxis.coverage.core_sample import Codes, CoreView, axes_of, classes
 from triaxis.coverage.cover_model import Coverpoint, MaskPoint
-from triaxis.golden.axes import axis_name
+from triaxis.golden.axes import NUM_AXES, axis_name
 from triaxis.golden.facts import Mask
 from triaxis.sim.configuration import Configuration
 
@@ -80,6 +80,7 @@ ANSWER = Point(
         "near, with spare bits or an axis",
     ),
     lambda v: v.answer,
+    partial=True,
 )
 FLAGS = Point(
     "flags",
@@ -99,10 +100,39 @@ RUNS = Point(
 )
 BLIND = Point("blind", ("by its axes", "near, though a missing axis separates"), lambda v: v.blind)
 # The kind of each claim, 0 near, 1 + axis otherwise.
-_KIND_OF_CLAIM = np.repeat(np.arange(5, dtype=np.uint8), [1, 3, 2, 9, 18])
+_KIND_OF_CLAIM = np.repeat(np.arange(6, dtype=np.uint8), [1, 3, 2, 9, 18, 1])
 # Builds with margins have all axes: every claim has a kind.
 KIND = Point(
-    "kind", ("near", "box", "normal", "edge x edge", "edge x box"), lambda v: _KIND_OF_CLAIM.take(v.claim)
+    "kind",
+    ("near", "box", "normal", "edge x edge", "edge x box"),
+    lambda v: _KIND_OF_CLAIM.take(v.claim),
+    partial=True,
+)
+# What a pair of a certified core tries: a claim, of any of the 32 axes, and how far from true it is; a parity
+# bit; a bit of its number.
+TRIED_CLAIM = Point(
+    "claim on trial",
+    tuple(f"{n:02d} {axis_name(n)}" for n in range(NUM_AXES)),
+    lambda v: v.tried_claim,
+    partial=True,
+)
+TRIED_DISTANCE = Point(
+    "distance on it",
+    ("less than the margin", "the margin", "the smallest step more", "more"),
+    lambda v: v.tried_distance,
+)
+TRIED_PARITY = Point(
+    "parity on trial",
+    (
+        *(f"{triangle}{v} {k}" for triangle in "AB" for v in (1, 2, 3) for k in "xyz"),
+        "the rest of the pair",
+        "result",
+    ),
+    lambda v: v.tried_parity,
+    partial=True,
+)
+TRIED_NUMBER = Point(
+    "number on trial", tuple(f"bit {n}" for n in range(7)), lambda v: v.tried_number, partial=True
 )
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from triaxis.golden.axes import BOX_AXES, NUM_AXES
 from triaxis.golden.facts import Facts, Mask
 from triaxis.sim.configuration import Configuration
+from triaxis.sim.packing import PARITIES, WHICH_BITS, Try
 
 Codes = npt.NDArray[np.uint8]
 
@@ -54,7 +55,8 @@ class CoreSample:
     ``facts``: what the bulk checker says, over all 32 axes. ``margins``: in LSB. ``words``: TDATA of the
     results, bits as docs/interface.md lists them. ``waits_in``, ``waits_out``: clocks that a pair was offered
     to the core before it was taken, and a result by it; any integer type, narrow ones are faster. They may
-    saturate, at 8 or more.
+    saturate, at 8 or more. ``attempts``: what each pair tried of a certified core, see
+    `triaxis.sim.packing.Try`.
     """
 
     facts: Facts
@@ -62,10 +64,12 @@ class CoreSample:
     words: npt.NDArray[np.uint16]
     waits_in: npt.NDArray[np.integer]
     waits_out: npt.NDArray[np.integer]
+    attempts: Codes
 
     def __post_init__(self) -> None:
         """Refuse arrays of different lengths."""
-        lengths = {len(a) for a in (self.facts, self.margins, self.words, self.waits_in, self.waits_out)}
+        arrays = (self.margins, self.words, self.waits_in, self.waits_out, self.attempts)
+        lengths = {len(self.facts), *map(len, arrays)}
         if len(lengths) > 1:
             raise ValueError(f"arrays of one sample have different lengths: {sorted(lengths)}")
 
@@ -222,18 +226,63 @@ class CoreView:
         return (self.sample.words.astype(np.uint8) >> np.uint8(_FLAG_SHIFT)) & np.uint8(7)
 
     @cached_property
+    def tried(self) -> Codes:
+        """Return 1 where a check was tried: the answer is not the core's own."""
+        return (self.sample.attempts != 0).view(np.uint8)
+
+    @cached_property
     def claim(self) -> Codes:
-        """Return 0 where the core says near, 1 + its claim otherwise; 1 + axes for one that it lacks."""
+        """Return 0 where the core says near, 1 + its claim otherwise; 1 + axes for none of its own."""
         claimed = (self.answered_axis + np.uint8(1)) * (1 - self.answered_near)
-        return np.minimum(claimed, np.uint8(axes_of(self.build) + 1))
+        none = np.uint8(axes_of(self.build) + 1)
+        return np.minimum(np.maximum(claimed, none * self.tried), none)
 
     @cached_property
     def answer(self) -> Codes:
-        """Return 1 for near, plus 2 where that is right, 4 where it is but the axis or spare bits are not."""
+        """Return 1 for near, plus 2 where that is right, 4 where it is but the axis or spare bits are not; 6
+        where a check was tried.
+        """
         reserved = self.sample.words & np.uint16(_RESERVED) != 0
         wrong = ((self.answered_axis != self.lowest) | reserved).view(np.uint8)
         agrees = (self.answered_near == self.near).view(np.uint8)
-        return self.answered_near + agrees * (wrong + np.uint8(1)) * np.uint8(2)
+        answer = self.answered_near + agrees * (wrong + np.uint8(1)) * np.uint8(2)
+        return np.where(self.tried, np.uint8(6), answer)
+
+    def _which(self, kind: Try, none: int) -> Codes:
+        """Return the number that an attempt of that kind has; ``none`` for others."""
+        attempts = self.sample.attempts
+        which = attempts & np.uint8((1 << WHICH_BITS) - 1)
+        return np.where(attempts >> np.uint8(WHICH_BITS) == kind, which, np.uint8(none))
+
+    @cached_property
+    def tried_claim(self) -> Codes:
+        """Return the axis that was claimed on trial; the number of all axes where none was."""
+        return self._which(Try.CLAIM, NUM_AXES)
+
+    @cached_property
+    def tried_distance(self) -> Codes:
+        """Return how far the axis claimed on trial separates.
+
+        0: not; 1: exactly by the margin; 2: by the smallest step more; 3: by more than that.
+        """
+        axis = np.minimum(self.tried_claim, np.uint8(NUM_AXES - 1)).astype(np.uint32)
+
+        def on_axis(mask: Mask) -> Codes:
+            return (mask >> axis & np.uint32(1)).astype(np.uint8)
+
+        facts = self.facts
+        holds = on_axis(facts.separating)
+        return on_axis(facts.level) * (1 - holds) + holds * (np.uint8(3) - on_axis(facts.clear_step))
+
+    @cached_property
+    def tried_parity(self) -> Codes:
+        """Return which of the parity bits was inverted, in their order; their number where none was."""
+        return _PARITY_PLACES.take(self._which(Try.PARITY, _NO_PARITY))
+
+    @cached_property
+    def tried_number(self) -> Codes:
+        """Return which bit of the pair's number was inverted; 7 where none was."""
+        return self._which(Try.NUMBER, 7) & np.uint8(7)
 
     @cached_property
     def blind(self) -> Codes:
@@ -276,6 +325,11 @@ def _relations() -> Codes:
 
 
 _RELATIONS = _relations()
+
+# The place of each parity bit among those that there are.
+_NO_PARITY = 1 << WHICH_BITS
+_PARITY_PLACES = np.full(_NO_PARITY + 1, len(PARITIES), np.uint8)
+_PARITY_PLACES[list(PARITIES)] = np.arange(len(PARITIES))
 
 
 def _bit_number(powers: Mask) -> Codes:

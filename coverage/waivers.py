@@ -99,6 +99,7 @@ CATEGORIES = {
     "bounded": "the width holds more than the largest value that can occur, by a bound that is proved",
     "split operand": "a piece of an operand that is multiplied in pieces fills its port only in part",
     "unused input": "an input that the contract has and the logic does not need",
+    "parity": "a parity has more ways than can be counted; what it shows is tried bit by bit",
     "elaboration guard": "a block that refuses parameters, so that no build has it",
 }
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent", "generate")

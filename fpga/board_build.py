@@ -14,7 +14,7 @@ CONSTRAINTS = VIVADO / "nexys4ddr.xdc"
 
 PART = "xc7a100tcsg324-1"
 TOP = "nexys4ddr_top"
-CORE = "triaxis_core"
+CORE, CERTIFIED = "triaxis_core", "triaxis_certified_core"
 # The mesh engine in the top.
 ENGINE_INSTANCE = "u_mesh"
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import (
     BOARD_LIMITS,
+    CERTIFIED,
     CORE,
     NO_LIMITS,
     TOP,
@@ -117,6 +118,14 @@ BUILDS = (
         Limits(dsps=67),
     ),
     Build("margins", "core, W = 16, all 32 axes, M = 16", {"W": 16, "M": 16}, Limits(dsps=125)),
+    # At most 40 % more than without certificates.
+    Build(
+        "certified",
+        "certified core, W = 16, all 32 axes, M = 16",
+        {"W": 16, "M": 16},
+        Limits(dsps=175),
+        CERTIFIED,
+    ),
     Build(
         "board",
         "board, W = 16, M = 16, 4,096 triangles, 8 lanes",

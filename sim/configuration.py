@@ -1,6 +1,7 @@
-"""The parameters with which the core is built."""
+"""The parameters with which the core is built, plain or certified."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from triaxis.golden.errors import InputError
@@ -9,18 +10,30 @@ from triaxis.golden.pairs import check_width
 # The core's latency in clocks without margins, from the first width that has it; one more with margins. What
 # docs/interface.md promises, and what the RTL is held against.
 FIRST_WIDTHS = {8: 24, 13: 25, 18: 27, 25: 29}
+# What the certified core takes longer, with margins or without.
+CERTIFIED_FIRST_WIDTHS = {8: 17, 12: 18, 18: 20, 25: 22}
 MOST_TAG_BITS = 64
+# What a pair of the certified core tries, above its tag: try_t of triaxis_pkg.
+TRY_BITS = 7
+
+
+def _from(first_widths: Mapping[int, int], width: int) -> int:
+    return first_widths[max(first for first in first_widths if first <= width)]
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """Parameters of triaxis_core; see its header. Raises InputError where they are out of range."""
+    """Parameters of triaxis_core; see its header. Raises InputError where they are out of range.
+
+    ``certified``: of triaxis_certified_core, which has the same.
+    """
 
     width: int = 16
     margin_bits: int = 0
     tag_bits: int = 16
     edge_box: bool = True
     gating: bool = True
+    certified: bool = False
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""
@@ -30,8 +43,9 @@ class Configuration:
                 f"margin bits {self.margin_bits}: must be 0..{self.width} for width {self.width}"
             )
         # The RTL takes any width; the environment keeps a tag in 64 bits.
-        if not 1 <= self.tag_bits <= MOST_TAG_BITS:
-            raise InputError(f"tag bits {self.tag_bits}: must be 1..{MOST_TAG_BITS}")
+        most = MOST_TAG_BITS - (self.sent_bits - self.tag_bits)
+        if not 1 <= self.tag_bits <= most:
+            raise InputError(f"tag bits {self.tag_bits}: must be 1..{most}")
         if not self.edge_box and self.margin_bits:
             raise InputError("a core without the edge x box axes needs 0 margin bits")
 
@@ -45,6 +59,8 @@ class Configuration:
             parts.append("no_edge_box")
         if not self.gating:
             parts.append("ungated")
+        if self.certified:
+            parts.append("certified")
         return "_".join(parts)
 
     @property
@@ -53,11 +69,20 @@ class Configuration:
         return (1 << self.margin_bits) - 1
 
     @property
+    def top(self) -> str:
+        """Return the name of the module."""
+        return "triaxis_certified_core" if self.certified else "triaxis_core"
+
+    @property
+    def sent_bits(self) -> int:
+        """Return the bits of TUSER above the margin: the tag, and what the pair tries."""
+        return self.tag_bits + TRY_BITS * self.certified
+
+    @property
     def latency(self) -> int:
-        """Return core_latency(W, M) as it is signed off, in clocks."""
-        return FIRST_WIDTHS[max(first for first in FIRST_WIDTHS if first <= self.width)] + (
-            self.margin_bits > 0
-        )
+        """Return core_latency(W, M), or certified_latency(W, M), as it is signed off, in clocks."""
+        plain = _from(FIRST_WIDTHS, self.width) + (self.margin_bits > 0)
+        return plain + self.certified * _from(CERTIFIED_FIRST_WIDTHS, self.width)
 
     @property
     def queue_depth(self) -> int:
@@ -76,7 +101,7 @@ class Configuration:
         }
 
 
-_NAME = re.compile(r"w(\d+)_m(\d+)(?:_t(\d+))?(_no_edge_box)?(_ungated)?")
+_NAME = re.compile(r"w(\d+)_m(\d+)(?:_t(\d+))?(_no_edge_box)?(_ungated)?(_certified)?")
 
 
 def parse_configuration(name: str) -> Configuration:
@@ -85,6 +110,7 @@ def parse_configuration(name: str) -> Configuration:
     if match is None:
         raise InputError(
             f"configuration {name}: must read w<width>_m<margin bits>[_t<tag bits>][_no_edge_box]"
-            "[_ungated], as in w16_m0"
+            "[_ungated][_certified], as in w16_m0"
         )
-    return Configuration(int(match[1]), int(match[2]), int(match[3] or 16), not match[4], not match[5])
+    numbers = int(match[1]), int(match[2]), int(match[3] or 16)
+    return Configuration(*numbers, not match[4], not match[5], bool(match[6]))

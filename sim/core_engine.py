@@ -223,14 +223,16 @@ class LockstepEngine:
 
 
 def streamed(
-    player: CorePlayer, configuration: Configuration, pairs: Array, margins: Array
+    player: CorePlayer, configuration: Configuration, pairs: Array, margins: Array, selected: int = 0
 ) -> tuple[npt.NDArray[np.uint16], int]:
     """Return the result words of pairs (N, 2, 3, 3) at margins (N,) at full speed from reset, and the clocks.
+
+    ``selected``: the number of the mutant, of a library that holds any.
 
     Raises CoreError where the core hangs, or returns tags out of order.
     """
     words: list[npt.NDArray[np.uint16]] = []
-    player.renew()
+    player.renew(selected)
     player.watch(False)
     player.run(1)
     player.set_reset(False)

@@ -10,9 +10,7 @@ from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.verilate import FAST, MANY, QUICK, Build, Form
 
-CORE_TOP, MESH_TOP, DETECTOR_TOP, BOARD_TOP = (
-    "triaxis_core", "triaxis_mesh", "CollisionDetector", "nexys4ddr_top",
-)  # fmt: skip
+MESH_TOP, DETECTOR_TOP, BOARD_TOP = "triaxis_mesh", "CollisionDetector", "nexys4ddr_top"
 BARE_TOP = "triaxis_bare_tb"
 
 # Sixteen of 32 bits fill the widest vectors that there are; more of them than caches hold are slower.
@@ -36,10 +34,10 @@ def core_build(configuration: Configuration, dut: Path = DUT) -> Build:
     defines = {
         "WIDTH": configuration.width,
         "MARGIN_BITS": configuration.margin_bits,
-        "TAG_BITS": configuration.tag_bits,
+        "TAG_BITS": configuration.sent_bits,
     }
     return Build(
-        configuration.name, CORE_TOP, configuration.parameters, tuple(rtl_sources(dut)),
+        configuration.name, configuration.top, configuration.parameters, tuple(rtl_sources(dut)),
         (SIM / "core_player.cpp",), tuple(core_files(dut)), defines=defines, dut=dut, speed=_speed(dut),
     )  # fmt: skip
 
@@ -52,8 +50,9 @@ def lockstep_build(configuration: Configuration) -> Build:
 
 def asserted(build: Build) -> Build:
     """Return a library that checks assertions: its RTL's, and the environment's of its block."""
-    rules = {CORE_TOP: CORE_SVA, MESH_TOP: MESH_SVA, BOARD_TOP: BOARD_SVA}
-    more = assertions(rules[build.top]) if build.top in rules else ()
+    rules = {MESH_TOP: MESH_SVA, BOARD_TOP: BOARD_SVA, DETECTOR_TOP: None}
+    folder = rules.get(build.top, CORE_SVA)
+    more = assertions(folder) if folder else ()
     return replace(build, assertions=True, sources=(*build.sources, *more))
 
 
@@ -107,7 +106,7 @@ def _pins(name: str, top: str, parameters: dict[str, int], sources: tuple[Path, 
 def pin_build(configuration: Configuration, dut: Path = DUT) -> Build:
     """Return the core with its pins and its assertions as a program for cocotb."""
     sources = (CORE_SVA / "public.vlt", *rtl_sources(dut), *assertions(CORE_SVA))
-    return _pins(configuration.name, CORE_TOP, configuration.parameters, sources, dut)
+    return _pins(configuration.name, configuration.top, configuration.parameters, sources, dut)
 
 
 def mesh_pin_build(configuration: MeshConfiguration, dut: Path = DUT) -> Build:

@@ -1,4 +1,9 @@
-"""The core's input words, TDATA and TUSER of the input stream (see dut/core/triaxis_core.sv)."""
+"""The core's input words, TDATA and TUSER of the input stream (see dut/core/triaxis_core.sv).
+
+Of the certified core what a pair tries counts as the upper bits of its tag.
+"""
+
+from enum import IntEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +14,32 @@ from triaxis.sim.configuration import Configuration
 COORDINATES = 18
 # Verilator keeps a wide signal in words of so many bytes.
 _WORD = 4
+
+# The parity bits that a pair can try, by number: of its 18 coordinates, of the rest of it, of its result.
+PARITIES = (*range(COORDINATES + 1), 31)
+
+
+class Try(IntEnum):
+    """What a pair of the certified core tries: upper bits of try_t, above a number of `WHICH_BITS` bits.
+
+    A claim in place of the core's, of the axis of that number; that parity bit inverted; that bit of the
+    pair's number inverted.
+    """
+
+    NOTHING = 0
+    CLAIM = 1
+    PARITY = 2
+    NUMBER = 3
+
+
+WHICH_BITS = 5
+
+
+def attempts_of(
+    kinds: npt.NDArray[np.integer] | Try, which: npt.NDArray[np.integer]
+) -> npt.NDArray[np.uint8]:
+    """Return attempts of kinds, with numbers (N,)."""
+    return (np.asarray(kinds) << WHICH_BITS | which).astype(np.uint8)
 
 
 def data_bytes(width: int) -> int:

@@ -9,6 +9,8 @@ NEAR = 1 << 0
 COPLANAR = 1 << 1
 DEGENERATE_A = 1 << 2
 DEGENERATE_B = 1 << 3
+# Of the certified core: what was said could not be shown.
+FAULT = 1 << 4
 AXIS_SHIFT = 8
 AXIS_MASK = 0x1F
 

@@ -29,6 +29,8 @@ _BUILDS = (
     Configuration(24, 10),
     Configuration(13, 1, tag_bits=1),
     Configuration(16, 0, edge_box=False, gating=False),
+    Configuration(16, 16, certified=True),
+    Configuration(9, 0, tag_bits=1, certified=True),
 )
 _MESH_BUILDS = (
     MeshConfiguration(),
@@ -108,7 +110,7 @@ def _findings(answer: subprocess.CompletedProcess[str]) -> list[str]:
 def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
     """Yield top, parameters, sources besides the core's, and name of all that is elaborated."""
     for build in _BUILDS:
-        yield "triaxis_core", build.parameters, [], build.name
+        yield build.top, build.parameters, [], build.name
     for engine in _MESH_BUILDS:
         yield "triaxis_mesh", engine.parameters, mesh_sources(), engine.name
     for board in _BOARD_BUILDS:

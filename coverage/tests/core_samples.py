@@ -36,4 +36,5 @@ def samples(
         share = 0.0 if start == 0 else rng.choice([0.001, 0.05, 0.5])
         waits = rng.integers(0, 12, (2, len(facts)), np.uint8)
         waits *= (rng.random((2, len(facts))) < share).astype(np.uint8)
-        yield CoreSample(facts, margins[part].astype(np.int64), true_words(facts, build), waits[0], waits[1])
+        words, none = true_words(facts, build), np.zeros(len(facts), np.uint8)
+        yield CoreSample(facts, margins[part].astype(np.int64), words, waits[0], waits[1], none)

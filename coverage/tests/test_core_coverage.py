@@ -27,7 +27,8 @@ def sampled(pairs, margins, words=None, build=WITH_MARGINS):
     waits = np.zeros(len(facts), np.uint8)
     coverage = CoreCoverage(build)
     answers = true_words(facts, build) if words is None else np.array(words, np.uint16)
-    coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits))
+    none = np.zeros(len(answers), np.uint8)
+    coverage.sample(CoreSample(facts, np.array(margins), answers, waits, waits, none))
     return coverage
 
 

@@ -21,4 +21,8 @@ triaxis_verdict.sv
 triaxis_datapath.sv
 triaxis_fifo.sv
 triaxis_core.sv
+triaxis_reach.sv
+triaxis_apart.sv
+triaxis_certifier.sv
+triaxis_certified_core.sv
 CollisionDetector.sv

@@ -43,6 +43,20 @@ package triaxis_pkg;
     logic  is_near;
   } verdict_t;
 
+  // What a pair of the certified core tries: nothing; a claim in place of the core's, of that axis; a parity
+  // bit of its vertices, or of its result, inverted; its number changed in one bit.
+  typedef enum logic [1:0] {
+    TryNothing,
+    TryClaim,
+    TryParity,
+    TryNumber
+  } try_kind_e;
+
+  typedef struct packed {
+    try_kind_e kind;
+    axis_t which;
+  } try_t;
+
   function automatic int unsigned diff_width(int unsigned w);
     return w + 1;
   endfunction
@@ -159,9 +173,30 @@ package triaxis_pkg;
     return InputLatency + BoxLatency + GateLatency + decision_latency(w, m) + VerdictLatency;
   endfunction
 
+  // Of the certifier: products of an axis and vertices, summed; margin * |axis|1; comparison.
+  parameter int unsigned ApartLatency = 4;
+
+  function automatic int unsigned inner_latency(int unsigned w);
+    return mul_latency(axis_width(w), diff_width(w)) + 2;
+  endfunction
+
+  function automatic int unsigned reach_latency(int unsigned w, int unsigned m);
+    return 3 + mul_latency(axis_width(w) + 1, m + 1);
+  endfunction
+
+  // Differences, their choice, the axis, projections, comparison.
+  function automatic int unsigned certifier_latency(int unsigned w);
+    return 3 + mul_latency(diff_width(w), diff_width(w)) + inner_latency(w) + ApartLatency;
+  endfunction
+
   // From the accepting clock edge to the first edge at which the result can be taken.
   function automatic int unsigned core_latency(int unsigned w, int unsigned m);
     return datapath_latency(w, m) + FifoLatency;
+  endfunction
+
+  // The same of the certified core: the pair is read again, and its result waits in a second queue.
+  function automatic int unsigned certified_latency(int unsigned w, int unsigned m);
+    return core_latency(w, m) + 1 + certifier_latency(w) + FifoLatency;
   endfunction
 
 endpackage

@@ -92,6 +92,10 @@ COMMANDS = {
         "put small faults into dut/, and see each noticed by a test or shown to change nothing",
         "verif.commands.inject", ("every mutant killed or equivalent", "not"),
     ),
+    "prove certificates": Command(
+        "see that no mutant of the data path gets a wrong clear through certificates",
+        "verif.commands.inject", ("each is near, with a fault", "one comes through"),
+    ),
     "prove upsets": Command(
         "invert bits of the running board, and count what comes of it", "verif.commands.inject",
         ("nothing dangerous", "something"),

@@ -43,7 +43,7 @@ from triaxis.sim.models import (
     detector_build,
     mesh_build,
 )
-from triaxis.sim.paths import BUILD, board_sources, mesh_sources, rtl_sources
+from triaxis.sim.paths import BUILD, board_sources, certified_sources, mesh_sources, rtl_sources
 from triaxis.sim.validity import Sources
 from triaxis.sim.verilate import LIGHT, Build, described, library
 from triaxis.verif.code_coverage.state_machines import covers, state_machines
@@ -66,6 +66,9 @@ CORES = (
     Configuration(16, 16),
     # Multipliers whose x, not y, has a narrow top piece.
     Configuration(14, 0),
+    # What certificates add, with margins and without.
+    Configuration(18, 18, tag_bits=1, certified=True),
+    Configuration(12, 0, certified=True),
 )
 DETECTOR_WIDTH = 16
 
@@ -79,6 +82,7 @@ STEPS = 2 * (len(CORES) + 1 + len(ENGINES) + len(BOARDS))
 # The tests that run on each model, those that reach most, and the pairs that each sends.
 PAIRS = 12_000
 _CORE_TESTS = {"MixedTest": PAIRS, "ExtremesTest": 3000, "StallsTest": 3600, "ResetsTest": 4000}
+_CERTIFIED_TESTS = {"CertificatesTest": 20_000, **_CORE_TESTS}
 _MESH_TESTS = {
     "MeshRandomTest": 20_000, "MeshLimitsTest": 1, "MeshStallsTest": 5000, "MeshAbortTest": 2000,
     "MeshResetsTest": 5000,
@@ -130,7 +134,9 @@ Measured = Configuration | MeshConfiguration | BoardParameters | None
 
 
 def own_sources(configuration: Measured) -> list[Path]:
-    """Return the RTL that is measured in a build: below the mesh engine or the board, others measure it."""
+    """Return the RTL that is measured in a build: what is below it in another measures that."""
+    if isinstance(configuration, Configuration) and configuration.certified:
+        return certified_sources()
     if isinstance(configuration, BoardParameters):
         return board_sources()
     return mesh_sources() if isinstance(configuration, MeshConfiguration) else rtl_sources()
@@ -190,7 +196,9 @@ class _Job:
         """Return the tests that run on it, and how many pairs or replies each is asked for."""
         if isinstance(self.configuration, BoardParameters):
             return {one.name: one.runs[0].pairs for one in table().values() if one.block is Block.BOARD}
-        return _MESH_TESTS if isinstance(self.configuration, MeshConfiguration) else _CORE_TESTS
+        if isinstance(self.configuration, MeshConfiguration):
+            return _MESH_TESTS
+        return _CERTIFIED_TESTS if self.configuration and self.configuration.certified else _CORE_TESTS
 
     def build(self) -> None:
         """Build and elaborate the model, where needed."""

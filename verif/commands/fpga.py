@@ -36,7 +36,7 @@ from triaxis.fpga.gowin_timing import (
     write_timing,
 )
 from triaxis.fpga.logic_depth import LogicDepth, logic_depth
-from triaxis.fpga.resources import BUILDS, CORE, Build, Row, synthesise, write_report
+from triaxis.fpga.resources import BUILDS, TOP, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
@@ -70,7 +70,7 @@ def _report(_options: argparse.Namespace) -> int:
     tool, rtl = yosys_version(), rtl_hash()
     core = [source for source in rtl_sources() if source.name != "CollisionDetector.sv"]
     sources: dict[str, list[Path]] = {
-        build.top: core if build.top == CORE else bitstream_sources(DUT) for build in BUILDS
+        build.top: bitstream_sources(DUT) if build.top == TOP else core for build in BUILDS
     }
 
     with progress_bar("synthesis", len(BUILDS)) as progress:
@@ -78,7 +78,7 @@ def _report(_options: argparse.Namespace) -> int:
         def job(build: Build) -> Row:
             folder = BUILD / "fpga" / build.name
             made = synthesise(sources[build.top], DUT / "core", build.top, build.parameters, folder)
-            depth = logic_depth(made.netlist) if build.top == CORE else None
+            depth = None if build.top == TOP else logic_depth(made.netlist)
             progress(1)
             return Row(build, made.used, made.memories, depth)
 

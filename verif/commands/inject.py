@@ -15,6 +15,8 @@ from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
+from triaxis.verif.mutation.false_clears import PAIRS, compare, mutants_of_data_path
+from triaxis.verif.mutation.false_clears import write_result as write_certificates
 from triaxis.verif.mutation.order import remember
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import mutate
@@ -118,6 +120,36 @@ def _how(outcome: Outcome) -> str:
     assert outcome.catch
     after = "" if outcome.catch.clocks is None else f" (clock {outcome.catch.clocks})"
     return outcome.catch.message + after
+
+
+def add_certificates(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``prove certificates``."""
+    parser.description = (
+        "Ask the core and the certified core the same pairs, with each mutant of the data path in turn. "
+        "Where the core says clear of a pair that is near, the certified core must say near, with a fault. "
+        "Writes build/certificates/certificates.json."
+    )
+    parser.add_argument(
+        "--pairs", type=positive, default=PAIRS, metavar="N", help=f"pairs for each mutant ({PAIRS})"
+    )
+    add_seed(parser)
+    parser.set_defaults(run=_certificates)
+
+
+def _certificates(options: argparse.Namespace) -> int:
+    found = mutants_of_data_path()
+    with progress_bar("mutants", len(found)) as progress:
+        result = compare(progress, options.seed, options.pairs)
+    rows = table("mutants of the data path", ("of", "tried", "wrong clears", "come through"))
+    for shared, of in ((False, "the core alone"), (True, "modules that the certifier has too")):
+        tried = sum(one.shared is shared for one in result.compared)
+        rows.add_row(of, *map(str, (tried, len(result.dangerous(shared)), len(result.missed(shared)))))
+    Console(width=110).print(rows)
+    print_list("THROUGH", [f"{one.mutant}: {one.certified}" for one in result.missed(False)])
+    print_list("PROBLEM", result.problems)
+    print(f"written to {write_certificates(result)}")
+    print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
+    return DONE if result.passed else NO
 
 
 def add_upsets(parser: argparse.ArgumentParser) -> None:

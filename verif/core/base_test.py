@@ -46,10 +46,11 @@ class CoreTest(EnvironmentTest):
         configuration = self.settings.configuration
         made = mixed(np.random.default_rng(1), len(FAMILIES), configuration.width, configuration.max_margin)
         words = expected_words(bulk_facts(made.pairs, made.margins), configuration)
-        numbers, waits = np.arange(len(made)), np.zeros(len(made), np.uint16)
+        tags, waits = np.zeros(len(made), np.uint64), np.zeros(len(made), np.uint16)
         checker = Checker(configuration, on_checked=CoreCoverage(configuration).sample)
         checker.check(
-            PairBatch(made.pairs, made.margins, numbers, waits), ResultBatch(words, numbers, waits, numbers)
+            PairBatch(made.pairs, made.margins, tags, waits),
+            ResultBatch(words, tags, waits, np.arange(len(made))),
         )
         assert not checker.failed, checker.failures[0].message
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.coverage.core_sample import CoreSample
 from triaxis.golden.axes import axis_name
@@ -19,7 +20,7 @@ from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import claimed_axes, decode
-from triaxis.verif.core.expectation import expected_words
+from triaxis.verif.core.expectation import expected_words, tried_words
 from triaxis.verif.core.items import Integers, PairBatch, ResultBatch
 from triaxis.verif.testbench.failures import Blame, found
 from triaxis.verif.testbench.golden_sample import EVERYTHING, GoldenSample, Share
@@ -77,6 +78,7 @@ class Checker:
         self.failed = 0
         self._failing: set[int] = set()
         self._clocks: Integers = np.zeros(0, np.int64)
+        self._attempts = np.zeros(0, np.uint8)
         self.failures: list[Failure] = []
         # Pairs up to and including the first that failed; None: none did.
         self.until_failure: int | None = None
@@ -90,25 +92,39 @@ class Checker:
         """Check results against the pairs that they answer, one to one."""
         facts = bulk_facts(pairs.pairs, pairs.margins)
         self._failing, self._clocks = set(), results.clocks
-        self._compare(pairs, results, facts)
+        tags, self._attempts = self._tags(pairs)
+        self._compare(pairs, tags, results, facts)
         self._recheck_claims(pairs, results)
         self._judge(pairs, facts)
         self.failed += len(self._failing)
         self.checked += len(pairs)
         self._before = self._until(pairs, len(pairs))
-        self._on_checked(CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits))
+        self._on_checked(
+            CoreSample(facts, pairs.margins, results.words, pairs.waits, results.waits, self._attempts)
+        )
 
-    def _compare(self, pairs: PairBatch, results: ResultBatch, facts: Facts) -> None:
+    def _tags(self, pairs: PairBatch) -> tuple[Integers, npt.NDArray[np.uint8]]:
+        """Return the tags that results are to have, and what pairs try."""
+        if not self.configuration.certified:
+            return pairs.tags, np.zeros(len(pairs), np.uint8)
+        shift = self.configuration.tag_bits
+        return pairs.tags & ((1 << shift) - 1), (pairs.tags >> shift).astype(np.uint8)
+
+    def _compare(self, pairs: PairBatch, tags: Integers, results: ResultBatch, facts: Facts) -> None:
         expected = expected_words(facts, self.configuration)
-        wrong_tag = pairs.tags != results.tags
+        attempts = self._attempts
+        if attempts.any():
+            expected = tried_words(expected, facts, attempts, self.configuration)
+        wrong_tag = tags != results.tags
         for i in np.flatnonzero(wrong_tag | (expected != results.words)).tolist():
             if len(self.failures) >= DESCRIBED:
                 message = ""
             elif wrong_tag[i]:
-                message = f"tag {results.tags[i]} where {pairs.tags[i]} was due"
+                message = f"tag {results.tags[i]} where {tags[i]} was due"
             else:
                 got, due = decode(np.array([results.words[i], expected[i]]))
-                message = f"core says {got} ({results.words[i]:#06x}), exact answer {due}"
+                tried = f", trying {attempts[i]:#04x}" if attempts[i] else ""
+                message = f"core says {got} ({results.words[i]:#06x}), exact answer {due}{tried}"
             self._fail(message, pairs, i)
 
     def _recheck_claims(self, pairs: PairBatch, results: ResultBatch) -> None:
@@ -147,6 +163,11 @@ class Checker:
         context, margins = self._until(pairs, i)
         clock = int(self._clocks[i])
         numbered = f"result {until} at clock {clock}: {message}"
+        if self._attempts[i]:
+            # It is no failure of the pair alone: the run itself repeats it.
+            pair = f"margin {pairs.margins[i]}, {pairs.pairs[i].tolist()}"
+            self.failures.append(Failure(f"{numbered}: {pair}", blame=blame, clock=clock))
+            return
         self.failures.append(
             Failure(numbered, pairs.pairs[i], int(pairs.margins[i]), context, margins, blame, clock)
         )

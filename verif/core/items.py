@@ -67,8 +67,8 @@ FULL_SPEED = Pace()
 class BurstItem(uvm_sequence_item):
     """Pairs (N, 2, 3, 3) at margins (N,), offered with gaps.
 
-    ``stalls``: the pace at which results are taken from then on; None leaves it as it is. ``tags``
-    (N,): those of the pairs; None: the driver gives each pair another one.
+    ``stalls``: the pace at which results are taken from then on; None leaves it as it is. ``attempts``
+    (N,): what each pair tries of a certified core, see `triaxis.sim.packing.Try`; None: nothing.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class BurstItem(uvm_sequence_item):
         margins: npt.NDArray[np.integer[Any]],
         gaps: Pace = FULL_SPEED,
         stalls: Pace | None = None,
-        tags: npt.NDArray[np.integer[Any]] | None = None,
+        attempts: npt.NDArray[np.integer[Any]] | None = None,
         name: str = "burst",
     ) -> None:
         """Hold the arrays."""
@@ -86,7 +86,7 @@ class BurstItem(uvm_sequence_item):
         self.margins = margins
         self.gaps = gaps
         self.stalls = stalls
-        self.tags = tags
+        self.attempts = attempts
 
 
 Integers = npt.NDArray[np.integer[Any]]
@@ -96,7 +96,8 @@ Integers = npt.NDArray[np.integer[Any]]
 class PairBatch:
     """Pairs (N, 2, 3, 3) accepted by the core, at margins (N,).
 
-    ``waits``: clocks that each was offered before it was accepted.
+    ``tags``: with what the pair tries above them. ``waits``: clocks that each was offered before it was
+    accepted.
     """
 
     pairs: Integers

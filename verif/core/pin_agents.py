@@ -147,12 +147,20 @@ class SourceDriver(uvm_driver):
         check_margins(item, configuration.max_margin)
 
     def tags_of(self, item: BurstItem) -> npt.NDArray[np.uint64]:
-        """Return the tags (N,) of an item's pairs: no two alike among the last, and every bit moves."""
+        """Return the tags (N,) of an item's pairs, and above them what they try.
+
+        No two are alike among the last, and every bit moves.
+        """
         count = len(item.pairs)
         numbers = _TAG_STEP * np.arange(self.next_tag, self.next_tag + count, dtype=np.uint64)
-        tags = numbers if item.tags is None else item.tags.astype(np.uint64)
+        configuration = self.settings.configuration
         self.next_tag += count
-        return tags & np.uint64((1 << self.settings.configuration.tag_bits) - 1)
+        tags = numbers & np.uint64((1 << configuration.tag_bits) - 1)
+        if item.attempts is None:
+            return tags
+        if not configuration.certified:
+            raise InputError(f"stimulus: {configuration.name}: only a certified core can try anything")
+        return tags | item.attempts.astype(np.uint64) << np.uint64(configuration.tag_bits)
 
     async def drive(self, item: BurstItem, tags: npt.NDArray[np.uint64]) -> None:
         """Offer the pairs until the last is accepted."""

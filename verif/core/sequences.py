@@ -6,6 +6,7 @@ from itertools import islice
 
 import numpy as np
 
+from triaxis.sim.packing import WHICH_BITS, attempts_of
 from triaxis.verif.core.items import FULL_SPEED, BurstItem, Integers, Pace
 from triaxis.verif.core.stimulus.stimulus import Family, Stimulus, divided, joined
 from triaxis.verif.testbench.environment import WORKER, ItemsSequence
@@ -65,6 +66,23 @@ class StimulusSequence(ArraySequence):
             made = ahead.popleft().result()
             ahead.extend(WORKER.submit(self.make, count) for count in islice(counts, 1))
             yield BurstItem(made.pairs, made.margins, self.gaps)
+
+
+class AttemptsSequence(StimulusSequence):
+    """Sends stimulus to a certified core, of which most pairs try one of its checks."""
+
+    # Of so many pairs, those that try each kind, `Try` by number.
+    shares = (2, 4, 1, 1)
+
+    def bursts(self) -> Iterator[BurstItem]:
+        """Give each item what its pairs try."""
+        # Pairs are drawn in a thread of their own.
+        rng = np.random.default_rng([self.settings.seed, *b"attempts"])
+        kinds = np.repeat(np.arange(len(self.shares)), self.shares)
+        for item in super().bursts():
+            count = len(item.pairs)
+            item.attempts = attempts_of(rng.choice(kinds, count), rng.integers(0, 1 << WHICH_BITS, count))
+            yield item
 
 
 def of_families(

@@ -13,6 +13,7 @@ from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, load_regressions
 from triaxis.verif.core.metamorphic import GROUPS, MetamorphicCheck
 from triaxis.verif.core.sequences import (
     ArraySequence,
+    AttemptsSequence,
     StimulusSequence,
     item_pairs,
     of_families,
@@ -40,7 +41,10 @@ BUILDS = (
     "w16_m0_ungated",
     "w24_m24",
     "w32_m32",
+    "w8_m8_certified",
+    "w16_m16_certified",
 )
+CERTIFIED = ("w8_m8_certified", "w16_m16_certified")
 USUAL = ("w16_m0", "w16_m16", "w24_m24", "w32_m32")
 # The protocol again, pin by pin, independent of the bus-functional model; everything judged.
 _ON_PINS = ("w16_m0", "w13_m4_t1")
@@ -180,7 +184,7 @@ class MixedTest(FamilyTest):
     # and to the two with margins that simulate fast; each other build gets what closes its coverage several
     # times over.
     volume={
-        "w16_m0": 62.0,
+        "w16_m0": 59.0,
         "w8_m8": 20.0,
         "w16_m16": 10.0,
         "w13_m4_t1": 2.0,
@@ -188,6 +192,8 @@ class MixedTest(FamilyTest):
         "w16_m0_ungated": 2.0,
         "w24_m24": 1.5,
         "w32_m32": 0.5,
+        "w8_m8_certified": 2.0,
+        "w16_m16_certified": 1.0,
     },
 )
 class VolumeTest(CoreTest):
@@ -216,6 +222,23 @@ class VolumeTest(CoreTest):
             part = stimulus[slice(number * self.piece, (number + 1) * self.piece)]
             await self.send_item(BurstItem(part.pairs, part.margins, gaps, stalls))
         self.set_stalls(FULL_SPEED)
+
+
+@listed(
+    "V2",
+    Runs(CERTIFIED, 400_000, 1000, seeds=3, smoke=("w8_m8_certified",)),
+    Runs(("w8_m8_certified",), 1000, agent=PIN, seeds=3),
+    why_seeds="Three: the first hits every bin of what is tried; the others are for what bins do not tell.",
+)
+class CertificatesTest(CoreTest):
+    """The checks of a certified core, tried: claims of every axis, parity bits, numbers; with stalls."""
+
+    async def stimulus(self) -> None:
+        """Send all families, at full speed and with stalls."""
+        make = of_families(list(FAMILIES.values()), self.settings, self.rng)
+        for stalls in (FULL_SPEED, Pace(8, 3)):
+            self.set_stalls(stalls)
+            await self.send(AttemptsSequence(make, self.settings, self.settings.pairs // 2))
 
 
 @listed(

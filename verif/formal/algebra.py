@@ -11,7 +11,7 @@ width.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from triaxis.verif.formal.definition import MARGIN, ZERO, Polynomial, variable
+from triaxis.verif.formal.definition import MARGIN, ONE, Polynomial, variable
 from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package
 
 _REGISTERS = ("$dff", "$aldff")
@@ -81,7 +81,11 @@ class DataPath:
         selecting = self._netlist.drivers.get(data)
         if selecting is None or selecting[0].kind != "$mux":
             return data
-        mux, _, lane = selecting
+        return self._gated(cell, bit, data)
+
+    def _gated(self, cell: Cell, bit: Bit, selected: Bit) -> Bit:
+        """Return the bit that a register took which keeps its own as long as its gate is closed."""
+        mux, _, lane = self._netlist.drivers[selected]
         if mux.ports["A"][lane] != bit:
             raise NetlistError(f"{cell.name}: a register that is selected, and not an operand gate")
         taken = mux.ports["B"][lane]
@@ -109,8 +113,8 @@ class DataPath:
     def word(self, bits: Sequence[Bit], where: str) -> Word:
         """Return what a word holds: the low bits of one value, then possibly copies of the highest."""
         origins = [self.origin(bit) for bit in bits]
-        if {source for source, _ in origins} == {"0"}:
-            return Word(ZERO, len(bits), None)
+        if {source for source, _ in origins} <= {"0", "1"}:
+            return Word(_constant([source for source, _ in origins]), len(bits), None)
         kept = len(bits)
         while kept > 1 and origins[kept - 1] == origins[kept - 2]:
             kept -= 1
@@ -221,6 +225,12 @@ class DataPath:
             return function([[one(values) for _, one in port] for port in ports])
 
         return leaves, evaluate
+
+
+def _constant(bits: Sequence[Bit]) -> Polynomial:
+    """Return the number, with a sign, that constant bits are."""
+    value = sum(1 << place for place, bit in enumerate(bits) if bit == "1")
+    return ONE.scaled(value - (1 << len(bits)) if bits[-1] == "1" else value)
 
 
 _BOOLEAN: dict[str, Callable[[list[list[bool]]], bool]] = {

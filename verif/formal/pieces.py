@@ -179,12 +179,12 @@ class _Multiplier:
 
 
 def shapes(package: Package) -> list[tuple[int, int]]:
-    """Return the widths of operands that the core multiplies, at every W and M."""
+    """Return the widths of operands that the core and the certifier multiply, at every W and M."""
     found = set()
     for width in range(MIN_WIDTH, MAX_WIDTH + 1):
         difference, cross = package.call("diff_width", width), package.call("cross_width", width)
         axis, height = package.call("axis_width", width), package.call("height_width", width)
-        found |= {(difference, difference), (cross, height)}
+        found |= {(difference, difference), (cross, height), (axis, difference)}
         found |= {(operand, bits) for operand in (axis + 1, difference + 1) for bits in range(2, width + 2)}
     return sorted(found)
 
@@ -226,7 +226,7 @@ def multiply_wide() -> Proof:
     return PiecesProof(
         "multiply_wide",
         "The pieces of the split multiplier add up to the product, without overflow and at the documented "
-        "latency, for operands of all widths the core multiplies at any W and M.",
+        "latency, for operands of all widths the core and the certifier multiply at any W and M.",
         "polynomial identities on the elaborated netlist",
         {"W": f"{MIN_WIDTH}..{MAX_WIDTH}", "M": "0..W"},
         ("the product of two pieces is their product; of narrow ones `multiply_narrow` shows it",),

@@ -8,6 +8,7 @@ from pathlib import Path
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.configuration import Configuration
 from triaxis.verif.formal.axis_proofs import axes_proof
+from triaxis.verif.formal.certifier_proof import certificate
 from triaxis.verif.formal.coq import theorem
 from triaxis.verif.formal.pieces import multiply_wide
 from triaxis.verif.formal.proof import Method, Proof, SbyProof
@@ -67,6 +68,74 @@ def _streams(margin: int) -> SbyProof:
     )
 
 
+_CERTIFIED = "core/triaxis_certified_core"
+# Where a bit can be inverted, once: a kept pair, its place in the core and after it, a claim, a result.
+_UPSETS = (
+    (
+        "logic [PlaceWidth-1:0] core_place, place_q;",
+        "logic [PlaceWidth-1:0] core_place, place_q, sent_place, free_place, free_late_place;\n"
+        "  assign core_place = sent_place ^ free_place;\n  kept_pair_t free_kept;",
+    ),
+    (".m_axis_tuser_o (core_place)", ".m_axis_tuser_o (sent_place)"),
+    ("kept_q <= pairs_q[core_place];", "kept_q <= pairs_q[core_place] ^ free_kept;"),
+    ("place_q <= core_place;", "place_q <= core_place ^ free_late_place;"),
+    (
+        "assign shown = claims_q[Wait-1];",
+        "claim_t free_claim;\n  assign shown = claims_q[Wait-1] ^ free_claim;\n"
+        "  kept_result_t free_result, pushed;\n  assign pushed = made ^ free_result;",
+    ),
+    (".data_i (made)", ".data_i (pushed)"),
+)
+
+
+def _certified(name: str, width: int, claim: str, upset: bool, *assumptions: str) -> SbyProof:
+    proof = _assertions(
+        name,
+        claim,
+        (_CERTIFIED, "core/triaxis_core", "core/triaxis_fifo", "core/triaxis_delay"),
+        {"W": width, "M": width, "TAG": width, "Upset": int(upset)},
+        68,
+        (
+            "verdicts of the data path and answers of the certifier are any, at each clock: a verdict is "
+            "that of the pair accepted the documented latency before (`axes_*`), an answer that to what was "
+            "given its own latency before (`certificate`)",
+            *assumptions,
+        ),
+        beside=("triaxis_certified_surroundings", "triaxis_stream_rules"),
+    )
+    return replace(proof, edits={f"{_CERTIFIED}.sv": _UPSETS} if upset else {})
+
+
+def _certified_proofs() -> tuple[SbyProof, ...]:
+    return (
+        _certified(
+            "certified_upset",
+            8,
+            "For all time and under every pattern of stalls and resets: with one bit inverted once, at any "
+            "clock, of what is kept of a pair, its place in the core and after it, a claim on its way, or a "
+            "result that waits, a pair that is near is answered near, in its turn.",
+            True,
+            "nothing holds of a pair that is near: `certificate`, and the axes' own theory",
+            "all pairs try nothing, and memories are zeros at power-up; what counts and what says that a "
+            "stage holds a pair is not inverted",
+            "where a word waits or moves on, its bit is inverted at the latest when it is looked at: nothing "
+            "looks at it before",
+        ),
+        _certified(
+            "certified",
+            _WIDTH,
+            "For all time and under every pattern of stalls and resets: clear is answered only of a pair "
+            "whose claim was clear, or was tried, and for which the certifier, given exactly its vertices, "
+            "its margin and the claimed axis, said that it holds; a fault is told exactly where a clear "
+            "claim does not hold or a check was tried, and then the pair is near; else verdict, flags and "
+            "axis are the core's. Results are stable while they wait; none is lost, duplicated or out of "
+            "order, each carries its own tag; the latency is the documented one exactly; one pair per clock "
+            "while results are taken; a reset discards everything; never more in flight than places.",
+            False,
+        ),
+    )
+
+
 def _intervals(margin: int) -> SbyProof:
     return _assertions(
         f"interval_m{margin}",
@@ -105,6 +174,42 @@ def _threshold(name: str, components: int, size: int, margin: int, depth: int, e
         depth + 1,
         ("the sum of absolutes fits: shown by the proofs `axes_*`",),
         window=depth,
+    )
+
+
+def _reach(name: str, width: int, margin: int, depth: int, exact: bool) -> SbyProof:
+    product = "the reach is their product" if exact else "the reach is what the multiplier makes of them"
+    return _assertions(
+        name,
+        "In the certifier the sum of the absolutes of an axis's free components and the free margin reach "
+        f"the multiplier exactly, at one clock, and {product}.",
+        ("core/triaxis_reach", *_MULTIPLIER),
+        {"W": width, "M": margin, "Exact": int(exact)},
+        depth + 1,
+        ("the sum of absolutes fits, none being the lowest number: shown by `certificate`",),
+        window=depth,
+    )
+
+
+def _apart(name: str, width: int, margin: int, nine: bool) -> SbyProof:
+    exactly = (
+        "all nine differences of a projection of B and one of A, or all nine the other way, exceed the reach"
+        if nine
+        else "the lowest projection of one lies above the highest of the other by more than the reach, as "
+        "whole numbers (so all nine differences do)"
+    )
+    return _assertions(
+        name,
+        f"The certifier finds two triangles apart on an axis exactly where {exactly}, strictly, for free "
+        "projections and reaches.",
+        ("core/triaxis_apart",),
+        {"W": width, "M": margin, "Nine": int(nine)},
+        6,
+        (
+            "projections are from the first vertex of A, and the nine differences fit: shown by the proof "
+            "`certificate`",
+        ),
+        window=5,
     )
 
 
@@ -389,6 +494,9 @@ def proofs() -> tuple[Proof, ...]:
         _board_reply(),
         axes_proof("axes_margins", margins),
         axes_proof("axes_other", other, detectors=(8, 16, 32)),
+        _apart("apart_m16", _WIDTH, _WIDTH, nine=False),
+        certificate(),
+        *_certified_proofs(),
         _streams(0),
         _streams(_WIDTH),
         _intervals(_WIDTH),
@@ -399,6 +507,10 @@ def proofs() -> tuple[Proof, ...]:
         _threshold("threshold_space", 3, 34, _WIDTH, 8, exact=False),
         _threshold("threshold_plane", 2, 17, _WIDTH, 6, exact=False),
         _threshold("threshold_small", 3, 5, 3, 7, exact=True),
+        _apart("apart_m0", _WIDTH, 0, nine=True),
+        _apart("apart_small", 1, 1, nine=True),
+        _reach("reach", _WIDTH, _WIDTH, 8, exact=False),
+        _reach("reach_small", 2, 5, 7, exact=True),
         *engine_proofs(),
         *board_proofs(),
         _assertions(

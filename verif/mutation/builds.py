@@ -78,13 +78,13 @@ def _build(target_: AnyTarget, dut: Path, assertions: bool) -> Build:
     return asserted(build) if assertions and not target_.combinational else build
 
 
-def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int) -> Path:
+def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int, assertions: bool = True) -> Path:
     """Return the library of a copy of dut/ that holds mutants, with the environment's assertions.
 
     ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
     build: the generator's fault, not a mutant's.
     """
-    build = replace(_build(target_, dut, True), selectable=True, speed=MANY, split=8000)
+    build = replace(_build(target_, dut, assertions), selectable=True, speed=MANY, split=8000)
     return library(replace(build, sources=(extra, *build.sources)), jobs)
 
 

@@ -19,7 +19,7 @@ from triaxis.sim.models import (
     detector_build,
     mesh_build,
 )
-from triaxis.sim.paths import DUT, VERIF
+from triaxis.sim.paths import DUT, VERIF, certified_sources
 from triaxis.sim.verilate import MANY, QUICK, Build
 from triaxis.verif.formal.netlist import CORE_PACKAGE, Package
 from triaxis.verif.mutation.syntax import kind, read_source, span
@@ -33,6 +33,9 @@ _CORE_TESTS = {
     "PenetratingTest": 150, "SliversTest": 150, "TouchingTest": 1500, "NearMissTest": 750, "TinyTest": 150,
     "FarTest": 150, "RegressionsTest": 1, "StallsTest": 1800, "ResetsTest": 3000, "MixedTest": 6000,
 }  # fmt: skip
+# Of the certified core: its own first. And where it differs from the core: its files, the package.
+_CERTIFIED_TESTS = {"CertificatesTest": 3000, **_CORE_TESTS}
+_CERTIFIED_FILES = (CORE_PACKAGE, *(path.relative_to(DUT).as_posix() for path in certified_sources()))
 _MESH_TESTS = {
     "MeshRandomTest": 1, "MeshGapsTest": 1, "MeshResetsTest": 1, "MeshStallsTest": 1, "MeshAbortTest": 1,
     "MeshLimitsTest": 1, "MeshClocksTest": 1,
@@ -98,20 +101,20 @@ class Target:
 
     def mutates(self, file: str) -> bool:
         """Return whether this is where mutants of that file of dut/ are looked for."""
-        return file.startswith("core/")
+        return file in _CERTIFIED_FILES if self.configuration.certified else file.startswith("core/")
 
     def tests(self, seed: int, times: int = 1) -> tuple[RunSettings, ...]:
         """Return the short tests, with so many times the pairs."""
-        return _runs(
-            {test: times * pairs for test, pairs in _CORE_TESTS.items()}, self.configuration.name, seed
-        )
+        tests = _CERTIFIED_TESTS if self.configuration.certified else _CORE_TESTS
+        return _runs({test: times * pairs for test, pairs in tests.items()}, self.configuration.name, seed)
 
     def volume(self, seed: int) -> tuple[RunSettings, ...]:
         """Return the long test; none of the wrapper, which has no environment."""
         if self.combinational:
             return ()
         pairs = _VOLUME if self.configuration.width == MIN_WIDTH else _OTHER_VOLUME
-        return _runs({"VolumeTest": pairs}, self.configuration.name, seed)
+        test = "CertificatesTest" if self.configuration.certified else "VolumeTest"
+        return _runs({test: pairs}, self.configuration.name, seed)
 
 
 @dataclass(frozen=True)
@@ -204,6 +207,9 @@ WIDE = Target(parse_configuration("w32_m0_no_edge_box_ungated"))
 # margins.
 NARROW = Target(parse_configuration("w26_m3_t1"))
 WRAPPER = Target(Configuration(8, 0), combinational=True)
+# With certificates: with margins, and without.
+CERTIFIED = Target(parse_configuration("w8_m8_certified"))
+CERTIFIED_PLAIN = Target(parse_configuration("w12_m0_t1_certified"))
 
 # The smallest: what a mutant that needs a build of its own is built as first.
 SMALLEST = Target(parse_configuration("w8_m0_no_edge_box"))
@@ -227,7 +233,8 @@ BOARD_WIDE = BoardTarget(
 )
 
 TARGETS: tuple[AnyTarget, ...] = (
-    MAIN, PLAIN, WIDE, NARROW, WRAPPER, ENGINE, ENGINE_SINGLE, ENGINE_WORD, BOARD, BOARD_WIDE,
+    MAIN, PLAIN, WIDE, NARROW, CERTIFIED, CERTIFIED_PLAIN, WRAPPER,
+    ENGINE, ENGINE_SINGLE, ENGINE_WORD, BOARD, BOARD_WIDE,
 )  # fmt: skip
 
 
@@ -296,20 +303,25 @@ def right_package(dut: Path, file: str) -> bool:
     It shows mutants that no simulation of one configuration shows: a clock more or less. True as well where
     it does not evaluate.
     """
+    due: dict[str, dict[tuple[int, ...], int]] = {}
     if file == CORE_PACKAGE:
-        function, due = "core_latency", every_latency()
+        due = {"core_latency": every_latency(), "certified_latency": every_latency(certified=True)}
     elif file == _BOARD_PACKAGE:
-        function, due = "watchdog_ms", {(clocks,): -(-clocks // 100_000) for clocks in _WATCHDOG_CLOCKS}
-    else:
+        due = {"watchdog_ms": {(clocks,): -(-clocks // 100_000) for clocks in _WATCHDOG_CLOCKS}}
+    if not due:
         return True
     package = Package(dut, file)
     try:
-        return all(package.call(function, *point) == value for point, value in due.items())
+        return all(
+            package.call(function, *point) == value
+            for function, values in due.items()
+            for point, value in values.items()
+        )
     except InputError:
         return True
 
 
-def every_latency() -> dict[tuple[int, int], int]:
+def every_latency(certified: bool = False) -> dict[tuple[int, ...], int]:
     """Return the latency in clocks for every W, with no, some and all margin bits, as it is signed off."""
     points = [(width, margin) for width in range(MIN_WIDTH, MAX_WIDTH + 1) for margin in (0, 8, width)]
-    return {point: Configuration(*point).latency for point in points}
+    return {point: Configuration(*point, certified=certified).latency for point in points}

@@ -140,6 +140,8 @@ NOT_PROVED = {
     "nexys4ddr_top": _WHOLE,
     "triaxis_areas": _PRODUCTS,
     "triaxis_boxes": _LONG,
+    "triaxis_certified_core": _WHOLE,
+    "triaxis_certifier": _PRODUCTS,
     "triaxis_core": _WHOLE,
     "triaxis_datapath": _WHOLE,
     "triaxis_edges": _PRODUCTS,
@@ -191,6 +193,7 @@ _OF_BOARD = (
 )  # fmt: skip
 # At widths at which provers end within a minute; those of W = 16 where they do.
 PROOFS = (
+    _window("apart", 8, W=16, M=16),
     _window("box", 8, W=16, M=16),
     _window("delay", 8, Cycles=4),
     _window("extent", 8, W=16),
@@ -200,6 +203,7 @@ PROOFS = (
     _window("mul", 8, AWidth=17, BWidth=17),
     _window("narrow_mul", 8, WideWidth=17, NarrowWidth=3),
     _window("overlap", 8, W=16, Lanes=8),
+    _window("reach", 12, W=4, M=3),
     _window("sum", 6, Terms=4, Width=16),
     _window("threshold", 8, M=3, CWidth=10),
     _window("verdict", 8),

@@ -15,7 +15,7 @@ import numpy as np
 
 from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
 from triaxis.sim.board_parameters import MOST_BOARD_DEPTH, BoardParameters
-from triaxis.sim.configuration import FIRST_WIDTHS, MOST_TAG_BITS, Configuration
+from triaxis.sim.configuration import FIRST_WIDTHS, MOST_TAG_BITS, TRY_BITS, Configuration
 from triaxis.sim.mesh_configuration import (
     LEAST_CYCLE_BITS,
     MOST_CYCLE_BITS,
@@ -77,7 +77,7 @@ BOARD_KINDS = (
 
 def core_fits(row: Row) -> bool:
     """Return whether a core can have these kinds."""
-    width, margin, _, _ = row
+    width, margin, *_ = row
     return not isinstance(margin, range) or margin.start < width
 
 
@@ -156,6 +156,8 @@ def array_runs() -> Iterator[tuple[str, Runs]]:
     """Yield the runs of the arrays: the name of the test, the runs in one configuration."""
     for core in core_array():
         yield "VolumeTest", Runs((core.name,), _PAIRS, _JUDGED, label=_LABEL)
+    for core in certified_array():
+        yield "CertificatesTest", Runs((core.name,), _PAIRS, _JUDGED, label=_LABEL)
     for engine in mesh_array():
         pairs = min(_PAIRS, _PAIRS_OF_DEPTH * engine.depth)
         yield "MeshRandomTest", Runs((f"mesh_{engine.name}",), pairs, _JUDGED_SCENES, label=_LABEL)
@@ -175,6 +177,22 @@ def core_array() -> tuple[Configuration, ...]:
         Configuration(width, _margin(margin, width, some), tags(tag), margin != NO_EDGE_BOX, gating)
         for width, margin, tag, gating in covering_rows(CORE_KINDS, core_fits)
     )
+
+
+@cache
+def certified_array() -> tuple[Configuration, ...]:
+    """Return the configurations of the certified core: each width with two kinds of margin, other tags.
+
+    Its core has tags of its own, so none of these is one of the core's array.
+    """
+    margins, tags, some = CORE_KINDS[1][1:], _Fewest(), _Fewest()
+    found: list[Configuration] = []
+    for width, turn in product(CORE_KINDS[0], range(2)):
+        kind = margins[(width + turn * (len(margins) // 2)) % len(margins)]
+        margin_bits = _margin(kind if core_fits((width, kind)) else ALL, width, some)
+        tag_bits = tags(range(1, MOST_TAG_BITS - TRY_BITS + 1))
+        found.append(Configuration(width, margin_bits, tag_bits, certified=True))
+    return tuple(found)
 
 
 @cache

@@ -9,7 +9,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.clocking import PERIOD_NS
-from triaxis.sim.models import BOARD_TOP, CORE_TOP, MESH_TOP
+from triaxis.sim.models import BOARD_TOP, MESH_TOP
 from triaxis.verif.testbench.settings import PIN, VERILATOR, Block, RunSettings
 
 WAVES = ("vcd", "fst")
@@ -37,6 +37,21 @@ _CORE: Groups = {
     "verdicts out": [
         "m_axis_tvalid_o", "m_axis_tready_i", "m_axis_tuser_o",
         *(f"oldest.verdict.{field}" for field in _VERDICT),
+    ],
+}  # fmt: skip
+_PINS = ("pairs in", "their vertices", "verdicts out")
+_CERTIFIED: Groups = {
+    "pairs in": [
+        "clk_i", "rst_ni", "s_axis_tvalid_i", "s_axis_tready_o", "s_axis_tuser_i", "accepted_q", "margin",
+    ],
+    "in the core": [f"u_core.{one}" for group, names in _CORE.items() for one in names if group not in _PINS],
+    "claims": [
+        "claim_valid_q", "place_q", "claim", *(f"{triangle}[{v}][{k}]" for triangle in "ab" for v in range(3)
+        for k in range(3)), "u_certifier.first_q", "u_certifier.second_q",
+        *(f"u_certifier.axis_q[{k}]" for k in range(3)), "holds", "made",
+    ],
+    "verdicts out": [
+        "m_axis_tvalid_o", "m_axis_tready_i", "m_axis_tuser_o", "m_axis_tdata_o", "delivered_q", "sound",
     ],
 }  # fmt: skip
 _MESH: Groups = {
@@ -107,11 +122,13 @@ def signals_in(dump: Path) -> dict[str, int]:
     return found
 
 
-def view(block: Block) -> dict[str, list[str]]:
-    """Return the groups of a view, each with its signals as a VCD file names them."""
-    top, groups = {
-        Block.CORE: (CORE_TOP, _CORE), Block.MESH: (MESH_TOP, _MESH), Block.BOARD: (BOARD_TOP, _BOARD),
-    }[block]  # fmt: skip
+def view(settings: RunSettings) -> dict[str, list[str]]:
+    """Return the groups of the view of a run, each with its signals as a VCD file names them."""
+    if settings.block is Block.CORE:
+        core = settings.configuration
+        top, groups = core.top, _CERTIFIED if core.certified else _CORE
+    else:
+        top, groups = (MESH_TOP, _MESH) if settings.block is Block.MESH else (BOARD_TOP, _BOARD)
     return {title: [f"{top}.{name}" for name in names] for title, names in groups.items()}
 
 
@@ -132,7 +149,7 @@ def finished(folder: Path, settings: RunSettings, clock: int | None = None) -> P
         dump = whole
     marked, start = _CLOCK * (clock or 0), _CLOCK * max(0, (clock or 0) - _BEFORE)
     gtkwave, surfer = [f'[dumpfile] "{dump.name}"', f"[timestart] {start}", f"{_ZOOM} {marked}"], []
-    for title, paths in view(settings.block).items():
+    for title, paths in view(settings).items():
         gtkwave += ["@200", f"-{title}"]
         surfer.append(f"divider_add {re.sub(r'[^a-z]+', '_', title)}")
         for path in (path for path in paths if path in held):

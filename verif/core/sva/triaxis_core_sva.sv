@@ -106,3 +106,24 @@ bind triaxis_core triaxis_core_sva #(
     .push(u_results.push_i),
     .queued(u_results.write_q - u_results.read_q)
 );
+
+// The certified core keeps the same rules; its numbers count what is in flight.
+bind triaxis_certified_core triaxis_core_sva #(
+    .Depth(Depth),
+    .Latency(triaxis_pkg::certified_latency(W, M)),
+    .PairWidth(DataWidth + $bits(triaxis_pkg::try_t) + TAG + M)
+) u_sva (
+    .clk_i,
+    .rst_ni,
+    .s_axis_tvalid_i,
+    .s_axis_tready_o,
+    .pair({s_axis_tdata_i, s_axis_tuser_i}),
+    .awake_q(u_core.awake_q),
+    .m_axis_tvalid_o,
+    .m_axis_tready_i,
+    .m_axis_tdata_o,
+    .tag(32'(m_axis_tuser_o)),
+    .in_flight_q(in_flight),
+    .push(u_results.push_i),
+    .queued(u_results.write_q - u_results.read_q)
+);

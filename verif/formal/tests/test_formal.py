@@ -16,6 +16,7 @@ from triaxis.sim.programs import EndedError
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
 from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import axes_proof
+from triaxis.verif.formal.certifier_proof import certificate
 from triaxis.verif.formal.netlist import NetlistError
 from triaxis.verif.formal.proof import Finding, Proof, Result, SbyProof
 from triaxis.verif.formal.proofs import proofs
@@ -85,6 +86,38 @@ BROKEN = (
      ".Cycles(Comb ? 0 : NormLatency)", ".Cycles(Comb ? 0 : NormLatency - 1)", "Margin"),
     ("threshold a bit too low", "threshold_small", "core/triaxis_threshold.sv",
      "product[CWidth+M-1:0]", "product[CWidth+M:1]", "Product"),
+    ("touching projections are apart", "apart_m0", "core/triaxis_apart.sv",
+     "above_q > span_t", "above_q >= span_t", "Apart"),
+    ("the third vertex of B is forgotten", "apart_m16", "core/triaxis_apart.sv",
+     "(low_b < b_q[2]) ? low_b : b_q[2]", "low_b", "Apart"),
+    ("the first vertex of A is forgotten", "apart_small", "core/triaxis_apart.sv",
+     "(high_a < 0) ? '0 : high_a", "high_a", "Apart"),
+    ("a component of the axis left out", "reach", "core/triaxis_reach.sv",
+     "norm_d = two_q + norm_t'(last_q);", "norm_d = two_q;", "Norm"),
+    ("the margin of the next pair", "reach_small", "core/triaxis_reach.sv",
+     ".Cycles(Comb ? 0 : 3)", ".Cycles(Comb ? 0 : 2)", "Margin"),
+    ("two edges of a certificate swapped", "certificate", "core/triaxis_certifier.sv",
+     "first_d  = EdgeA + select_t'(row);\n      second_d = EdgeB + select_t'(column);",
+     "first_d  = EdgeA + select_t'(column);\n      second_d = EdgeB + select_t'(row);", "axis 6: "),
+    ("a result by its place alone", "certified_upset", "core/triaxis_certified_core.sv",
+     "oldest.result.number == delivered_q;",
+     "oldest.result.number[0] == delivered_q[0];", "check"),
+    ("the number is not compared", "certified", "core/triaxis_certified_core.sv",
+     " && oldest.result.number == delivered_q;", ";", "check"),
+    ("the parity of a pair is not compared", "certified", "core/triaxis_certified_core.sv",
+     "kept_q.parity == parity_of(kept_q.pair);", "1'b1;", "check"),
+    ("a pair without parity", "certified_upset", "core/triaxis_certified_core.sv",
+     "kept_q.parity == parity_of(kept_q.pair);", "1'b1;", "check"),
+    ("the parity of a result is not compared", "certified_upset", "core/triaxis_certified_core.sv",
+     "oldest.parity == result_parity && ", "", "check"),
+    ("the answer of the certifier is not heard", "certified", "core/triaxis_certified_core.sv",
+     "(!shown.claim.is_near && !holds)", "1'b0", "check"),
+    ("the claim of the next pair", "certified", "core/triaxis_certified_core.sv",
+     "claim.claim = verdict_q;", "claim.claim = {core_word[12:8], core_word[3:0]};", "check"),
+    ("a tag one clock early", "certified", "core/triaxis_certified_core.sv",
+     "made.result.tag = shown.tag;", "made.result.tag = claims_q[Wait-2].tag;", "check"),
+    ("the certifier is given the next pair", "certified", "core/triaxis_certified_core.sv",
+     ".margin_i(kept_q.pair.margin)", ".margin_i(pairs_q[core_place].pair.margin)", "GivenThePair"),
     ("the top row counts positive", "multiply_narrow", "core/triaxis_narrow_mul.sv",
      "row[2*n] - row[2*n+1]", "row[2*n] + row[2*n+1]", "Product"),
     ("low piece with a sign", "multiply_small", "core/triaxis_mul.sv",
@@ -222,7 +255,7 @@ BROKEN = (
      "? status_i.count_b : status_i.count_a", "? status_i.count_a : status_i.count_b", "check"),
 )  # fmt: skip
 
-# The proof of this group is the algebra of the core in the configuration named.
+# The proof of this group is the algebra of the core, or of a certificate, in the configuration named.
 AXES = (
     ("wrong edge in one axis", "w16_m0", "core/triaxis_projections.sv",
      "edges_3[i][j] + across_3[i];", "edges_3[i][j] + across_3[i == 2 ? 0 : i];", "too few"),
@@ -260,13 +293,26 @@ AXES = (
      "axis"),
     ("a swapped port of the wrapper", "detector", "core/CollisionDetector.sv",
      "'{B1_x, B1_y, B1_z}", "'{B1_x, B1_z, B1_y}", ""),
+    ("a vector by the number of the next pair", "certificate w8_m8", "core/triaxis_certifier.sv",
+     "vectors[first_q]", "vectors[first_d]", "several clocks"),
+    ("a projection from another vertex", "certificate w8_m8", "core/triaxis_certifier.sv",
+     "points_d[3][k] = b_i[1][k] - a_i[0][k];", "points_d[3][k] = b_i[1][k] - a_i[1][k];",
+     "not the projections on the axis"),
+    ("a reach one clock late", "certificate w8_m8", "core/triaxis_certifier.sv",
+     "ApartLatency - 1 - reach_latency", "ApartLatency - reach_latency", "at another clock"),
+    ("an axis one bit too narrow", "certificate w8_m8", "core/triaxis_certifier.sv",
+     "axis_comp_t plus, minus;", "logic signed [axis_width(W)-3:0] plus, minus;", "too few"),
+    ("an answer one clock late", "certificate w8_m8", "core/triaxis_pkg.sv",
+     "return 3 + mul_latency(diff_width", "return 4 + mul_latency(diff_width", "clocks instead of"),
 )  # fmt: skip
 
 
 def _proof(name: str) -> Proof:
-    """Return a proof by name; by that of a configuration, or "detector", the algebra of it alone."""
+    """Return a proof by name; by that of a configuration, or "detector", its algebra alone."""
     if name == "detector":
         return axes_proof("axes", (), detectors=(16,))
+    if name.startswith("certificate "):
+        return certificate((parse_configuration(name.split()[1]),))
     named = next((proof for proof in proofs() if proof.name == name), None)
     return named or axes_proof("axes", (parse_configuration(name),))
 

@@ -10,7 +10,13 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters, parse_board_configuration
-from triaxis.sim.configuration import Configuration, parse_configuration
+from triaxis.sim.configuration import (
+    CERTIFIED_FIRST_WIDTHS,
+    MOST_TAG_BITS,
+    TRY_BITS,
+    Configuration,
+    parse_configuration,
+)
 from triaxis.sim.mesh_configuration import MeshConfiguration, parse_mesh_configuration
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.verilate import LIGHT, library
@@ -26,6 +32,7 @@ from triaxis.verif.regress.covering import (
     array_runs,
     board_array,
     board_fits,
+    certified_array,
     core_array,
     core_fits,
     covering_rows,
@@ -87,6 +94,22 @@ def test_every_pair_of_kinds_is_in_a_configuration(array, kinds, fits):
     assert fewer < wanted
     # Beside these rows only those with what had no turn.
     assert 0 <= len(array) - len(covering_rows(kinds, fits)) < 10
+
+
+def test_the_certified_core_has_every_width_and_each_latency_every_kind_of_margin():
+    array = certified_array()
+    assert {one.width for one in array} == set(CORE_KINDS[0])
+    assert len({one.name for one in array}) == len(array)
+    tags = range(1, MOST_TAG_BITS - TRY_BITS + 1)
+    held_tags = {one.tag_bits for one in array}
+    assert held_tags >= {tags[0], tags[-1]} and len(held_tags) > 40
+    with pytest.raises(InputError):
+        Configuration(tag_bits=tags[-1] + 1, certified=True)
+    more = [one.latency - Configuration(one.width, one.margin_bits).latency for one in array]
+    held = {(clocks, kinds_of(one)[1]) for clocks, one in zip(more, array, strict=True)}
+    _, none, few, some, *wide, every = CORE_KINDS[1]
+    assert held >= set(product(CERTIFIED_FIRST_WIDTHS.values(), (none, few, some, every)))
+    assert {kind for _, kind in held} >= set(wide)
 
 
 def test_the_margins_are_told_apart_as_the_multipliers_do():
@@ -224,6 +247,9 @@ PLANTED = (
     core("a tag comes a clock early at TAG = 48", "tag_bits", 48,
          ("triaxis_core.sv", ".T(tag_t),\n      .Cycles(Latency)",
           ".T(tag_t),\n      .Cycles(Latency - 32'(TAG == 48))")),
+    core("the axis of a certificate is a bit short at W = 21", "width", 21,
+         ("triaxis_certifier.sv", "axis_d[k] = plus - minus;",
+          "axis_d[k] = (W == 21) ? axis_comp_t'((2 * W)'(plus - minus)) : plus - minus;")),
     core("areas along another axis at EdgeBox = 0", "edge_box", 0,
          ("triaxis_datapath.sv", "EdgeBox || k == 2", "EdgeBox || k == 1")),
     core("flags read 0 as with gating at Gating = 0", "gating", 0,

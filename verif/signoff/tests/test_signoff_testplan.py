@@ -41,7 +41,7 @@ def test_the_testplan_is_clean_and_the_inventory_whole(capsys):
     assert "lattice_near_misses" in capsys.readouterr().out
     known = inventory()
     assert all(known.names(kind) for kind in KINDS)
-    assert len(known.bins) == 8 + 5 + 1 and core_model(Configuration()).name in known.bins
+    assert len(known.bins) == 10 + 5 + 1 and core_model(Configuration()).name in known.bins
     assert "mesh_w16_m16_d4096_g8_l8" in known.bins
     assert "answer.clear, wrongly" in known.illegal["core_w16_m0"]
     modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").rglob("*.sv*")}
@@ -98,8 +98,8 @@ def test_a_missing_and_an_illegal_bin_fail_their_owner_alone(model, item, bin_, 
     failing = {name: status.failing for name, status in found.items() if status.failing}
     assert set(failing) == ({owner} if owner else set())
     assert all(text.startswith(said) for texts in failing.values() for text in texts)
-    # 32 axes and near in seven configurations, 14 axes and near in the one without edge x box.
-    assert found["claims"].tallies["bins"] == Tally(7 * 33 + 15, 0, 0)
+    # 32 axes and near in nine configurations, 14 axes and near in the one without edge x box.
+    assert found["claims"].tallies["bins"] == Tally(9 * 33 + 15, 0, 0)
 
 
 def test_assertions_are_all_of_those_in_the_files(tmp_path):

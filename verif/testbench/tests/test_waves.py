@@ -71,5 +71,5 @@ def test_every_signal_of_a_view_is_in_the_waves(tmp_path, test, config):
     # Where nothing was checked a test fails, and is short.
     assert result.waves and result.passed == (test != "BoardNothingTest"), result.explain()
     held = signals_in(result.waves)
-    wanted = [path for paths in view(result.settings.block).values() for path in paths]
+    wanted = [path for paths in view(result.settings).values() for path in paths]
     assert not [path for path in wanted if path not in held]
