@@ -45,7 +45,6 @@ module triaxis_certified_core
   localparam int unsigned PlaceWidth = $clog2(Depth);
   localparam int unsigned Wait = certifier_latency(W);
   // Parity bits by number: of coordinate n, of the rest of the pair, of its result.
-  localparam int unsigned NumCoordinates = 18;
   localparam int unsigned ParityRest = 18;
   localparam int unsigned ParityResult = 31;
   typedef logic signed [W-1:0] coord_t;
@@ -60,7 +59,7 @@ module triaxis_certified_core
     try_t attempt;
     tag_t tag;
     margin_t margin;
-    logic [NumCoordinates-1:0][W-1:0] coordinates;
+    logic [ParityRest-1:0][W-1:0] coordinates;
   } pair_t;
 
   // What is known of a result while its claim is looked at.
@@ -111,19 +110,18 @@ module triaxis_certified_core
     end
   end
 
+  // Without margins a bit that nothing looks at.
   margin_t margin;
+  assign margin = s_axis_tuser_i[$bits(margin_t)-1:0];
   logic [PlaceWidth+M-1:0] core_user;
   if (M == 0) begin : g_no_margin
-    // Any bit: nothing looks at it.
-    assign margin = s_axis_tuser_i[0];
     assign core_user = accepted_q[PlaceWidth-1:0];
   end else begin : g_margin
-    assign margin = s_axis_tuser_i[M-1:0];
     assign core_user = {accepted_q[PlaceWidth-1:0], margin};
   end
 
   function automatic parity_t parity_of(pair_t pair);
-    for (int unsigned i = 0; i < NumCoordinates; i++) parity_of[i] = ^pair.coordinates[i];
+    for (int unsigned i = 0; i < ParityRest; i++) parity_of[i] = ^pair.coordinates[i];
     parity_of[ParityRest] = ^{pair.wrap, pair.attempt, pair.tag, pair.margin};
   endfunction
 
@@ -191,7 +189,7 @@ module triaxis_certified_core
       TryNumber: claim.number ^= number_t'(1) << kept_q.pair.attempt.which[2:0];
       default:   ;
     endcase
-    claim.parity = ^{claim.number, claim.tag};
+    claim.parity = (^claim.number) ^ (^claim.tag);
   end
 
   coord_t a[3][3], b[3][3];
@@ -237,7 +235,7 @@ module triaxis_certified_core
       made.result.verdict.is_near = 1'b1;
       made.result.verdict.axis = '0;
     end
-    made.parity = ^{made.result.fault, made.result.verdict} ^ shown.parity ^ shown.spoil;
+    made.parity = (^made.result.verdict) ^ made.result.fault ^ shown.parity ^ shown.spoil;
   end
 
   triaxis_fifo #(
