@@ -14,7 +14,6 @@ CONSTRAINTS = VIVADO / "nexys4ddr.xdc"
 
 PART = "xc7a100tcsg324-1"
 TOP = "nexys4ddr_top"
-CORE, CERTIFIED = "triaxis_core", "triaxis_certified_core"
 # The mesh engine in the top.
 ENGINE_INSTANCE = "u_mesh"
 

@@ -13,9 +13,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from triaxis.fpga.board_build import CORE, TOP, bitstream_sources
+from triaxis.fpga.board_build import TOP, bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.configuration import CORE_TOP
 
 _MULTIPLIER = "triaxis_mul"
 # Its generate blocks for the product of two pieces, and for that of two wide ones.
@@ -139,7 +140,7 @@ class DspCounts:
 
     def core(self, width: int, margin_bits: int, edge_box: bool = True) -> DspCount:
         """Return the count of `triaxis_core`."""
-        return self._count(CORE, {"W": width, "M": margin_bits, "EdgeBox": int(edge_box)})
+        return self._count(CORE_TOP, {"W": width, "M": margin_bits, "EdgeBox": int(edge_box)})
 
     def board(self, width: int, margin_bits: int, depth: int, group: int, lanes: int) -> DspCount:
         """Return the count of the board's top."""

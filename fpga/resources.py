@@ -11,8 +11,6 @@ from pathlib import Path
 
 from triaxis.fpga.board_build import (
     BOARD_LIMITS,
-    CERTIFIED,
-    CORE,
     NO_LIMITS,
     TOP,
     WHOLE_PART,
@@ -22,6 +20,7 @@ from triaxis.fpga.board_build import (
 )
 from triaxis.fpga.logic_depth import LogicDepth
 from triaxis.golden.outputs import write_whole
+from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP
 from triaxis.sim.programs import from_one_folder, read_slang, run_to_result, yosys
 
 # LUTs that a cell occupies. Shift registers and RAMs are made of LUTs: RAM32M of four.
@@ -106,7 +105,7 @@ class Build:
     meaning: str
     parameters: Mapping[str, int]
     limits: Limits = NO_LIMITS
-    top: str = CORE
+    top: str = CORE_TOP
 
 
 BUILDS = (
@@ -124,7 +123,7 @@ BUILDS = (
         "certified core, W = 16, all 32 axes, M = 16",
         {"W": 16, "M": 16},
         Limits(dsps=175),
-        CERTIFIED,
+        CERTIFIED_TOP,
     ),
     Build(
         "board",

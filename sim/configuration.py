@@ -15,6 +15,7 @@ CERTIFIED_FIRST_WIDTHS = {8: 17, 12: 18, 18: 20, 25: 22}
 MOST_TAG_BITS = 64
 # What a pair of the certified core tries, above its tag: try_t of triaxis_pkg.
 TRY_BITS = 7
+CORE_TOP, CERTIFIED_TOP = "triaxis_core", "triaxis_certified_core"
 
 
 def _from(first_widths: Mapping[int, int], width: int) -> int:
@@ -71,7 +72,7 @@ class Configuration:
     @property
     def top(self) -> str:
         """Return the name of the module."""
-        return "triaxis_certified_core" if self.certified else "triaxis_core"
+        return CERTIFIED_TOP if self.certified else CORE_TOP
 
     @property
     def sent_bits(self) -> int:

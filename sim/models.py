@@ -5,7 +5,7 @@ from pathlib import Path
 
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.build import core_files, mesh_files, rtl_files
-from triaxis.sim.configuration import Configuration
+from triaxis.sim.configuration import CERTIFIED_TOP, CORE_TOP, Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.paths import DUT, SIM, VERIF, board_sources, mesh_sources, rtl_sources
 from triaxis.sim.verilate import FAST, MANY, QUICK, Build, Form
@@ -50,9 +50,8 @@ def lockstep_build(configuration: Configuration) -> Build:
 
 def asserted(build: Build) -> Build:
     """Return a library that checks assertions: its RTL's, and the environment's of its block."""
-    rules = {MESH_TOP: MESH_SVA, BOARD_TOP: BOARD_SVA, DETECTOR_TOP: None}
-    folder = rules.get(build.top, CORE_SVA)
-    more = assertions(folder) if folder else ()
+    rules = {CORE_TOP: CORE_SVA, CERTIFIED_TOP: CORE_SVA, MESH_TOP: MESH_SVA, BOARD_TOP: BOARD_SVA}
+    more = assertions(rules[build.top]) if build.top in rules else ()
     return replace(build, assertions=True, sources=(*build.sources, *more))
 
 

@@ -6,8 +6,8 @@
 //   - the claim of the core, by another way, from vertices that waited elsewhere (triaxis_certifier);
 //   - the pair and its result, by parity of all that is kept of them;
 //   - their order, by a number that goes through the core in place of the tag and is counted again at the end.
-// So no single bit that is wrong after the pair was accepted makes a "clear" of a pair that is near; and each
-// of these checks can be tried on the running core.
+// So no single wrong bit of a pair that was accepted, of a claim on it or of its result makes a "clear" of a
+// pair that is near; and each of these checks can be tried on the running core.
 //   s_axis_tdata_i   as of triaxis_core
 //   s_axis_tuser_i   {try_t, tag, margin}; {try_t, tag} where M = 0; TryNothing in use
 //   m_axis_tdata_o   {3'b0, axis[4:0], 3'b0, fault, degenerate_b, degenerate_a, coplanar, near}

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: margin * (|x| + |y| + |z|) of an axis: by how much its projections must lie apart. For the
-// certifier, which shares nothing but the multiplier with what it checks.
+// certifier, which shares nothing but the multiplier and rows of registers with what it checks.
 // Widths: each component is at most 2 L^2 < 2^(2W+1), all absolutes together at most 4 L^2 < 2^(2W+2): 2W+2
 // bits unsigned, one more signed; times a margin of M bits, 2W+2+M bits.
 // Latency: reach_latency(W, M): absolutes, the sum of two, of three, product.

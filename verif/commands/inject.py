@@ -145,7 +145,7 @@ def _certificates(options: argparse.Namespace) -> int:
         tried = sum(one.shared is shared for one in result.compared)
         rows.add_row(of, *map(str, (tried, len(result.dangerous(shared)), len(result.missed(shared)))))
     Console(width=110).print(rows)
-    print_list("THROUGH", [f"{one.mutant}: {one.certified}" for one in result.missed(False)])
+    print_list("THROUGH", list(map(str, result.missed(False))))
     print_list("PROBLEM", result.problems)
     print(f"written to {write_certificates(result)}")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
