@@ -109,7 +109,7 @@ GATED = Configuration(WIDTH, WIDTH)
 UNGATED = replace(GATED, gating=False)
 
 # What the power report of a bitstream goes by.
-ENGINE = MeshConfiguration(WIDTH, WIDTH)
+ENGINE = MeshConfiguration(WIDTH, WIDTH, certified=True)
 SAIF_SCENE = scenes()[0]
 
 _OPERANDS, _PIECES, _PRODUCT = ("a_i", "b_i"), "piece_q", "product_o"

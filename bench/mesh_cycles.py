@@ -23,7 +23,8 @@ from triaxis.host.scenes import Scene, machine_scenes, mesh_data, scenes
 from triaxis.host.stl import Facets
 from triaxis.sim.mesh_configuration import MeshConfiguration
 
-CONFIGURATION = MeshConfiguration()
+# As it stands on the board.
+CONFIGURATION = MeshConfiguration(certified=True)
 CLOCK_MHZ = 100
 
 # The product's demands on 200 x 200 facets, and on scenes in general.

@@ -23,6 +23,9 @@ LINE = (
     "bad CRC", "too short", "too long", "bad stuffing", "END after ESC", "no stop bit", "frame still held",
 )  # fmt: skip
 MODES = ("FIRST", "ALL", "COUNT")
+# What a run tries; of each kind one of so many. The last three always fail.
+TRIALS = ("CLAIM", "PARITY", "NUMBER", "MEMORY", "WALK", "INTAKE", "BOARD")
+_WHICHES, _ALWAYS_FAIL = 32, 3
 
 
 def _done() -> Iterator[str]:
@@ -48,6 +51,8 @@ def _refused(width: int) -> Iterator[str]:
 def _ends() -> Iterator[str]:
     what = ("HELLO", "LOAD", "MOVE", "RUN", "ABORT", "refusal", "line", "watchdog")
     yield from (f"{one} ends {state}" for one, state in product(what, ("go", "a promise of go")))
+    # Checks fail in runs, before there can be go.
+    yield "fault ends a promise of go"
 
 
 def _moments() -> Iterator[str]:
@@ -67,6 +72,20 @@ def _runs() -> Iterator[str]:
             f"{mode}, aborted",
         )
         yield f"{mode}, near"
+        yield f"{mode}, fault"
+
+
+def _tried() -> Iterator[str]:
+    yield from (f"{kind}, fault" for kind in TRIALS)
+    yield from (f"{kind}, no fault" for kind in TRIALS[:-_ALWAYS_FAIL])
+
+
+_FAULTS = (
+    "a run while it stands",
+    "HELLO acknowledges it",
+    "HELLO while it goes on",
+    "go after it was acknowledged",
+)
 
 
 @cache
@@ -84,6 +103,13 @@ def board_model(width: int) -> CoverModel[View]:
             "what is wrong on the line x what the outputs say",
             map(", ".join, product(LINE, STATES)),
         ),
+        (
+            "board_trials",
+            "checks that a run tries: kind x which",
+            (f"{kind} {which}" for kind, which in product(TRIALS, range(_WHICHES))),
+        ),
+        ("board_tried", "kind of what a run tries x whether it was a fault", _tried()),
+        ("board_faults", "what comes while a fault stands, and after", iter(_FAULTS)),
         ("board_near", "near pairs in a reply x whether the run goes on", map(", ".join, ring)),
     )
     name = "board" if width < MAX_WIDTH else f"board_w{width}"

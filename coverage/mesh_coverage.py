@@ -57,6 +57,7 @@ def mesh_model(build: MeshBuild) -> CoverModel[MeshView]:
         Item("mesh_first", "where the first near pair stood among those tested", (points.FIRST_AT,)),
         Item("mesh_reload", "meshes loaded since the run before, of complete runs", (points.RELOADED,)),
         Item("mesh_abort", "when an abort was asked for", (points.aborts(build),)),
+        *_trials(build),
     ]
     if build.cycle_bits < 16:
         items.append(
@@ -81,13 +82,13 @@ def _none(reason: str, when: Callable[..., bool]) -> Exclusion:
 
 def _outcomes() -> tuple[Exclusion, ...]:
     first, bad = points.STATUSES.index("first"), points.STATUSES.index("bad mode")
-    aborted = points.STATUSES.index("aborted")
+    aborted, fault = points.STATUSES.index("aborted"), points.STATUSES.index("fault")
     return (
         _illegal("only mode first stops at a near pair", lambda m, s: s == first and m != _FIRST),
         _illegal("no other mode is refused as one", lambda m, s: s == bad and m != _BAD),
         _illegal(
-            "mode none is refused before all else, but for an abort",
-            lambda m, s: m == _BAD and s not in (bad, aborted),
+            "mode none is refused before all else, but for an abort and a fault",
+            lambda m, s: m == _BAD and s not in (bad, aborted, fault),
         ),
     )
 
@@ -174,6 +175,34 @@ def _gaps(build: MeshBuild) -> list[Item]:
                 beyond("a group of one triangle has the box of the triangle", build.group == 1),
             ),
         )
+    ]
+
+
+def _trials(build: MeshBuild) -> list[Item]:
+    tries = points.TRIALS
+    always = {tries.index(name) for name in ("walk", "intake")}
+    attempts = {tries.index(name) for name in ("claim", "parity", "number")}
+    never = {tries.index(name) for name in ("nothing", "board")} | (set() if build.certified else attempts)
+    exclusions = (
+        _illegal("without a trial there is no fault", lambda t, f: t in never and f == 1),
+        _illegal("two walks, and two intakes, are compared all the time", lambda t, f: t in always and not f),
+    )
+    every = tuple(map(str, range(points.WHICHES)))
+    return [
+        Item("mesh_trial", "what a run tries x how it ends", (points.TRIAL, points.FAULT), exclusions),
+        *(
+            Item(
+                f"mesh_tried_{kind}",
+                f"trials of the {meaning} that were a fault",
+                (points.which(kind, bins),),
+            )
+            for kind, meaning, bins in (
+                ("memory", "memories", points.MEMORIES),
+                ("walk", "comparison of walks, each 32nd bit from one on", every),
+                ("intake", "comparison of intakes, each 32nd bit from one on", every),
+            )
+        ),
+        Item("mesh_fault_before", "what became of a fault until the next run", (points.BEFORE,)),
     ]
 
 

@@ -3,12 +3,16 @@
 import numpy as np
 
 from triaxis.coverage.cover_model import Coverpoint, MaskPoint
-from triaxis.coverage.mesh_sample import Codes, Column, MeshBuild, MeshView
+from triaxis.coverage.mesh_sample import Before, Codes, Column, MeshBuild, MeshView
 
 Point = Coverpoint[MeshView]
 
 MODES = ("first", "all", "count", "none")
-STATUSES = ("complete", "first", "aborted", "overflow", "overfull", "bad mode")
+STATUSES = ("complete", "first", "aborted", "overflow", "overfull", "bad mode", "fault")
+_FAULT = 7
+TRIALS = ("nothing", "claim", "parity", "number", "memory", "walk", "intake", "board")
+MEMORIES = ("groups of A", "groups of B", "boxes of A", "boxes of B", "triangles of A", "triangles of B")
+WHICHES = 32
 SIZES = ("empty", "1", "group - 1", "group", "group + 1", "several groups", "depth", "overfull")
 AXES = "xyz"
 ENDS = ("low", "high")
@@ -39,7 +43,12 @@ def _choice(*conditions: np.ndarray) -> Codes:
 
 MODE = Point("mode", MODES, lambda v: v.mode.astype(np.uint8))
 STATUS = Point("status", STATUSES, lambda v: (v.status - 1).astype(np.uint8))
-RAN = Point("ran", ("refused", "ran"), lambda v: (v.status <= 3).astype(np.uint8))
+RAN = Point(
+    "ran",
+    ("refused", "ran"),
+    lambda v: np.where(v.status == _FAULT, 2, v.status <= 3).astype(np.uint8),
+    partial=True,
+)
 
 
 def size(build: MeshBuild, mesh: str) -> Point:
@@ -134,6 +143,33 @@ RELOADED = Point(
 )
 SATURATED = Point("cycles", ("counted", "at the largest number"), lambda v: v.saturated.astype(np.uint8))
 TOGETHER = Point("load and run", ("apart", "together"), lambda v: v.loaded_with_run.astype(np.uint8))
+
+
+# Of runs that began without a fault.
+TRIAL = Point(
+    "tries",
+    TRIALS,
+    lambda v: np.where(v.before == Before.STAYS, len(TRIALS), v.tried).astype(np.uint8),
+    partial=True,
+)
+FAULT = Point("ends", ("otherwise", "in a fault"), lambda v: (v.status == _FAULT).astype(np.uint8))
+BEFORE = Point(
+    "fault before",
+    ("stays", "acknowledged", "ended by a reset"),
+    lambda v: np.where(v.before == Before.NO_FAULT, 3, v.before - 1).astype(np.uint8),
+    partial=True,
+)
+
+
+def which(kind: str, bins: tuple[str, ...]) -> Point:
+    """Return which of a kind of trial were a fault."""
+    number = TRIALS.index(kind)
+
+    def codes(view: MeshView) -> Codes:
+        counts = (view.tried == number) & (view.status == _FAULT) & (view.before != Before.STAYS)
+        return np.where(counts & (view.which < len(bins)), view.which, len(bins)).astype(np.uint8)
+
+    return Point(f"which {kind}", bins, codes, partial=True)
 
 
 def aborts(build: MeshBuild) -> MaskPoint[MeshView]:

@@ -16,7 +16,10 @@ UNKNOWN = -1
 
 @dataclass(frozen=True)
 class MeshBuild:
-    """The parameters of the engine that decide what can happen in it. ``pins``: driven pin by pin too."""
+    """The parameters of the engine that decide what can happen in it. ``pins``: driven pin by pin too.
+
+    ``certified``: its core is.
+    """
 
     name: str
     width: int
@@ -26,6 +29,7 @@ class MeshBuild:
     lanes: int
     cycle_bits: int
     pins: bool = True
+    certified: bool = False
 
     @property
     def largest_margin(self) -> int:
@@ -50,6 +54,15 @@ class AbortSeen(IntFlag):
     IDLE = 16
 
 
+class Before(IntEnum):
+    """What a run found: no fault, or one from before that stays, was acknowledged, or ended by a reset."""
+
+    NO_FAULT = 0
+    STAYS = 1
+    ACKNOWLEDGED = 2
+    RESET = 3
+
+
 class Reloaded(IntEnum):
     """Which meshes were loaded since the run before."""
 
@@ -66,7 +79,8 @@ class MeshRow:
     ``overfull``: bit 0 A, bit 1 B. ``fits``, ``beyond``: bit 2k+s, A moved ends exactly at the low (s = 0) or
     high end of the range on axis k, or one step beyond it, on that axis and side alone. ``row_gaps``,
     ``group_gaps``, ``pair_gaps``: bit 4k+2s+e, an axis k alone separates boxes by the margin (e = 0) or the
-    smallest step more, B below (s = 0) or above. ``first_at``: number among the pairs tested.
+    smallest step more, B below (s = 0) or above. ``first_at``: number among the pairs tested. ``tried``,
+    ``which``: what it tries, and which.
     """
 
     mode: int
@@ -97,6 +111,9 @@ class MeshRow:
     loaded_with_run: int = 0
     near_wait: int = UNKNOWN
     done_wait: int = UNKNOWN
+    tried: int = 0
+    which: int = 0
+    before: int = int(Before.NO_FAULT)
 
 
 class MeshView:

@@ -21,7 +21,7 @@ ENGINE_INSTANCE = "u_mesh"
 _ELSEWHERE = "CollisionDetector.sv"
 
 # The build that is signed off for the board, and that the board's environment simulates by its name.
-SIGNED_OFF = BoardParameters(depth=4096, **TOP_TIMES)
+SIGNED_OFF = BoardParameters(depth=4096, certify=True, **TOP_TIMES)
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,7 @@ def generics(parameters: BoardParameters, build_id: int = 0) -> dict[str, str]:
     """Return the top's sizes as Verilog constants; ``build_id`` has 32 bits."""
     return {
         **{name: str(value) for name, value in parameters.sizes.items()},
+        "Certify": f"1'b{int(parameters.certify)}",
         "BuildId": f"32'h{build_id:08x}",
     }
 

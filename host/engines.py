@@ -43,7 +43,8 @@ class Counts:
     """What runs did. Each pair was skipped with its group, skipped by its own boxes, or tested.
 
     A run that stopped at its first near pair left the others out. ``cycles``: of the mesh engine, without
-    loading; None for the other engines.
+    loading; ``certified``: tested pairs that are clear and were shown to be, again, by a certified core or by
+    the golden model's check of its certificates; None for engines without.
     """
 
     skipped_in_groups: int = 0
@@ -53,6 +54,7 @@ class Counts:
     group_pairs_skipped: int = 0
     group_pairs_opened: int = 0
     cycles: int | None = None
+    certified: int | None = None
 
     def add(self, run: "Counts") -> None:
         """Count a run too."""
@@ -77,11 +79,14 @@ class SceneEngine(Protocol):
 
 
 class DecidingEngine:
-    """The broad phase in NumPy, and a function that decides what is left."""
+    """The broad phase in NumPy, and a function that decides what is left.
 
-    def __init__(self, a: Integers, b: Integers, decide: Decide) -> None:
+    ``certifies``: that function has a certificate of each clear.
+    """
+
+    def __init__(self, a: Integers, b: Integers, decide: Decide, certifies: bool = False) -> None:
         """Take facets of shape (N, 3, 3), on the grid."""
-        self._a, self._b, self._decide = a, b, decide
+        self._a, self._b, self._decide, self._certifies = a, b, decide, certifies
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
         """Decide all pairs, or those of the pieces to the first with a near one."""
@@ -96,6 +101,8 @@ class DecidingEngine:
                 break
         run.skipped = len(a) * len(self._b) - run.tested
         run.near = in_order(np.concatenate(found))
+        if self._certifies:
+            run.certified = run.tested - run.near_count
         return run
 
 
@@ -104,8 +111,8 @@ def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine
     if name == BULK:
         return DecidingEngine(a, b, bulk_verdicts)
     if name == GOLDEN:
-        return DecidingEngine(a, b, judge_in_parallel)
-    return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width))
+        return DecidingEngine(a, b, judge_in_parallel, certifies=True)
+    return MeshEngineScene(a, b, MeshConfiguration(width=width, margin_bits=width, certified=True))
 
 
 class MeshEngineScene:
@@ -150,7 +157,7 @@ class MeshEngineScene:
         return SceneRun(
             len(a.facets) * len(b.facets) - opened if complete else 0,
             run.pairs_skipped, run.tested, run.near_count, run.group_pairs_skipped, run.group_pairs_opened,
-            run.cycles, near,
+            run.cycles, run.tested - run.near_count if self._engine.configuration.certified else None, near,
         )  # fmt: skip
 
 

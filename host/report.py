@@ -57,6 +57,7 @@ def counts_entry(counts: Counts, near: str) -> dict[str, Any]:
         "pairs_skipped_in_groups": counts.skipped_in_groups,
         "pairs_skipped_by_their_boxes": counts.skipped,
         "pairs_tested": counts.tested,
+        "clears_certified": counts.certified,
         near: counts.near_count,
         "cycles": counts.cycles,
         "milliseconds_at_100_MHz": milliseconds(counts.cycles),

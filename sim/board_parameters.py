@@ -17,15 +17,15 @@ TOP_TIMES = {
     "digit_clocks": 12_500,
     "beat_clocks": 50_000,
 }
-_REAL = "_real"
+_PLAIN, _REAL = "_plain", "_real"
 
 
 @dataclass(frozen=True)
 class BoardParameters:
     """Parameters of nexys4ddr_top; see its header. The defaults suit simulation: a small, fast board.
 
-    ``clocks_per_bit`` and ``watchdog_clocks`` are in clocks of 10 ns. Raises InputError where they are out
-    of range.
+    ``clocks_per_bit`` and ``watchdog_clocks`` are in clocks of 10 ns. ``certify``: each "clear" of the core
+    is shown again. Raises InputError where they are out of range.
     """
 
     width: int = 16
@@ -38,11 +38,11 @@ class BoardParameters:
     build_id: int = 0
     digit_clocks: int = 16
     beat_clocks: int = 50
+    certify: bool = True
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""
-        MeshConfiguration(self.width, self.margin_bits, self.depth, self.group, self.lanes)
-        if self.depth > MOST_BOARD_DEPTH:
+        if self.engine.depth > MOST_BOARD_DEPTH:
             raise InputError(f"depth {self.depth}: must be at most {MOST_BOARD_DEPTH} on the board")
         if self.clocks_per_bit < 4:
             raise InputError(f"clocks per bit {self.clocks_per_bit}: must be at least 4")
@@ -51,7 +51,15 @@ class BoardParameters:
     def name(self) -> str:
         """Return a short name, for folders; of times it tells whether they are the top's own."""
         real = _REAL if all(getattr(self, name) == clocks for name, clocks in TOP_TIMES.items()) else ""
-        return f"board_w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}{real}"
+        sizes = f"w{self.width}_m{self.margin_bits}_d{self.depth}_g{self.group}_l{self.lanes}"
+        return f"board_{sizes}{'' if self.certify else _PLAIN}{real}"
+
+    @property
+    def engine(self) -> MeshConfiguration:
+        """Return the configuration of the engine on it; raise InputError where there is none."""
+        return MeshConfiguration(
+            self.width, self.margin_bits, self.depth, self.group, self.lanes, certified=self.certify
+        )
 
     @property
     def max_margin(self) -> int:
@@ -74,6 +82,7 @@ class BoardParameters:
         """Return the RTL's parameters."""
         return {
             **self.sizes,
+            "Certify": int(self.certify),
             "ClocksPerBit": self.clocks_per_bit,
             "WatchdogClocks": self.watchdog_clocks,
             "BuildId": self.build_id,
@@ -82,7 +91,7 @@ class BoardParameters:
         }
 
 
-_NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_real)?")
+_NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_plain)?(_real)?")
 # In which times are short enough to be waited for again and again, and no powers of two, by which a counter
 # could be right without being asked; the number has bytes that framing escapes.
 _TIMES = {"watchdog_clocks": 60_000, "clocks_per_bit": 6, "digit_clocks": 15}
@@ -100,7 +109,9 @@ def parse_board_configuration(name: str) -> BoardParameters:
     if match is None:
         raise InputError(
             f"configuration {name}: must read board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>, "
-            f"as in board_w12_m5_d128_g8_l4, and {_REAL} behind it for the top's own times"
+            f"as in board_w12_m5_d128_g8_l4; behind it {_PLAIN} for a core that certifies nothing, and then "
+            f"{_REAL} for the top's own times"
         )
-    *sizes, real = match.groups()
-    return BoardParameters(*map(int, sizes), **(TOP_TIMES if real else _TIMES), build_id=_BUILD_ID)
+    *sizes, plain, real = match.groups()
+    times = TOP_TIMES if real else _TIMES
+    return BoardParameters(*map(int, sizes), **times, build_id=_BUILD_ID, certify=not plain)

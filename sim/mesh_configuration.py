@@ -9,6 +9,8 @@ from triaxis.golden.pairs import check_width
 # What is simulated; the RTL takes larger groups, more lanes and wider counters.
 MOST_DEPTH, MOST_GROUP, MOST_LANES = 65536, 64, 32
 LEAST_CYCLE_BITS, MOST_CYCLE_BITS = 2, 64
+# What a run tries, above its mode: trial_t of triaxis_mesh_pkg.
+TRIAL_BITS = 8
 
 
 def _is_power_of_two(number: int) -> bool:
@@ -26,6 +28,7 @@ class MeshConfiguration:
     lanes: int = 8
     cycle_bits: int = 32
     gating: bool = True
+    certified: bool = False
 
     def __post_init__(self) -> None:
         """Check the limits that the RTL checks at elaboration."""
@@ -65,6 +68,8 @@ class MeshConfiguration:
             parts.append(f"c{self.cycle_bits}")
         if not self.gating:
             parts.append("ungated")
+        if self.certified:
+            parts.append("certified")
         return "_".join(parts)
 
     @property
@@ -93,10 +98,11 @@ class MeshConfiguration:
             "Lanes": self.lanes,
             "CycleBits": self.cycle_bits,
             "Gating": int(self.gating),
+            "Certify": int(self.certified),
         }
 
 
-_NAME = re.compile(r"mesh_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(?:_c(\d+))?(_ungated)?")
+_NAME = re.compile(r"mesh_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(?:_c(\d+))?(_ungated)?(_certified)?")
 
 
 def is_mesh_configuration(name: str) -> bool:
@@ -110,7 +116,9 @@ def parse_mesh_configuration(name: str) -> MeshConfiguration:
     if match is None:
         raise InputError(
             f"configuration {name}: must read mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>"
-            "[_c<cycle bits>][_ungated], as in mesh_w16_m16_d64_g8_l8"
+            "[_c<cycle bits>][_ungated][_certified], as in mesh_w16_m16_d64_g8_l8"
         )
     numbers = [int(match[n]) for n in range(1, 6)]
-    return MeshConfiguration(*numbers, cycle_bits=int(match[6] or 32), gating=not match[7])
+    return MeshConfiguration(
+        *numbers, cycle_bits=int(match[6] or 32), gating=not match[7], certified=bool(match[8])
+    )

@@ -37,6 +37,20 @@ class Status(IntEnum):
     OVERFLOW = 4
     OVERFULL = 5
     BAD_MODE = 6
+    FAULT = 7
+
+
+class Trial(IntEnum):
+    """What a run tries; trial_kind_e of triaxis_mesh_pkg."""
+
+    NOTHING = 0
+    CLAIM = 1
+    PARITY = 2
+    NUMBER = 3
+    MEMORY = 4
+    WALK = 5
+    INTAKE = 6
+    BOARD = 7
 
 
 @dataclass(frozen=True)
@@ -61,8 +75,10 @@ LOADED, ACCEPTED, ABORTED, SUMMARY, RESET, NEAR, REACHED = range(7)
 EVENT = np.dtype([(name, np.uint32) for name in ("kind", "a", "b", "c")])
 # Of a loaded word: bits of ``a``.
 OF_B, CLEAR, WITH_RUN = 1, 2, 4
+# Of an accepted run: what was high since the run before.
+IDLE_ABORT, ACKNOWLEDGED = 1, 2
 # Numbers that come with a loaded triangle, with a run, with a summary; with others none.
-NUM_VALUES = np.array([9, 5, 0, 13, 0, 0, 0])
+NUM_VALUES = np.array([9, 6, 0, 14, 0, 0, 0])
 
 Runs = npt.NDArray[np.uint16]
 ALWAYS: Runs = np.zeros(0, np.uint16)
@@ -84,6 +100,8 @@ class _Run(ctypes.Structure):
         ("move", ctypes.c_int64 * 3),
         ("margin", ctypes.c_int64),
         ("mode", ctypes.c_int64),
+        ("trial", ctypes.c_int64),
+        ("acknowledge", ctypes.c_int64),
         ("idle_abort", ctypes.c_int64),
         ("num_aborts", ctypes.c_int64),
         ("aborts", ctypes.c_void_p),
@@ -143,16 +161,17 @@ class MeshPlayer(Player):
         self.library.triaxis_load(ctypes.c_void_p(self.model), ctypes.byref(load))
 
     def offer(
-        self, translation: Move, margin: int, mode: int, aborts: Iterable[int] = (), idle_abort: bool = False
-    ) -> None:
+        self, translation: Move, margin: int, mode: int, trial: int = 0, aborts: Iterable[int] = (),
+        idle_abort: bool = False, acknowledge: bool = False,
+    ) -> None:  # fmt: skip
         """Offer a run: while no other is offered. ``aborts``: clocks after its acceptance.
 
-        ``idle_abort``: abort is high for a clock before it is offered.
+        ``idle_abort``, ``acknowledge``: this is high for a clock before it is offered.
         """
         clocks = np.array(sorted(set(aborts)), np.int64)
         run = _Run(
-            (ctypes.c_int64 * 3)(*translation), margin, mode, int(idle_abort), len(clocks),
-            clocks.ctypes.data,
+            (ctypes.c_int64 * 3)(*translation), margin, mode, trial, int(acknowledge), int(idle_abort),
+            len(clocks), clocks.ctypes.data,
         )  # fmt: skip
         self.library.triaxis_offer(ctypes.c_void_p(self.model), ctypes.byref(run))
 

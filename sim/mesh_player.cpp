@@ -21,6 +21,7 @@ using triaxis::Symptom;
 
 constexpr int kCoordinates = 9;
 constexpr int kMoveBits = WIDTH + 1;
+constexpr int kTrialBits = 8;
 constexpr uint64_t kIndexMask = (uint64_t{1} << INDEX_BITS) - 1;
 // Words that hold any stream's data, and what a reader of 64 bits reads beyond them.
 constexpr int kWords = (kCoordinates * WIDTH + 31) / 32 + 2;
@@ -34,7 +35,7 @@ constexpr int64_t kPatience = (int64_t{2} << (2 * INDEX_BITS)) + 2000;
 // Kinds of events, and what their numbers are; mesh_engine.py has the same.
 enum Kind : uint32_t {
   kLoaded,    // a: LoadedFlag; values: nine coordinates
-  kAccepted,  // a: whether abort was high since the run before; values: three moves, margin, mode
+  kAccepted,  // a: AcceptedFlag, since the run before; values: three moves, margin, mode, trial
   kAborted,   // a: the clock of the run
   kSummary,   // values: see NoteSummary
   kReset,
@@ -42,6 +43,7 @@ enum Kind : uint32_t {
   kReached,  // a, b: indices in A and B of a pair that the core accepted
 };
 enum LoadedFlag : uint32_t { kOfB = 1, kClear = 2, kWithRun = 4 };
+enum AcceptedFlag : uint32_t { kIdleAbort = 1, kAcknowledged = 2 };
 
 struct Event {
   uint32_t kind, a, b, c;
@@ -55,10 +57,10 @@ struct Load {
   const uint16_t* runs;
 };
 
-// A run, and the clocks after its acceptance in which it is aborted, in order. idle_abort: abort is high for a
-// clock before it is offered.
+// A run, and the clocks after its acceptance in which it is aborted, in order. acknowledge, idle_abort: these are
+// high for a clock before it is offered.
 struct Run {
-  int64_t move[3], margin, mode, idle_abort, num_aborts;
+  int64_t move[3], margin, mode, trial, acknowledge, idle_abort, num_aborts;
   const int64_t* aborts;
 };
 
@@ -101,7 +103,7 @@ class Player {
  public:
   Player(uint32_t selected, int64_t initial) : bench(selected, initial), engine_(bench.model()), root_(*engine_.rootp) {
     engine_.m_axis_near_tready_i = engine_.m_axis_done_tready_i = 1;
-    engine_.s_axis_load_tvalid_i = engine_.s_axis_run_tvalid_i = engine_.abort_i = 0;
+    engine_.s_axis_load_tvalid_i = engine_.s_axis_run_tvalid_i = engine_.abort_i = engine_.acknowledge_i = 0;
     Guarded([this] { bench.Fall(); });
   }
 
@@ -116,9 +118,10 @@ class Player {
   void Start(const Run& run) {
     asked_ = run;
     asked_aborts_.assign(run.aborts, run.aborts + run.num_aborts);
-    announced_ = run.idle_abort;
+    announced_ = run.idle_abort || run.acknowledge;
     if (announced_) {
-      engine_.abort_i = 1;
+      engine_.abort_i = run.idle_abort != 0;
+      engine_.acknowledge_i = run.acknowledge != 0;
     } else {
       PutRun(0);
       engine_.s_axis_run_tvalid_i = 1;
@@ -250,6 +253,7 @@ class Player {
     uint32_t data[kWords] = {}, user[kWords] = {};
     for (int k = 0; k < 3; ++k) PutBits(data, k * kMoveBits, kMoveBits, asked_.move[k] ^ flip);
     PutBits(user, 0, MARGIN_BITS + 2, (asked_.mode << MARGIN_BITS | asked_.margin) ^ flip);
+    PutBits(user, MARGIN_BITS + 2, kTrialBits, asked_.trial ^ flip);
     Set(engine_.s_axis_run_tdata_i, data);
     Set(engine_.s_axis_run_tuser_i, user);
   }
@@ -276,6 +280,7 @@ class Player {
       PutRun(0);
       engine_.s_axis_run_tvalid_i = 1;
     }
+    engine_.acknowledge_i = 0;
     engine_.abort_i = running_ && next_abort_ < aborts_.size() && aborts_[next_abort_] == run_clock_;
     next_abort_ += engine_.abort_i;
   }
@@ -285,7 +290,7 @@ class Player {
   void NoteReset() {
     if (!in_reset_) events.push_back({kReset});
     in_reset_ = true;
-    aborted_idle_ = false;
+    aborted_idle_ = acknowledged_ = false;
     near_wait_ = seen_clocks_ = done_wait_ = 0;
   }
 
@@ -297,6 +302,7 @@ class Player {
       ++seen_run_clock_;
     } else {
       aborted_idle_ |= engine_.abort_i;
+      acknowledged_ |= engine_.acknowledge_i;
       if (run_moves) NoteRun();
     }
     if (notes_core) NoteReached(root_);
@@ -313,15 +319,16 @@ class Player {
   }
 
   void NoteRun() {
-    events.push_back({kAccepted, aborted_idle_});
+    events.push_back({kAccepted, (aborted_idle_ ? kIdleAbort : 0u) | (acknowledged_ ? kAcknowledged : 0u)});
     uint32_t words[kWords];
     Get(engine_.s_axis_run_tdata_i, words);
     for (int k = 0; k < 3; ++k) values.push_back(TakeBits(words, k * kMoveBits, kMoveBits));
     const uint64_t user = engine_.s_axis_run_tuser_i;
     values.push_back(static_cast<int64_t>(user & ((uint64_t{1} << MARGIN_BITS) - 1)));
-    values.push_back(static_cast<int64_t>(user >> MARGIN_BITS));
+    values.push_back(static_cast<int64_t>(user >> MARGIN_BITS & 3));
+    values.push_back(static_cast<int64_t>(user >> (MARGIN_BITS + 2)));
     seen_run_clock_ = 0;
-    aborted_idle_ = false;
+    aborted_idle_ = acknowledged_ = false;
   }
 
   // Where the build lets it be seen: see mesh_public.vlt.
@@ -367,7 +374,7 @@ class Player {
       for (const uint64_t value : std::initializer_list<uint64_t>{
                engine_.status_o, engine_.cycles_o, engine_.group_pairs_skipped_o, engine_.group_pairs_opened_o,
                engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o, seen_clocks_, done_wait_,
-               engine_.count_a_o, engine_.count_b_o, engine_.overfull_o, static_cast<uint64_t>(clock_)}) {
+               engine_.count_a_o, engine_.count_b_o, engine_.overfull_o, engine_.fault_o, static_cast<uint64_t>(clock_)}) {
         values.push_back(static_cast<int64_t>(value));
       }
     }
@@ -392,6 +399,7 @@ class Player {
   bool diverged_ = false;
   bool in_reset_ = true;
   bool aborted_idle_ = false;
+  bool acknowledged_ = false;
   uint32_t seen_run_clock_ = 0;
   uint32_t near_wait_ = 0;
   uint64_t seen_clocks_ = 0;

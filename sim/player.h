@@ -302,6 +302,9 @@ extern "C" void triaxis_trace(const char* file) {
     bench.registers().Disturb(kind, number, element, bit);                                 \
     bench.Eval();                                                                          \
   }                                                                                        \
+  extern "C" void triaxis_ignore(void* player, int64_t number, int32_t element) {          \
+    static_cast<Player*>(player)->bench.registers().Ignore(number, element);               \
+  }                                                                                        \
   extern "C" uint64_t triaxis_state(void* player) {                                        \
     return static_cast<Player*>(player)->bench.registers().State();                        \
   }

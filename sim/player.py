@@ -52,6 +52,8 @@ class Player:
             ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64, ctypes.c_int32, ctypes.c_int32,
         ]  # fmt: skip
         self.library.triaxis_upset.restype = None
+        self.library.triaxis_ignore.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32]
+        self.library.triaxis_ignore.restype = None
         self.library.triaxis_state.argtypes = [ctypes.c_void_p]
         self.library.triaxis_state.restype = ctypes.c_uint64
         sizes, found = (ctypes.c_int32 * 2)(), list[Register]()
@@ -63,8 +65,12 @@ class Player:
         """Upset a bit of one of the `registers`, or an element, before the next clock; see registers.h."""
         self.library.triaxis_upset(self.model, kind, register, element, bit)
 
+    def ignore(self, register: int, element: int) -> None:
+        """Have `state` say nothing of an element of one of the `registers`."""
+        self.library.triaxis_ignore(self.model, register, element)
+
     def state(self) -> int:
-        """Return a hash of all `registers`."""
+        """Return a hash of all `registers`, but for what is ignored."""
         return self.library.triaxis_state(self.model)
 
     def free(self) -> None:

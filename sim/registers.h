@@ -80,8 +80,31 @@ class Registers {
     return true;
   }
 
-  // A hash of all registers and memories; each bit of a word reaches every bit of it.
-  uint64_t State() const {
+  // From now on the state says nothing of this element.
+  void Ignore(int64_t number, int32_t element) {
+    const Register& one = all_[number];
+    uint8_t* const data = one.data + size_t{one.bytes} * element;
+    ignored_.push_back({data, std::vector<uint8_t>(one.bytes)});
+  }
+
+  // A hash of all registers and memories, but for those ignored; each bit of a word reaches every bit of it.
+  uint64_t State() {
+    for (auto& [data, kept] : ignored_) {
+      std::copy(data, data + kept.size(), kept.begin());
+    }
+    for (auto& [data, kept] : ignored_) std::fill(data, data + kept.size(), uint8_t{0});
+    const uint64_t state = Hash();
+    for (auto& [data, kept] : ignored_) std::copy(kept.begin(), kept.end(), data);
+    return state;
+  }
+
+ private:
+  struct Ignored {
+    uint8_t* data;
+    std::vector<uint8_t> kept;
+  };
+
+  uint64_t Hash() const {
     uint64_t state = 0;
     for (const Register& one : all_) {
       const size_t size = size_t{one.bytes} * one.elements;
@@ -95,8 +118,8 @@ class Registers {
     return state;
   }
 
- private:
   std::vector<Register> all_;
+  std::vector<Ignored> ignored_;
   uint8_t* stuck_ = nullptr;
   uint8_t mask_ = 0, value_ = 0;
   uint8_t* missing_ = nullptr;

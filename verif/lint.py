@@ -33,11 +33,11 @@ _BUILDS = (
     Configuration(9, 0, tag_bits=1, certified=True),
 )
 _MESH_BUILDS = (
-    MeshConfiguration(),
+    MeshConfiguration(certified=True),
     MeshConfiguration(8, 0, depth=16, group=4, lanes=4),
     MeshConfiguration(32, 32, depth=64, group=8, lanes=2),
     MeshConfiguration(24, 2, lanes=1),
-    MeshConfiguration(16, 16, depth=2, group=1, lanes=1),
+    MeshConfiguration(16, 16, depth=2, group=1, lanes=1, certified=True),
 )
 _BOARD_BUILDS = (
     BoardParameters(depth=4096, clocks_per_bit=50),

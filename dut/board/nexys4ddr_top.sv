@@ -6,6 +6,9 @@
 // LEDs, from the right: 0 go, 1 stop, 2 a run is going on, 3 a host is there, 4 near pairs are
 // waiting, 5 the ring of near pairs is full, 6 the watchdog has run out, 7 something went wrong
 // since the last HELLO or RUN, 8..15 errors on the link, low bits.
+// What permits the machine to move is there twice: the runs, the watchdog, the decision of go; and checked, as
+// the engine is: see triaxis_mesh. A check that fails is a fault, and no go, until the next HELLO. A run can
+// try each check, see trial_t.
 // Latency: one clock, 100 MHz.
 
 module nexys4ddr_top
@@ -17,6 +20,7 @@ module nexys4ddr_top
     parameter int unsigned Depth = 4096,  // as in triaxis_mesh, at most 32,768
     parameter int unsigned Group = 8,
     parameter int unsigned Lanes = 8,
+    parameter bit Certify = 1'b1,  // as in triaxis_mesh
     parameter int unsigned ClocksPerBit = 50,  // 2,000,000 baud
     parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
     parameter int unsigned BeatClocks = 50_000,  // 1 kHz
@@ -47,7 +51,8 @@ module nexys4ddr_top
       group: 8'(Group),
       lanes: 8'(Lanes),
       build_id: BuildId,
-      watchdog_ms: 16'(WatchdogMs)
+      watchdog_ms: 16'(WatchdogMs),
+      certifies: 8'(Certify)
   };
 
   if (Depth > 32768) begin : g_bad_depth
@@ -70,7 +75,7 @@ module nexys4ddr_top
 
   // --- Commands -------------------------------------------------------------------------------------
 
-  logic frame_full, frame_release, link_error;
+  logic frame_full, frame_release, frame_broken, link_error, trying_frame;
   logic [$clog2(MaxFrameBytes)-1:0] frame_length;
   logic [$clog2(MaxFrameBytes)-1:0] frame_address;
   byte_t frame_data;
@@ -86,11 +91,14 @@ module nexys4ddr_top
       .address_i(frame_address),
       .data_o(frame_data),
       .release_i(frame_release),
+      .trial_i(trying_frame),
+      .broken_o(frame_broken),
       .error_o(link_error)
   );
 
   logic hello, load, move, run, free, abort, refused, foreign, kick, forget;
-  logic alive, expired, busy, reply_valid, reply_ready;
+  logic expired, busy, reply_valid, reply_ready;
+  logic [1:0] alive;
   logic [IndexWidth:0] count_a, count_b;
   logic [31:0] ring_freed, ring_written;
   request_t request;
@@ -112,7 +120,7 @@ module nexys4ddr_top
       .address_o(frame_address),
       .data_i(frame_data),
       .release_o(frame_release),
-      .alive_i(alive),
+      .alive_i(alive[0]),
       .busy_i(busy),
       .count_a_i(16'(count_a)),
       .count_b_i(16'(count_b)),
@@ -144,22 +152,27 @@ module nexys4ddr_top
   assign begins = hello || run;
   assign cut = abort || hello;
 
-  triaxis_watchdog #(
-      .Clocks(WatchdogClocks)
-  ) u_watchdog (
-      .clk_i(clk_100mhz_i),
-      .rst_ni(rst_n),
-      .kick_i(kick),
-      .forget_i(begins),
-      .alive_o(alive),
-      .expired_o(expired)
-  );
+  logic [1:0] silences;
+  for (genvar i = 0; i < 2; i++) begin : g_watchdog
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_watchdog #(
+        .Clocks(WatchdogClocks)
+    ) u_watchdog (
+        .clk_i(clk_100mhz_i),
+        .rst_ni(rst_n),
+        .kick_i(kick),
+        .forget_i(begins),
+        .alive_o(alive[i]),
+        .expired_o(silences[i])
+    );
+  end
+  assign expired = silences != '0;
 
   // --- Runs -----------------------------------------------------------------------------------------
 
-  logic aborting, run_tvalid, near_tvalid, near_tready, done;
+  logic aborting, run_tvalid, near_tvalid, near_tready, done, engine_fault, fault;
   logic [3*move_width(W)-1:0] run_tdata;
-  logic [M+1:0] run_tuser;
+  logic [$bits(trial_t)+M+1:0] run_tuser;
   logic [2*IndexWidth-1:0] near_tdata;
   status_e done_status;
   logic [31:0] cycles;
@@ -168,39 +181,82 @@ module nexys4ddr_top
 
   pose_t pose;
   summary_t summary, done_summary;
-  status_e engine_status;
+  status_e engine_status, shown_status;
   run_state_e run_state;
   logic [1:0] run_mode;
   status_block_t status;
+  trial_t trial;
 
-  triaxis_runner #(
-      .W(W),
-      .M(M)
-  ) u_runner (
-      .clk_i(clk_100mhz_i),
-      .rst_ni(rst_n),
-      .forget_i(forget),
-      .move_i(move),
-      .run_i(run),
-      .abort_i(cut),
-      .fields_i(request.fields),
-      .busy_o(busy),
-      .aborting_o(aborting),
-      .pose_o(pose),
-      .run_number_o(status.run_number),
-      .run_state_o(run_state),
-      .run_mode_o(run_mode),
-      .run_pose_o(status.pose),
-      .run_margin_o(status.margin),
-      .engine_status_o(engine_status),
-      .summary_o(summary),
-      .run_tvalid_o(run_tvalid),
-      .run_tdata_o(run_tdata),
-      .run_tuser_o(run_tuser),
-      .done_tvalid_i(done),
-      .done_status_i(done_status),
-      .done_summary_i(done_summary)
-  );
+  // Of the second only what it shows is looked at.
+  typedef struct packed {
+    logic busy;
+    logic aborting;
+    pose_t pose;
+    byte_t number;
+    run_state_e state;
+    logic [1:0] mode;
+    pose_t run_pose;
+    logic [31:0] margin;
+    trial_t trial;
+    status_e engine_status;
+    summary_t summary;
+    logic tvalid;
+    logic [3*move_width(W)-1:0] tdata;
+    logic [$bits(trial_t)+M+1:0] tuser;
+  } run_t;
+  run_t runs[2];
+  logic [RunnerSeenWidth-1:0] runner_seen[2], misread;
+
+  for (genvar i = 0; i < 2; i++) begin : g_runner
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_runner #(
+        .W(W),
+        .M(M)
+    ) u_runner (
+        .clk_i(clk_100mhz_i),
+        .rst_ni(rst_n),
+        .forget_i(forget),
+        .move_i(move),
+        .run_i(run),
+        .abort_i(cut),
+        .fields_i(request.fields),
+        .busy_o(runs[i].busy),
+        .aborting_o(runs[i].aborting),
+        .pose_o(runs[i].pose),
+        .run_number_o(runs[i].number),
+        .run_state_o(runs[i].state),
+        .run_mode_o(runs[i].mode),
+        .run_pose_o(runs[i].run_pose),
+        .run_margin_o(runs[i].margin),
+        .run_trial_o(runs[i].trial),
+        .engine_status_o(runs[i].engine_status),
+        .summary_o(runs[i].summary),
+        .run_tvalid_o(runs[i].tvalid),
+        .run_tdata_o(runs[i].tdata),
+        .run_tuser_o(runs[i].tuser),
+        .done_tvalid_i(done),
+        .done_status_i(done_status),
+        .done_summary_i(done_summary),
+        .seen_o(runner_seen[i])
+    );
+  end
+
+  assign busy = runs[0].busy;
+  assign aborting = runs[0].aborting;
+  assign pose = runs[0].pose;
+  assign run_state = runs[0].state;
+  assign run_mode = runs[0].mode;
+  assign trial = runs[0].trial;
+  assign engine_status = runs[0].engine_status;
+  assign summary = runs[0].summary;
+  assign run_tvalid = runs[0].tvalid;
+  assign run_tdata = runs[0].tdata;
+  assign run_tuser = runs[0].tuser;
+  assign status.run_number = runs[0].number;
+  assign status.pose = runs[0].run_pose;
+  assign status.margin = runs[0].margin;
+  logic unused_run;
+  assign unused_run = ^runs[1];
 
   assign done_summary = '{
           cycles: cycles,
@@ -226,7 +282,8 @@ module nexys4ddr_top
       .M(M),
       .Depth(Depth),
       .Group(Group),
-      .Lanes(Lanes)
+      .Lanes(Lanes),
+      .Certify(Certify)
   ) u_mesh (
       .clk_i(clk_100mhz_i),
       .rst_ni(rst_n),
@@ -254,8 +311,27 @@ module nexys4ddr_top
       .group_pairs_opened_o(groups_opened),
       .pairs_skipped_o(pairs_skipped),
       .tested_o(tested),
-      .near_o(near_count)
+      .near_o(near_count),
+      .acknowledge_i(hello),
+      .fault_o(engine_fault)
   );
+
+  // --- Faults ---------------------------------------------------------------------------------------
+
+  // Of the board itself: two runners that differ, a frame that is not as it came.
+  logic trying_runner, runners_differ, board_fault_q;
+  assign trying_frame  = busy && trial.kind == TrialBoard && trial.which == '1;
+  assign trying_runner = busy && trial.kind == TrialBoard && trial.which != '1;
+  for (genvar i = 0; i < RunnerSeenWidth; i++) begin : g_misread
+    assign misread[i] = trying_runner && 5'(i % 31) == trial.which;
+  end
+  assign runners_differ = runner_seen[0] != (runner_seen[1] ^ misread);
+  always_ff @(posedge clk_100mhz_i or negedge rst_n) begin
+    if (!rst_n) board_fault_q <= 1'b0;
+    else board_fault_q <= runners_differ || frame_broken || (board_fault_q && !hello);
+  end
+  assign fault = engine_fault || board_fault_q;
+
 
   logic ring_clear, ring_full;
   logic [31:0] ring_number;
@@ -300,12 +376,14 @@ module nexys4ddr_top
   assign status.summary = summary;
   assign status.flags = '{
           none: '0,
+          fault: fault,
           expired: expired,
           waiting: ring_written != ring_freed,
           go: go_o
       };
   assign status.mode = 8'(run_mode);
-  assign status.engine_status = 8'(engine_status);
+  assign shown_status = (fault && engine_status != StatusNone) ? StatusFault : engine_status;
+  assign status.engine_status = 8'(shown_status);
   assign status.state = 8'(run_state);
 
   reply_t reply;
@@ -347,25 +425,34 @@ module nexys4ddr_top
 
   // --- Outputs --------------------------------------------------------------------------------------
 
-  triaxis_safety #(
-      .NearWidth(PairCountWidth)
-  ) u_safety (
-      .clk_i(clk_100mhz_i),
-      .rst_ni(rst_n),
-      .hello_i(hello),
-      .load_i(load),
-      .move_i(move),
-      .run_i(run),
-      .abort_i(abort),
-      .link_error_i(link_error),
-      .refused_i(refused),
-      .alive_i(alive),
-      .done_i(done),
-      .engine_status_i(done_status),
-      .near_i(near_count),
-      .go_o,
-      .stop_o
-  );
+  logic [1:0] says_go, says_stop;
+  for (genvar i = 0; i < 2; i++) begin : g_safety
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_safety #(
+        .NearWidth(PairCountWidth)
+    ) u_safety (
+        .clk_i(clk_100mhz_i),
+        .rst_ni(rst_n),
+        .hello_i(hello),
+        .load_i(load),
+        .move_i(move),
+        .run_i(run),
+        .abort_i(abort),
+        .link_error_i(link_error),
+        .refused_i(refused),
+        .alive_i(alive[i]),
+        .fault_i(fault),
+        .done_i(done),
+        .engine_status_i(done_status),
+        .near_i(near_count),
+        .go_o(says_go[i]),
+        .stop_o(says_stop[i])
+    );
+  end
+  assign go_o   = says_go[0];
+  assign stop_o = says_stop[1];
+  logic unused_said;
+  assign unused_said = ^{says_go[1], says_stop[0]};
 
   triaxis_beat #(
       .Clocks(BeatClocks)
@@ -382,7 +469,7 @@ module nexys4ddr_top
     else if (link_error || refused) wrong_q <= 1'b1;
     else if (begins) wrong_q <= 1'b0;
   end
-  assign shown_wrong = wrong_q || expired;
+  assign shown_wrong = wrong_q || expired || fault;
 
   triaxis_display #(
       .DigitClocks(DigitClocks)
@@ -398,7 +485,15 @@ module nexys4ddr_top
   );
 
   assign led_o = {
-    status.errors[7:0], wrong_q, expired, ring_full, status.flags.waiting, alive, busy, stop_o, go_o
+    status.errors[7:0],
+    wrong_q || fault,
+    expired,
+    ring_full,
+    status.flags.waiting,
+    alive[0],
+    busy,
+    stop_o,
+    go_o
   };
 
 endmodule

@@ -23,7 +23,7 @@ package triaxis_board_pkg;
 
   typedef logic [7:0] byte_t;
 
-  localparam byte_t ProtocolVersion = 8'd3;
+  localparam byte_t ProtocolVersion = 8'd4;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -70,7 +70,7 @@ package triaxis_board_pkg;
   localparam int unsigned FieldBytes = 12;
   localparam int unsigned LoadFieldBytes = 4;
   localparam int unsigned MoveBytes = 12;
-  localparam int unsigned RunBytes = 9;
+  localparam int unsigned RunBytes = 10;
   localparam int unsigned ResultsBytes = 4;
 
   localparam int unsigned LoadMax = 12;  // triangles a frame
@@ -106,10 +106,25 @@ package triaxis_board_pkg;
 
   typedef logic [2:0][31:0] pose_t;  // z, y, x
 
+  // Of what two runners must have alike: two bits of control, state, mode, margin, trial, two poses, number,
+  // status, summary.
+  localparam int unsigned RunnerSeenWidth = 2 + $bits(
+      run_state_e
+  ) + 2 + 32 + $bits(
+      triaxis_mesh_pkg::trial_t
+  ) + 2 * $bits(
+      pose_t
+  ) + 8 + $bits(
+      triaxis_mesh_pkg::status_e
+  ) + $bits(
+      summary_t
+  );
+
   // --- Replies --------------------------------------------------------------------------------------
 
   typedef struct packed {
-    logic [4:0] none;
+    logic [3:0] none;
+    logic fault;  // a check failed since the last HELLO
     logic expired;  // the watchdog has run out since the last HELLO or RUN
     logic waiting;  // near pairs are in the ring
     logic go;
@@ -131,6 +146,7 @@ package triaxis_board_pkg;
   } status_block_t;
 
   typedef struct packed {
+    byte_t certifies;  // 1: each "clear" is shown again
     logic [15:0] watchdog_ms;
     logic [31:0] build_id;
     byte_t lanes;

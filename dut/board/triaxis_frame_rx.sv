@@ -4,7 +4,8 @@
 // Computes: whole frames with a good CRC, held in a memory until they are released. Each frame that
 // is not handed out is told by one pulse of error_o: bad CRC, fewer bytes than the shortest frame
 // has, more than MaxFrameBytes, bad stuffing, a framing error, or a beginning before the last frame
-// was released. Empty frames are passed over.
+// was released. Empty frames are passed over. Each byte is kept with its parity, and broken_o tells of one
+// that is shown, and has changed.
 // Widths: 0 .. MaxFrameBytes bytes are counted.
 // Latency: 2 clocks from a frame's end to full_o; data_o shows address_i in the same clock.
 
@@ -22,6 +23,8 @@ module triaxis_frame_rx
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,
+    input logic trial_i,  // what is shown is taken as broken
+    output logic broken_o,
     output logic error_o
 );
 
@@ -29,7 +32,7 @@ module triaxis_frame_rx
   localparam length_t Shortest = length_t'(HeaderBytes + CrcBytes);
   localparam length_t Longest = length_t'(MaxFrameBytes);
 
-  byte_t   memory_q[MaxFrameBytes];
+  logic [8:0] memory_q[MaxFrameBytes];
   length_t count_q;
   logic full_q, skip_q;
   logic [31:0] crc;
@@ -53,9 +56,12 @@ module triaxis_frame_rx
   );
 
   always_ff @(posedge clk_i) begin
-    if (store) memory_q[count_q[$clog2(MaxFrameBytes)-1:0]] <= data_i;
+    if (store) memory_q[count_q[$clog2(MaxFrameBytes)-1:0]] <= {^data_i, data_i};
   end
-  assign data_o = memory_q[address_i];
+  logic parity, shown;
+  assign {parity, data_o} = memory_q[address_i];
+  assign shown = full_q && (length_o == '0 || address_i < length_o);
+  assign broken_o = shown && ((parity != ^data_o) || trial_i);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

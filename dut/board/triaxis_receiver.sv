@@ -17,6 +17,8 @@ module triaxis_receiver
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,
+    input logic trial_i,
+    output logic broken_o,
     output logic error_o
 );
 
@@ -58,6 +60,8 @@ module triaxis_receiver
       .address_i,
       .data_o,
       .release_i,
+      .trial_i,
+      .broken_o,
       .error_o
   );
 

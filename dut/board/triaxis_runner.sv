@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: the engine's runs: the pose they are made at, their number, and the summary of the last.
-// While a run is going on its summary reads zero.
+// While a run is going on its summary reads zero. Runs are kept twice on the board, and seen_o is what two
+// runners must have alike.
 // Widths: a pose has W+1 bits a coordinate, at most 32 of which a MOVE can give; the engine's numbers
 // are at most 32 bits (Depth <= 32,768).
 // Latency: 1 clock.
@@ -32,20 +33,24 @@ module triaxis_runner
     output logic [1:0] run_mode_o,
     output pose_t run_pose_o,
     output logic [31:0] run_margin_o,
+    output trial_t run_trial_o,
     output status_e engine_status_o,
     output summary_t summary_o,
 
     output logic run_tvalid_o,  // taken at once: no run is going on
     output logic [3*RunBits-1:0] run_tdata_o,
-    output logic [M+1:0] run_tuser_o,
+    output logic [$bits(trial_t)+M+1:0] run_tuser_o,
     // The summary is taken at once.
     input logic done_tvalid_i,
     input status_e done_status_i,
-    input summary_t done_summary_i
+    input summary_t done_summary_i,
+
+    output logic [RunnerSeenWidth-1:0] seen_o
 );
 
   logic [1:0] mode_q;
   logic [31:0] margin_q;
+  trial_t trial_q;
   logic waiting_q;  // the engine takes the run in this clock
   logic aborting_q;
   pose_t pose_q, run_pose_q;
@@ -62,6 +67,7 @@ module triaxis_runner
   assign run_mode_o = mode_q;
   assign run_pose_o = run_pose_q;
   assign run_margin_o = margin_q;
+  assign run_trial_o = trial_q;
   assign engine_status_o = engine_status_q;
   assign summary_o = summary_q;
 
@@ -70,6 +76,7 @@ module triaxis_runner
     assign run_tdata_o[k*RunBits+:RunBits] = RunBits'($signed(run_pose_q[k]));
   end
   assign run_tuser_o[M+:2] = mode_q;
+  assign run_tuser_o[M+2+:$bits(trial_t)] = trial_q;
   if (M > 0) begin : g_margin
     assign run_tuser_o[M-1:0] = margin_q[M-1:0];
   end
@@ -94,28 +101,55 @@ module triaxis_runner
     end
   end
 
-  // Nobody asks for these before a first HELLO, which forgets them and ends what is aborted.
-  always_ff @(posedge clk_i) begin
-    waiting_q <= run_i;
-    if (done_tvalid_i) aborting_q <= 1'b0;
-    else if (abort_i) aborting_q <= busy_o;
-    if (move_i) pose_q <= fields_i[95:0];
-    if (run_i) begin
-      mode_q <= fields_i[1:0];
-      margin_q <= fields_i[39:8];
-      run_pose_q <= pose_q;
-      run_number_q <= run_number_q + 8'd1;
-      engine_status_q <= StatusNone;
-    end
-    if (done_tvalid_i) engine_status_q <= done_status_i;
-    if (forget_i) begin
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      waiting_q <= 1'b0;
+      aborting_q <= 1'b0;
       mode_q <= '0;
       margin_q <= '0;
+      trial_q <= '0;
       pose_q <= '0;
       run_pose_q <= '0;
       run_number_q <= '0;
       engine_status_q <= StatusNone;
+    end else begin
+      waiting_q <= run_i;
+      if (done_tvalid_i) aborting_q <= 1'b0;
+      else if (abort_i) aborting_q <= busy_o;
+      if (move_i) pose_q <= fields_i[95:0];
+      if (run_i) begin
+        mode_q <= fields_i[1:0];
+        margin_q <= fields_i[39:8];
+        trial_q <= fields_i[72+:$bits(trial_t)];
+        run_pose_q <= pose_q;
+        run_number_q <= run_number_q + 8'd1;
+        engine_status_q <= StatusNone;
+      end
+      if (done_tvalid_i) engine_status_q <= done_status_i;
+      if (forget_i) begin
+        mode_q <= '0;
+        margin_q <= '0;
+        trial_q <= '0;
+        pose_q <= '0;
+        run_pose_q <= '0;
+        run_number_q <= '0;
+        engine_status_q <= StatusNone;
+      end
     end
   end
+
+  assign seen_o = {
+    waiting_q,
+    aborting_q,
+    run_state_q,
+    mode_q,
+    margin_q,
+    trial_q,
+    pose_q,
+    run_pose_q,
+    run_number_q,
+    engine_status_q,
+    summary_q
+  };
 
 endmodule

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: whether the machine may go, and says it on two antivalent outputs. All conditions are
-// here. Go is said only from the end of a complete run that found nothing near, and only while
+// here. There are two on the board: go is that of the one, stop that of the other, so that no single bit of
+// either permits anything. Go is said only from the end of a complete run that found nothing near, and only while
 // - nothing was changed since that run began: no LOAD, MOVE, RUN, HELLO or ABORT was accepted;
-// - nothing went wrong since that run began: no error on the link, no refused command;
+// - nothing went wrong since that run began: no error on the link, no refused command, no fault of the board;
 // - the link has been alive since that run began, and when it began: a run that comes after silence,
 //   being itself the first sign of life, gives no go; the next one does.
 // Otherwise stop is said: from power-up (the registers are configured so), in reset, and until a
@@ -28,6 +29,7 @@ module triaxis_safety
     input logic link_error_i,
     input logic refused_i,
     input logic alive_i,
+    input logic fault_i,
     // The end of a run.
     input logic done_i,
     input status_e engine_status_i,
@@ -39,7 +41,7 @@ module triaxis_safety
 
   logic changed, fault, clear;
   assign changed = hello_i || load_i || move_i || run_i || abort_i;
-  assign fault   = link_error_i || refused_i || !alive_i;
+  assign fault   = link_error_i || refused_i || !alive_i || fault_i;
   assign clear   = done_i && engine_status_i == StatusComplete && near_i == '0;
 
   // The values at configuration count. The outputs' registers are kept apart: neither is made from

@@ -33,7 +33,8 @@ module triaxis_group_rows
     input logic ready_i,
     output logic [GroupWidth-1:0] row_o,
     output logic signed [grown_width(W)-1:0] grown_o[2][3],
-    output logic skip_o
+    output logic skip_o,
+    output logic used_o  // the box of a group, in this clock
 );
 
   localparam int unsigned QueueDepth = 4;
@@ -106,6 +107,7 @@ module triaxis_group_rows
       .overlap_o(overlap)
   );
 
+  assign used_o = read_valid_q && enable;
   assign skip_o = grown_valid_q && enable && !overlap;
 
   // --- Rows that wait -------------------------------------------------------------------------------------

@@ -41,7 +41,8 @@ module triaxis_group_words
     output logic [Lanes-1:0] mask_o,
 
     output logic [LaneCountWidth-1:0] skipped_o,
-    output logic [LaneCountWidth-1:0] opened_o
+    output logic [LaneCountWidth-1:0] opened_o,
+    output logic [Lanes-1:0] used_o  // boxes of groups, in this clock
 );
 
   typedef logic [WordWidth-1:0] word_t;
@@ -109,6 +110,7 @@ module triaxis_group_words
   );
 
   assign decided = (read_valid_q && enable) ? lanes : '0;
+  assign used_o = decided;
   assign skipped_o = lane_count_t'($countones(decided & ~overlap));
   assign opened_o = lane_count_t'($countones(decided & overlap));
   assign valid_o = mask_o != '0;

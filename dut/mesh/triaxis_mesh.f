@@ -1,10 +1,12 @@
 triaxis_mesh_pkg.sv
 triaxis_ram.sv
+triaxis_parity_ram.sv
 triaxis_stream_fifo.sv
 triaxis_overlap.sv
 triaxis_grow.sv
 triaxis_pick.sv
 triaxis_lane_mask.sv
+triaxis_mesh_intake.sv
 triaxis_mesh_store.sv
 triaxis_group_rows.sv
 triaxis_group_words.sv
@@ -12,4 +14,5 @@ triaxis_pair_boxes.sv
 triaxis_pair_fetch.sv
 triaxis_near_pairs.sv
 triaxis_run_control.sv
+triaxis_walk.sv
 triaxis_mesh.sv

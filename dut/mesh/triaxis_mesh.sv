@@ -3,22 +3,22 @@
 //
 // Computes: which triangles of mesh A, moved by a translation, come within a margin of which of
 // mesh B. Both meshes are kept in memory; a run asks the exact core only about pairs that no box
-// decides:
-//   rows    the box of each group of A against the box of the whole of B
-//   words   rows that overlap against the boxes of B's groups, Lanes a clock
-//   boxes   pairs of groups that overlap: each triangle of A against Lanes triangles of B a clock
-//   fetch   pairs that overlap: their vertices, one pair a clock
-//   core    triaxis_core
+// decides, see triaxis_walk.
 // A pair is skipped only where a box axis separates it by more than the margin, so skipping
 // changes no verdict. Streams:
 //   s_axis_load   tuser {clear, mesh}: mesh 0 is A, 1 is B; clear empties it, otherwise tdata, nine
 //                 coordinates, is appended. Not ready during a run.
-//   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {mode, margin}, only the mode
-//                 where M = 0
+//   s_axis_run    tdata {tz, ty, tx}, of W+1 bits each; tuser {trial, mode, margin}, without the margin
+//                 where M = 0; TrialNothing in use
 //   m_axis_near   {index in B, index in A}, in the order of the scan
 //   m_axis_done   one summary a run, after its last near pair was taken. Its values stay until the
 //                 next run is accepted; during a run the status is none. A reset clears them, and
 //                 empties both meshes: a run of empty meshes is complete, and nothing in it is near.
+// What decides is checked while it does, so that no single wrong bit makes a run complete that is not: the walk
+// is done twice, and the intake of each mesh, and compared in each clock; all that is kept of a mesh has parity;
+// and where Certify is set each "clear" of the core is shown again, see triaxis_certified_core. A check that
+// fails is a fault, until it is acknowledged: the run, and all to come, end with StatusFault. Each check can be
+// tried on the running engine.
 // A complete run accounts for all pairs: skipped and opened pairs of groups are all there are, and
 // the pairs within those opened are skipped by their boxes, or tested.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
@@ -36,6 +36,7 @@ module triaxis_mesh
     parameter int unsigned CycleBits = 32,
     parameter bit EdgeBox = 1'b1,  // as in triaxis_core
     parameter bit Gating = 1'b1,  // as in triaxis_core
+    parameter bit Certify = 1'b0,  // triaxis_certified_core in place of triaxis_core
     localparam int unsigned IndexWidth = $clog2(Depth),
     localparam int unsigned Groups = Depth / Group,
     localparam int unsigned GroupPairWidth = 2 * $clog2(Groups) + 1,
@@ -55,7 +56,7 @@ module triaxis_mesh
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [M+1:0] s_axis_run_tuser_i,
+    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
     input logic abort_i,
     output logic busy_o,
 
@@ -71,43 +72,26 @@ module triaxis_mesh
     output logic [GroupPairWidth-1:0] group_pairs_opened_o,
     output logic [PairCountWidth-1:0] pairs_skipped_o,
     output logic [PairCountWidth-1:0] tested_o,
-    output logic [PairCountWidth-1:0] near_o
+    output logic [PairCountWidth-1:0] near_o,
+
+    input  logic acknowledge_i,
+    output logic fault_o
 );
 
   localparam int unsigned GroupWidth = address_width(Groups);
   localparam int unsigned GroupWordWidth = address_width(Groups / Lanes);
   localparam int unsigned WordWidth = address_width(Depth / Lanes);
-  localparam int unsigned LaneWidth = address_width(Lanes);
-  localparam int unsigned LaneCountWidth = $clog2(Lanes) + 1;
-  localparam int unsigned GroupCountWidth = $clog2(Groups) + 1;
-  localparam int unsigned QueueDepth = 16;
   localparam int unsigned CoreWidth = 8 * ((18 * W + 7) / 8);
   // The core's queue, and two steps of fetching.
-  localparam int unsigned InFlight = 2 ** $clog2(core_latency(W, M)) + 2;
+  localparam int unsigned CoreLatency = Certify ? certified_latency(W, M) : core_latency(W, M);
+  localparam int unsigned InFlight = 2 ** $clog2(CoreLatency) + 2;
+  localparam int unsigned SummaryWidth = summary_width(Depth);
+  localparam int unsigned SeenWidth = walk_seen_width(W, M, Depth, Group, Lanes, CycleBits);
 
   typedef logic signed [W-1:0] coord_t;
   typedef logic [IndexWidth-1:0] index_t;
-  typedef logic [IndexWidth:0] count_t;
-  typedef logic [GroupWidth-1:0] group_t;
-  typedef logic [GroupCountWidth-1:0] group_count_t;
-  typedef logic [GroupPairWidth-1:0] group_pair_count_t;
-  typedef logic [PairCountWidth-1:0] pair_count_t;
-  typedef struct packed {
-    group_t a;
-    group_t b;
-  } group_pair_t;
-  typedef struct packed {
-    group_t row;
-    logic [GroupWordWidth-1:0] word;
-  } group_word_t;
-  typedef struct packed {
-    index_t index;
-    logic [WordWidth-1:0] word;
-  } pair_word_t;
-  typedef struct packed {
-    pair_word_t pairs;
-    logic [Lanes-1:0] mask;
-  } masked_pairs_t;
+  typedef logic [Lanes-1:0] lanes_t;
+  typedef logic [SeenWidth-1:0] seen_t;
 
   if (Depth != 2 ** IndexWidth || Group != 2 ** $clog2(
           Group
@@ -125,16 +109,23 @@ module triaxis_mesh
 
   // --- The meshes ---------------------------------------------------------------------------------------
 
-  logic load, settled_a, settled_b, settled, empty_a, empty;
-  logic [1:0] clear, push;
+  trial_t trial_q;
+  logic trying_intake;
+  logic [MemoryTrianglesB:0] broken_memory;
+  logic load, settled_a, settled_b, settled;
+  logic [1:0] clear, push, stores_differ;
   coord_t object_a[2][3], object_b[2][3];
-  logic row_read, word_read, box_a_read, box_b_read, triangle_read;
-  group_t row_group;
-  logic [GroupWordWidth-1:0] word_index;
-  index_t box_a_index, fetch_a, fetch_b;
-  logic [WordWidth-1:0] box_b_word;
   coord_t row_box[1][2][3], word_boxes[Lanes][2][3], box_a[1][2][3], boxes_b[Lanes][2][3];
   logic [9*W-1:0] triangle_a, triangle_b;
+  logic row_intact, box_a_intact, triangle_a_intact, triangle_b_intact;
+  lanes_t words_intact, boxes_b_intact;
+
+  // Of the two walks, the first of which reads.
+  logic [1:0] run_ready, busy, row_read, word_read, box_a_read, box_b_read, triangle_read;
+  logic [GroupWidth-1:0] row_group[2];
+  logic [GroupWordWidth-1:0] word_index[2];
+  index_t box_a_index[2], fetch_a[2], fetch_b[2];
+  logic [WordWidth-1:0] box_b_word[2];
 
   // The meshes can be loaded where a run could start.
   assign s_axis_load_tready_o = s_axis_run_tready_o;
@@ -159,15 +150,24 @@ module triaxis_mesh
       .overfull_o(overfull_o[0]),
       .settled_o(settled_a),
       .object_o(object_a),
-      .triangle_read_i(triangle_read),
-      .triangle_index_i(fetch_a),
+      .triangle_read_i(triangle_read[0]),
+      .triangle_index_i(fetch_a[0]),
       .triangle_o(triangle_a),
-      .box_read_i(box_a_read),
-      .box_word_i(box_a_index),
+      .triangle_intact_o(triangle_a_intact),
+      .box_read_i(box_a_read[0]),
+      .box_word_i(box_a_index[0]),
       .boxes_o(box_a),
-      .group_read_i(row_read),
-      .group_word_i(row_group),
-      .group_boxes_o(row_box)
+      .boxes_intact_o(box_a_intact),
+      .group_read_i(row_read[0]),
+      .group_word_i(row_group[0]),
+      .group_boxes_o(row_box),
+      .groups_intact_o(row_intact),
+      .trial_triangles_i(broken_memory[MemoryTrianglesA]),
+      .trial_boxes_i(broken_memory[MemoryBoxesA]),
+      .trial_groups_i(broken_memory[MemoryGroupsA]),
+      .trial_intake_i(trying_intake),
+      .which_i(trial_q.which),
+      .differ_o(stores_differ[0])
   );
 
   triaxis_mesh_store #(
@@ -185,358 +185,296 @@ module triaxis_mesh
       .overfull_o(overfull_o[1]),
       .settled_o(settled_b),
       .object_o(object_b),
-      .triangle_read_i(triangle_read),
-      .triangle_index_i(fetch_b),
+      .triangle_read_i(triangle_read[0]),
+      .triangle_index_i(fetch_b[0]),
       .triangle_o(triangle_b),
-      .box_read_i(box_b_read),
-      .box_word_i(box_b_word),
+      .triangle_intact_o(triangle_b_intact),
+      .box_read_i(box_b_read[0]),
+      .box_word_i(box_b_word[0]),
       .boxes_o(boxes_b),
-      .group_read_i(word_read),
-      .group_word_i(word_index),
-      .group_boxes_o(word_boxes)
+      .boxes_intact_o(boxes_b_intact),
+      .group_read_i(word_read[0]),
+      .group_word_i(word_index[0]),
+      .group_boxes_o(word_boxes),
+      .groups_intact_o(words_intact),
+      .trial_triangles_i(broken_memory[MemoryTrianglesB]),
+      .trial_boxes_i(broken_memory[MemoryBoxesB]),
+      .trial_groups_i(broken_memory[MemoryGroupsB]),
+      .trial_intake_i(trying_intake),
+      .which_i(trial_q.which),
+      .differ_o(stores_differ[1])
   );
 
-  // --- The run ------------------------------------------------------------------------------------------
+  // --- The run, walked twice ------------------------------------------------------------------------------
 
-  logic signed [move_width(W)-1:0] asked_move[3], move[3];
-  logic signed [grown_width(W)-1:0] shift[2][3];
-  logic [margin_width(M)-1:0] asked_margin, margin;
-  mode_e mode;
-  logic restart, start, drain, first, idle, groups_idle;
-  logic rows_idle, words_idle, boxes_idle, near_idle;
-  logic pick_group_valid, group_pair_valid, masked_valid, pair_valid;
-
-  for (genvar k = 0; k < 3; k++) begin : g_move
-    assign asked_move[k] = s_axis_run_tdata_i[k*move_width(W)+:move_width(W)];
-  end
-  if (M == 0) begin : g_no_margin
-    assign asked_margin = '0;
-  end else begin : g_margin
-    assign asked_margin = s_axis_run_tuser_i[M-1:0];
-  end
-
-  assign settled = settled_a && settled_b;
-  assign empty_a = count_a_o == '0;
-  assign empty   = empty_a || count_b_o == '0;
-
-  triaxis_run_control #(
-      .W(W),
-      .MarginWidth(margin_width(M)),
-      .CycleBits(CycleBits)
-  ) u_control (
-      .clk_i,
-      .rst_ni,
-      .s_axis_run_tvalid_i,
-      .s_axis_run_tready_o,
-      .move_i(asked_move),
-      .margin_i(asked_margin),
-      .mode_i(s_axis_run_tuser_i[M+:2]),
-      .abort_i,
-      .busy_o,
-      .settled_i(settled),
-      .overfull_i(overfull_o != '0),
-      .empty_a_i(empty_a),
-      .empty_i(empty),
-      .object_a_i(object_a),
-      .move_o(move),
-      .shift_o(shift),
-      .margin_o(margin),
-      .mode_o(mode),
-      .clear_o(restart),
-      .start_o(start),
-      .drain_o(drain),
-      .idle_i(idle),
-      .first_i(first),
-      .m_axis_done_tvalid_o,
-      .m_axis_done_tready_i,
-      .status_o,
-      .cycles_o
-  );
-
-  // Pairs that are fetched are on their way to a verdict already.
-  assign groups_idle = rows_idle && words_idle && !pick_group_valid && !group_pair_valid;
-  assign idle = groups_idle && boxes_idle && !masked_valid && !pair_valid && near_idle;
-
-  // --- Groups -------------------------------------------------------------------------------------------
-
-  group_count_t groups_a, groups_b;
-  logic row_valid, row_ready, row_skip;
-  group_t row;
-  logic signed [grown_width(W)-1:0] row_grown[2][3];
-  logic word_valid, word_ready;
-  group_word_t word, picked;
-  logic [Lanes-1:0] word_mask;
-  logic [LaneCountWidth-1:0] words_skipped, words_opened;
-  logic pick_group_ready;
-  logic [LaneWidth-1:0] picked_lane;
-  group_pair_t group_pair_found, group_pair;
-  logic group_pair_ready, group_pair_taken;
-
-  assign groups_a = group_count_t'((count_a_o + count_t'(Group - 1)) >> $clog2(Group));
-  assign groups_b = group_count_t'((count_b_o + count_t'(Group - 1)) >> $clog2(Group));
-
-  triaxis_group_rows #(
-      .W(W),
-      .Groups(Groups)
-  ) u_rows (
-      .clk_i,
-      .rst_ni,
-      .start_i(start),
-      .drain_i(drain),
-      .idle_o(rows_idle),
-      .groups_a_i(groups_a),
-      .shift_i(shift),
-      .object_b_i(object_b),
-      .read_o(row_read),
-      .group_o(row_group),
-      .box_i(row_box[0]),
-      .valid_o(row_valid),
-      .ready_i(row_ready),
-      .row_o(row),
-      .grown_o(row_grown),
-      .skip_o(row_skip)
-  );
-
-  triaxis_group_words #(
-      .W(W),
-      .Groups(Groups),
-      .Lanes(Lanes)
-  ) u_words (
-      .clk_i,
-      .rst_ni,
-      .drain_i(drain),
-      .idle_o(words_idle),
-      .groups_b_i(groups_b),
-      .valid_i(row_valid),
-      .ready_o(row_ready),
-      .row_i(row),
-      .grown_i(row_grown),
-      .read_o(word_read),
-      .read_word_o(word_index),
-      .boxes_i(word_boxes),
-      .valid_o(word_valid),
-      .ready_i(word_ready),
-      .row_o(word.row),
-      .word_o(word.word),
-      .mask_o(word_mask),
-      .skipped_o(words_skipped),
-      .opened_o(words_opened)
-  );
-
-  triaxis_pick #(
-      .T(group_word_t),
-      .Lanes(Lanes)
-  ) u_pick_group (
-      .clk_i,
-      .rst_ni,
-      .drain_i(drain),
-      .valid_i(word_valid),
-      .ready_o(word_ready),
-      .payload_i(word),
-      .mask_i(word_mask),
-      .valid_o(pick_group_valid),
-      .ready_i(pick_group_ready),
-      .payload_o(picked),
-      .lane_o(picked_lane)
-  );
-
-  assign group_pair_found.a = picked.row;
-  assign group_pair_found.b = group_t'(picked.word) * group_t'(Lanes) + group_t'(picked_lane);
-
-  assign group_pair_taken   = group_pair_ready || drain;
-  triaxis_stream_fifo #(
-      .T(group_pair_t),
-      .Depth(QueueDepth)
-  ) u_group_pairs (
-      .clk_i,
-      .rst_ni,
-      .valid_i(pick_group_valid),
-      .ready_o(pick_group_ready),
-      .data_i (group_pair_found),
-      .valid_o(group_pair_valid),
-      .ready_i(group_pair_taken),
-      .data_o (group_pair)
-  );
-
-  // --- Triangles ----------------------------------------------------------------------------------------
-
-  masked_pairs_t boxed, masked;
-  logic boxed_valid, boxed_ready, masked_ready;
-  logic [LaneCountWidth-1:0] boxes_skipped;
-  pair_word_t pair_word;
-  logic [LaneWidth-1:0] pair_lane;
-  logic pair_ready;
-
-  triaxis_pair_boxes #(
-      .W(W),
-      .Depth(Depth),
-      .Group(Group),
-      .Lanes(Lanes)
-  ) u_boxes (
-      .clk_i,
-      .rst_ni,
-      .drain_i(drain),
-      .idle_o(boxes_idle),
-      .count_a_i(count_a_o),
-      .count_b_i(count_b_o),
-      .shift_i(shift),
-      .valid_i(group_pair_valid),
-      .ready_o(group_pair_ready),
-      .group_a_i(group_pair.a),
-      .group_b_i(group_pair.b),
-      .read_a_o(box_a_read),
-      .index_a_o(box_a_index),
-      .box_a_i(box_a[0]),
-      .read_b_o(box_b_read),
-      .word_b_o(box_b_word),
-      .boxes_b_i(boxes_b),
-      .valid_o(boxed_valid),
-      .ready_i(boxed_ready),
-      .index_o(boxed.pairs.index),
-      .word_o(boxed.pairs.word),
-      .mask_o(boxed.mask),
-      .skipped_o(boxes_skipped)
-  );
-
-  triaxis_stream_fifo #(
-      .T(masked_pairs_t),
-      .Depth(QueueDepth)
-  ) u_masked_pairs (
-      .clk_i,
-      .rst_ni,
-      .valid_i(boxed_valid),
-      .ready_o(boxed_ready),
-      .data_i (boxed),
-      .valid_o(masked_valid),
-      .ready_i(masked_ready),
-      .data_o (masked)
-  );
-
-  triaxis_pick #(
-      .T(pair_word_t),
-      .Lanes(Lanes)
-  ) u_pick_pair (
-      .clk_i,
-      .rst_ni,
-      .drain_i(drain),
-      .valid_i(masked_valid),
-      .ready_o(masked_ready),
-      .payload_i(masked.pairs),
-      .mask_i(masked.mask),
-      .valid_o(pair_valid),
-      .ready_i(pair_ready),
-      .payload_o(pair_word),
-      .lane_o(pair_lane)
-  );
-
-  // --- Vertices, verdicts ---------------------------------------------------------------------------------
-
-  logic issue, core_valid, core_ready, verdict_valid, verdict_ready;
+  logic signed [move_width(W)-1:0] move[3];
+  logic [margin_width(M)-1:0] margin, core_margin[2];
+  logic [1:0]
+      row_used, box_a_used, triangles_used, walk_core_valid, verdicts_ready, near_valid, done;
+  lanes_t words_used[2], boxes_b_used[2];
+  logic [18*W-1:0] walk_core_pair[2];
+  index_t walk_core_a[2], walk_core_b[2];
+  logic [2*IndexWidth-1:0] near_data[2];
+  status_e status[2];
+  logic [CycleBits-1:0] cycles[2];
+  logic [GroupPairWidth-1:0] groups_skipped[2], groups_opened[2];
+  logic [PairCountWidth-1:0] skipped[2], tested[2], near[2];
+  seen_t seen[2], misread, second, seen_q[2];
+  logic core_valid, core_ready, verdict_valid, verdict_fault;
   logic [18*W-1:0] core_pair;
   index_t core_a, core_b;
   logic [15:0] verdict;
   logic [2*IndexWidth-1:0] verdict_pair;
 
-  assign fetch_a = pair_word.index;
-  assign fetch_b = index_t'(pair_word.word) * index_t'(Lanes) + index_t'(pair_lane);
+  for (genvar k = 0; k < 3; k++) begin : g_move
+    assign move[k] = s_axis_run_tdata_i[k*move_width(W)+:move_width(W)];
+  end
+  if (M == 0) begin : g_no_margin
+    assign margin = '0;
+  end else begin : g_margin
+    assign margin = s_axis_run_tuser_i[M-1:0];
+  end
 
-  triaxis_pair_fetch #(
-      .W(W),
-      .Depth(Depth)
-  ) u_fetch (
-      .clk_i,
-      .rst_ni,
-      .drain_i(drain),
-      .move_i(move),
-      .valid_i(pair_valid),
-      .ready_o(pair_ready),
-      .index_a_i(fetch_a),
-      .index_b_i(fetch_b),
-      .read_o(triangle_read),
-      .triangle_a_i(triangle_a),
-      .triangle_b_i(triangle_b),
-      .valid_o(core_valid),
-      .ready_i(core_ready),
-      .pair_o(core_pair),
-      .index_a_o(core_a),
-      .index_b_o(core_b)
-  );
+  assign settled = settled_a && settled_b;
+  for (genvar i = 0; i < 2; i++) begin : g_walk
+    // Never to be made one, as they are the same.
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_walk #(
+        .W(W),
+        .M(M),
+        .Depth(Depth),
+        .Group(Group),
+        .Lanes(Lanes),
+        .CycleBits(CycleBits),
+        .InFlight(InFlight)
+    ) u_walk (
+        .clk_i,
+        .rst_ni,
+        .s_axis_run_tvalid_i,
+        .s_axis_run_tready_o(run_ready[i]),
+        .move_i(move),
+        .margin_i(margin),
+        .mode_i(s_axis_run_tuser_i[M+:2]),
+        .abort_i,
+        .busy_o(busy[i]),
+        .settled_i(settled),
+        .overfull_i(overfull_o != '0),
+        .count_a_i(count_a_o),
+        .count_b_i(count_b_o),
+        .object_a_i(object_a),
+        .object_b_i(object_b),
+        .row_read_o(row_read[i]),
+        .row_group_o(row_group[i]),
+        .row_box_i(row_box[0]),
+        .row_used_o(row_used[i]),
+        .word_read_o(word_read[i]),
+        .word_index_o(word_index[i]),
+        .word_boxes_i(word_boxes),
+        .word_used_o(words_used[i]),
+        .box_a_read_o(box_a_read[i]),
+        .box_a_index_o(box_a_index[i]),
+        .box_a_i(box_a[0]),
+        .box_a_used_o(box_a_used[i]),
+        .box_b_read_o(box_b_read[i]),
+        .box_b_word_o(box_b_word[i]),
+        .boxes_b_i(boxes_b),
+        .boxes_b_used_o(boxes_b_used[i]),
+        .triangle_read_o(triangle_read[i]),
+        .triangle_a_index_o(fetch_a[i]),
+        .triangle_b_index_o(fetch_b[i]),
+        .triangle_a_i(triangle_a),
+        .triangle_b_i(triangle_b),
+        .triangles_used_o(triangles_used[i]),
+        .core_valid_o(walk_core_valid[i]),
+        .core_ready_i(core_ready),
+        .core_pair_o(walk_core_pair[i]),
+        .core_a_o(walk_core_a[i]),
+        .core_b_o(walk_core_b[i]),
+        .core_margin_o(core_margin[i]),
+        .verdict_valid_i(verdict_valid),
+        .verdict_ready_o(verdicts_ready[i]),
+        .verdict_near_i(verdict[0]),
+        .verdict_pair_i(verdict_pair),
+        .m_axis_near_tvalid_o(near_valid[i]),
+        .m_axis_near_tready_i,
+        .m_axis_near_tdata_o(near_data[i]),
+        .m_axis_done_tvalid_o(done[i]),
+        .m_axis_done_tready_i,
+        .status_o(status[i]),
+        .cycles_o(cycles[i]),
+        .group_pairs_skipped_o(groups_skipped[i]),
+        .group_pairs_opened_o(groups_opened[i]),
+        .pairs_skipped_o(skipped[i]),
+        .tested_o(tested[i]),
+        .near_o(near[i]),
+        .seen_o(seen[i])
+    );
+  end
+
+  // Of the second only what it shows is looked at.
+  logic unused_second;
+  assign unused_second = ^{
+    run_ready[1],
+    busy[1],
+    row_read[1],
+    word_read[1],
+    box_a_read[1],
+    box_b_read[1],
+    triangle_read[1],
+    row_group[1],
+    word_index[1],
+    box_a_index[1],
+    fetch_a[1],
+    fetch_b[1],
+    box_b_word[1],
+    walk_core_valid[1],
+    walk_core_pair[1],
+    walk_core_a[1],
+    walk_core_b[1],
+    core_margin[1],
+    verdicts_ready[1],
+    near_valid[1],
+    near_data[1],
+    done[1],
+    status[1],
+    cycles[1],
+    groups_skipped[1],
+    groups_opened[1],
+    skipped[1],
+    tested[1],
+    near[1]
+  };
+
+  assign s_axis_run_tready_o = run_ready[0];
+  assign busy_o = busy[0];
+  assign m_axis_near_tvalid_o = near_valid[0];
+  assign m_axis_near_tdata_o = near_data[0];
+  assign m_axis_done_tvalid_o = done[0];
+  assign cycles_o = cycles[0];
+  assign group_pairs_skipped_o = groups_skipped[0];
+  assign group_pairs_opened_o = groups_opened[0];
+  assign pairs_skipped_o = skipped[0];
+  assign tested_o = tested[0];
+  assign near_o = near[0];
+
+  // --- Verdicts -----------------------------------------------------------------------------------------
+
+  assign core_valid = walk_core_valid[0];
+  assign core_pair = walk_core_pair[0];
+  assign core_a = walk_core_a[0];
+  assign core_b = walk_core_b[0];
 
   logic [2*IndexWidth+M-1:0] core_user;
   if (M == 0) begin : g_bare_tag
     logic unused_margin;
-    assign unused_margin = ^margin;
+    assign unused_margin = ^core_margin[0];
     assign core_user = {core_b, core_a};
   end else begin : g_tag_margin
-    assign core_user = {core_b, core_a, margin};
+    assign core_user = {core_b, core_a, core_margin[0]};
   end
 
-  triaxis_core #(
-      .W(W),
-      .M(M),
-      .TAG(2 * IndexWidth),
-      .EdgeBox(EdgeBox),
-      .Gating(Gating)
-  ) u_core (
-      .clk_i,
-      .rst_ni,
-      .s_axis_tvalid_i(core_valid),
-      .s_axis_tready_o(core_ready),
-      .s_axis_tdata_i (CoreWidth'(core_pair)),
-      .s_axis_tuser_i (core_user),
-      .m_axis_tvalid_o(verdict_valid),
-      .m_axis_tready_i(verdict_ready),
-      .m_axis_tdata_o (verdict),
-      .m_axis_tuser_o (verdict_pair)
-  );
+  if (Certify) begin : g_core
+    try_t attempt;
+    assign attempt = {try_kind_e'(trial_q.kind[2] ? 2'd0 : trial_q.kind[1:0]), trial_q.which};
+    triaxis_certified_core #(
+        .W(W),
+        .M(M),
+        .TAG(2 * IndexWidth),
+        .EdgeBox(EdgeBox),
+        .Gating(Gating)
+    ) u_core (
+        .clk_i,
+        .rst_ni,
+        .s_axis_tvalid_i(core_valid),
+        .s_axis_tready_o(core_ready),
+        .s_axis_tdata_i (CoreWidth'(core_pair)),
+        .s_axis_tuser_i ({attempt, core_user}),
+        .m_axis_tvalid_o(verdict_valid),
+        .m_axis_tready_i(verdicts_ready[0]),
+        .m_axis_tdata_o (verdict),
+        .m_axis_tuser_o (verdict_pair)
+    );
+  end else begin : g_core
+    triaxis_core #(
+        .W(W),
+        .M(M),
+        .TAG(2 * IndexWidth),
+        .EdgeBox(EdgeBox),
+        .Gating(Gating)
+    ) u_core (
+        .clk_i,
+        .rst_ni,
+        .s_axis_tvalid_i(core_valid),
+        .s_axis_tready_o(core_ready),
+        .s_axis_tdata_i (CoreWidth'(core_pair)),
+        .s_axis_tuser_i (core_user),
+        .m_axis_tvalid_o(verdict_valid),
+        .m_axis_tready_i(verdicts_ready[0]),
+        .m_axis_tdata_o (verdict),
+        .m_axis_tuser_o (verdict_pair)
+    );
+  end
 
-  // Of the verdict, only whether it is near: the engine's users ask for pairs, not for axes.
-  logic [14:0] unused_verdict;
-  assign unused_verdict = verdict[15:1];
+  // Of the verdict, only whether it is near, or a fault: the engine's users ask for pairs, not for axes.
+  assign verdict_fault = verdict_valid && verdict[4];
+  logic [13:0] unused_verdict;
+  assign unused_verdict = {verdict[15:5], verdict[3:1]};
 
-  // A pair that is fetched while draining is dropped.
-  assign issue = triangle_read && !drain;
+  // --- Faults -------------------------------------------------------------------------------------------
 
-  triaxis_near_pairs #(
-      .IndexWidth(IndexWidth),
-      .InFlight  (InFlight)
-  ) u_near (
-      .clk_i,
-      .rst_ni,
-      .start_i(restart),
-      .drain_i(drain),
-      .idle_o(near_idle),
-      .mode_i(mode),
-      .first_o(first),
-      .issue_i(issue),
-      .verdict_valid_i(verdict_valid),
-      .verdict_ready_o(verdict_ready),
-      .verdict_near_i(verdict[0]),
-      .verdict_pair_i(verdict_pair),
-      .m_axis_near_tvalid_o,
-      .m_axis_near_tready_i,
-      .m_axis_near_tdata_o,
-      .tested_o,
-      .near_o
-  );
+  logic row_broken, box_a_broken, triangles_broken;
+  lanes_t words_broken, boxes_b_broken;
+  logic accept, trying_walk, broken, differ, unlike, fault, fault_q, ends_in_fault_q;
+  assign accept = s_axis_run_tvalid_i && s_axis_run_tready_o;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) trial_q <= '0;
+    else if (accept) trial_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)];
+  end
+  for (genvar i = 0; i <= MemoryTrianglesB; i++) begin : g_trying_memory
+    assign broken_memory[i] = trial_q.kind == TrialMemory && trial_q.which == 5'(i);
+  end
+  assign trying_walk = trial_q.kind == TrialWalk && busy_o;
+  assign trying_intake = trial_q.kind == TrialIntake && busy_o;
 
-  // --- Counters of what was skipped -----------------------------------------------------------------------
+  // Words that something rests on, by either walk.
+  assign row_broken = row_used != '0 && !row_intact;
+  assign words_broken = (words_used[0] | words_used[1]) & ~words_intact;
+  assign box_a_broken = box_a_used != '0 && !box_a_intact;
+  assign boxes_b_broken = (boxes_b_used[0] | boxes_b_used[1]) & ~boxes_b_intact;
+  assign triangles_broken = triangles_used != '0 && !(triangle_a_intact && triangle_b_intact);
+  assign broken = row_broken || words_broken != '0 || box_a_broken || boxes_b_broken != '0 ||
+      triangles_broken;
 
+  for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
+    assign misread[i] = trying_walk && 5'(i) == trial_q.which;
+  end
+  assign second = seen[1] ^ misread;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      group_pairs_skipped_o <= '0;
-      group_pairs_opened_o <= '0;
-      pairs_skipped_o <= '0;
-    end else if (restart) begin
-      group_pairs_skipped_o <= '0;
-      group_pairs_opened_o <= '0;
-      pairs_skipped_o <= '0;
+      seen_q <= '{default: '0};
     end else begin
-      group_pairs_skipped_o <= group_pairs_skipped_o + group_pair_count_t'(words_skipped) +
-          (row_skip ? group_pair_count_t'(groups_b) : '0);
-      group_pairs_opened_o <= group_pairs_opened_o + group_pair_count_t'(words_opened);
-      pairs_skipped_o <= pairs_skipped_o + pair_count_t'(boxes_skipped);
+      seen_q[0] <= seen[0];
+      seen_q[1] <= second;
     end
   end
+  assign differ = seen_q[0] != seen_q[1] || stores_differ != '0;
+  assign fault  = broken || differ || verdict_fault || (fault_q && !acknowledge_i);
+
+  // A run that meets a fault ends in one, though it be acknowledged.
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      fault_q <= 1'b0;
+      ends_in_fault_q <= 1'b0;
+    end else begin
+      fault_q <= fault;
+      ends_in_fault_q <= fault || (ends_in_fault_q && !accept);
+    end
+  end
+  assign fault_o = fault_q;
+
+  // What decides is compared in the very clock of the summary.
+  assign unlike = done[0] && seen[0][SummaryWidth-1:0] != second[SummaryWidth-1:0];
+  assign status_o = (status[0] != StatusNone && (differ || unlike || ends_in_fault_q)) ?
+      StatusFault : status[0];
 
 endmodule

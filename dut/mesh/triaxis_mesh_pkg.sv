@@ -26,8 +26,39 @@ package triaxis_mesh_pkg;
     StatusAborted  = 3'd3,
     StatusOverflow = 3'd4,  // A moved leaves the range: nothing was run
     StatusOverfull = 3'd5,  // a mesh was given more triangles than fit: nothing was run
-    StatusBadMode  = 3'd6   // nothing was run
+    StatusBadMode  = 3'd6,  // nothing was run
+    StatusFault    = 3'd7   // a check failed: nothing that was found counts
   } status_e;
+
+  // What a run tries, so that each check is seen to work; a run of use tries nothing. The first four are the
+  // attempts of the certified core, see triaxis_pkg, on each pair that is tested; then words of one of the
+  // memories are taken as broken where they are used, one of the two walks is misread, or one of the two
+  // intakes of each mesh.
+  typedef enum logic [2:0] {
+    TrialNothing,
+    TrialClaim,
+    TrialParity,
+    TrialNumber,
+    TrialMemory,
+    TrialWalk,
+    TrialIntake,
+    TrialBoard  // of the board around the engine, which does nothing with it
+  } trial_kind_e;
+
+  // which: of an attempt see triaxis_pkg; of memories one of memory_e; else each 32nd bit, from this one on.
+  typedef struct packed {
+    trial_kind_e kind;
+    logic [4:0]  which;
+  } trial_t;
+
+  typedef enum logic [2:0] {
+    MemoryGroupsA,
+    MemoryGroupsB,
+    MemoryBoxesA,
+    MemoryBoxesB,
+    MemoryTrianglesA,
+    MemoryTrianglesB
+  } memory_e;
 
   function automatic int unsigned move_width(int unsigned w);
     return w + 1;
@@ -40,6 +71,32 @@ package triaxis_mesh_pkg;
   // Addresses of memories with one word are one constant bit wide.
   function automatic int unsigned address_width(int unsigned words);
     return (words > 1) ? $clog2(words) : 1;
+  endfunction
+
+  // Of what two intakes must have alike: count, overfull, three clocks under way, number, vertices, three boxes.
+  function automatic int unsigned intake_seen_width(int unsigned w, int unsigned depth);
+    return 2 * $clog2(depth) + 5 + 27 * w;
+  endfunction
+
+  // Of these what decides, the lowest bits: that a summary is offered, its status, and how many pairs are near.
+  function automatic int unsigned summary_width(int unsigned depth);
+    return 1 + $bits(status_e) + 2 * $clog2(depth) + 1;
+  endfunction
+
+  // Of what two walks must have alike, in the order of triaxis_walk.
+  function automatic int unsigned walk_seen_width(int unsigned w, int unsigned m,
+                                                  int unsigned depth, int unsigned group,
+                                                  int unsigned lanes, int unsigned cycle_bits);
+    int unsigned index_bits = $clog2(depth);
+    int unsigned addresses = address_width(
+        depth / group
+    ) + address_width(
+        depth / group / lanes
+    ) + address_width(
+        depth / lanes
+    ) + 7 * index_bits;
+    int unsigned counts = 2 * (2 * $clog2(depth / group) + 1) + 2 * (2 * index_bits + 1);
+    return m + 11 + addresses + 18 * w + cycle_bits + counts + summary_width(depth);
   endfunction
 
 endpackage

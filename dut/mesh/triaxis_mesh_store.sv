@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Computes: one mesh in memory: its triangles, their boxes, the boxes of groups of Group consecutive
-// triangles and the box of the whole. Boxes are computed here from the vertices, never handed in,
-// for every skip rests on them. Boxes are kept in Lanes banks, so that one read yields a word of
-// Lanes boxes: number i lies in lane i mod Lanes of word i / Lanes.
-// Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself. A
-// triangle beyond Depth is dropped and reported: overfull_o, until the mesh is emptied.
+// triangles and the box of the whole, see triaxis_mesh_intake. Boxes are kept in Lanes banks, so that one
+// read yields a word of Lanes boxes: number i lies in lane i mod Lanes of word i / Lanes. All that is kept
+// has parity; what is to be kept is made twice, by two intakes, and differ_o says that they do, or did in the
+// last clock.
+// Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself.
 // Latency: 4 from push_i until the triangle and its boxes can be read; settled_o says so. 1 from a
 // read to its data.
 
@@ -35,141 +35,119 @@ module triaxis_mesh_store
     input logic triangle_read_i,
     input logic [IndexWidth-1:0] triangle_index_i,
     output logic [9*W-1:0] triangle_o,
+    output logic triangle_intact_o,
 
     input logic box_read_i,
     input logic [WordWidth-1:0] box_word_i,
     output logic signed [W-1:0] boxes_o[Lanes][2][3],
+    output logic [Lanes-1:0] boxes_intact_o,
 
     input logic group_read_i,
     input logic [GroupWordWidth-1:0] group_word_i,
-    output logic signed [W-1:0] group_boxes_o[Lanes][2][3]
+    output logic signed [W-1:0] group_boxes_o[Lanes][2][3],
+    output logic [Lanes-1:0] groups_intact_o,
+
+    // What is tried: words of a memory are taken as broken; the second intake is misread, in each 32nd bit.
+    input logic trial_triangles_i,
+    input logic trial_boxes_i,
+    input logic trial_groups_i,
+    input logic trial_intake_i,
+    input logic [4:0] which_i,
+    output logic differ_o
 );
 
-  localparam int unsigned ExtentLatency = 2;
   localparam int unsigned LaneBits = $clog2(Lanes);
   localparam int unsigned GroupBits = $clog2(Group);
-  localparam int unsigned BoxWidth = 6 * W;
+  localparam int unsigned SeenWidth = intake_seen_width(W, Depth);
 
   typedef logic signed [W-1:0] coord_t;
   typedef logic [9*W-1:0] triangle_t;
-  typedef logic [1:0][2:0][W-1:0] box_t;
+  typedef logic [5:0][W-1:0] box_t;
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
+  typedef logic [SeenWidth-1:0] seen_t;
 
   localparam index_t LastLane = index_t'(Lanes - 1);
 
-  // --- Count ----------------------------------------------------------------------------------------
+  // --- What comes, twice ----------------------------------------------------------------------------
 
-  logic full, keep;
-  count_t count_q;
-  assign full = count_q == count_t'(Depth);
-  assign keep = push_i && !full;
-  assign count_o = count_q;
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      count_q <= '0;
-      overfull_o <= 1'b0;
-    end else if (clear_i) begin
-      count_q <= '0;
-      overfull_o <= 1'b0;
-    end else begin
-      if (keep) count_q <= count_q + count_t'(1);
-      if (push_i && full) overfull_o <= 1'b1;
-    end
-  end
-
-  // --- The box of a triangle --------------------------------------------------------------------------
-
-  triangle_t triangle_q, triangle;
-  index_t index_q, index;
-  logic [ExtentLatency:0] valid_q;
-  coord_t box[2][3];
-
-  always_ff @(posedge clk_i) begin
-    triangle_q <= triangle_i;
-    index_q <= count_q[IndexWidth-1:0];
-  end
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) valid_q <= '0;
-    else valid_q <= {valid_q[ExtentLatency-1:0], keep};
-  end
-  assign settled_o = valid_q == '0;
-
-  for (genvar k = 0; k < 3; k++) begin : g_extent
-    coord_t points[3];
-    for (genvar v = 0; v < 3; v++) begin : g_vertex
-      assign points[v] = triangle_q[(3*v+k)*W+:W];
-    end
-    triaxis_extent #(
-        .W(W)
-    ) u_extent (
+  count_t counts[2];
+  logic [1:0] overfull, settled, writes;
+  coord_t objects[2][2][3], boxes[2][2][3], groups[2][2][3];
+  index_t indices[2];
+  triangle_t triangles[2];
+  seen_t seen[2];
+  for (genvar i = 0; i < 2; i++) begin : g_intake
+    // Never to be made one, as they are the same.
+    (* keep_hierarchy = "yes", dont_touch = "yes" *)
+    triaxis_mesh_intake #(
+        .W(W),
+        .Depth(Depth),
+        .Group(Group)
+    ) u_intake (
         .clk_i,
-        .points_i(points),
-        .low_o(box[0][k]),
-        .high_o(box[1][k])
+        .rst_ni,
+        .clear_i,
+        .push_i,
+        .triangle_i,
+        .count_o(counts[i]),
+        .overfull_o(overfull[i]),
+        .settled_o(settled[i]),
+        .object_o(objects[i]),
+        .write_o(writes[i]),
+        .index_o(indices[i]),
+        .triangle_o(triangles[i]),
+        .box_o(boxes[i]),
+        .group_o(groups[i]),
+        .seen_o(seen[i])
     );
   end
 
-  triaxis_delay #(
-      .T(triangle_t),
-      .Cycles(ExtentLatency)
-  ) u_triangle (
-      .clk_i,
-      .d_i(triangle_q),
-      .q_o(triangle)
-  );
-  triaxis_delay #(
-      .T(index_t),
-      .Cycles(ExtentLatency)
-  ) u_index (
-      .clk_i,
-      .d_i(index_q),
-      .q_o(index)
-  );
-
-  // --- The boxes of its group and of the mesh -----------------------------------------------------------
-
-  logic write, first_in_group, first_in_mesh;
-  coord_t object_d[2][3], group_d[2][3], group_q[2][3];
-  assign write = valid_q[ExtentLatency];
-  assign first_in_mesh = index == '0;
-  assign first_in_group = (index & index_t'(Group - 1)) == '0;
-
-  for (genvar k = 0; k < 3; k++) begin : g_union
-    always_comb begin
-      group_d[0][k]  = box[0][k];
-      group_d[1][k]  = box[1][k];
-      object_d[0][k] = box[0][k];
-      object_d[1][k] = box[1][k];
-      if (!first_in_group && group_q[0][k] < box[0][k]) group_d[0][k] = group_q[0][k];
-      if (!first_in_group && group_q[1][k] > box[1][k]) group_d[1][k] = group_q[1][k];
-      if (!first_in_mesh && object_o[0][k] < box[0][k]) object_d[0][k] = object_o[0][k];
-      if (!first_in_mesh && object_o[1][k] > box[1][k]) object_d[1][k] = object_o[1][k];
+  // Of the second only what it shows is looked at.
+  logic unused_second;
+  assign unused_second = ^{counts[1], overfull[1], settled[1], writes[1], indices[1], triangles[1]};
+  for (genvar c = 0; c < 2; c++) begin : g_unused_corner
+    for (genvar k = 0; k < 3; k++) begin : g_unused
+      logic unused_boxes;
+      assign unused_boxes = ^{objects[1][c][k], boxes[1][c][k], groups[1][c][k]};
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (write) begin
-      group_q  <= group_d;
-      object_o <= object_d;
-    end
+  seen_t misread, second;
+  for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
+    assign misread[i] = trial_intake_i && 5'(i) == which_i;
   end
+  assign second = seen[1] ^ misread;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) differ_o <= 1'b0;
+    else differ_o <= seen[0] != second;
+  end
+
+  logic   write;
+  index_t index;
+  assign count_o = counts[0];
+  assign overfull_o = overfull[0];
+  assign settled_o = settled[0];
+  assign object_o = objects[0];
+  assign write = writes[0];
+  assign index = indices[0];
 
   // --- Memories -------------------------------------------------------------------------------------
 
-  triaxis_ram #(
-      .Width(9 * W),
+  triaxis_parity_ram #(
+      .Pieces(9),
+      .PieceWidth(W),
       .Words(Depth)
   ) u_triangles (
       .clk_i,
       .write_i(write),
       .write_address_i(index),
-      .write_data_i(triangle),
+      .write_data_i(triangles[0]),
       .read_i(triangle_read_i),
       .read_address_i(triangle_index_i),
-      .read_data_o(triangle_o)
+      .trial_i(trial_triangles_i),
+      .read_data_o(triangle_o),
+      .intact_o(triangle_intact_o)
   );
 
   box_t box_flat, group_flat;
@@ -177,8 +155,8 @@ module triaxis_mesh_store
   logic [GroupWordWidth-1:0] group_write_word;
   for (genvar c = 0; c < 2; c++) begin : g_flat_corner
     for (genvar k = 0; k < 3; k++) begin : g_flat
-      assign box_flat[c][k]   = box[c][k];
-      assign group_flat[c][k] = group_d[c][k];
+      assign box_flat[3*c+k]   = boxes[0][c][k];
+      assign group_flat[3*c+k] = groups[0][c][k];
     end
   end
   assign box_write_word   = WordWidth'(index >> LaneBits);
@@ -191,8 +169,9 @@ module triaxis_mesh_store
     assign write_box   = write && (index & LastLane) == index_t'(l);
     assign write_group = write && ((index >> GroupBits) & LastLane) == index_t'(l);
 
-    triaxis_ram #(
-        .Width(BoxWidth),
+    triaxis_parity_ram #(
+        .Pieces(6),
+        .PieceWidth(W),
         .Words(Depth / Lanes)
     ) u_boxes (
         .clk_i,
@@ -201,11 +180,14 @@ module triaxis_mesh_store
         .write_data_i(box_flat),
         .read_i(box_read_i),
         .read_address_i(box_word_i),
-        .read_data_o(box_read)
+        .trial_i(trial_boxes_i),
+        .read_data_o(box_read),
+        .intact_o(boxes_intact_o[l])
     );
 
-    triaxis_ram #(
-        .Width(BoxWidth),
+    triaxis_parity_ram #(
+        .Pieces(6),
+        .PieceWidth(W),
         .Words(Depth / Group / Lanes)
     ) u_groups (
         .clk_i,
@@ -214,13 +196,15 @@ module triaxis_mesh_store
         .write_data_i(group_flat),
         .read_i(group_read_i),
         .read_address_i(group_word_i),
-        .read_data_o(group_read)
+        .trial_i(trial_groups_i),
+        .read_data_o(group_read),
+        .intact_o(groups_intact_o[l])
     );
 
     for (genvar c = 0; c < 2; c++) begin : g_corner
       for (genvar k = 0; k < 3; k++) begin : g_axis
-        assign boxes_o[l][c][k] = box_read[c][k];
-        assign group_boxes_o[l][c][k] = group_read[c][k];
+        assign boxes_o[l][c][k] = box_read[3*c+k];
+        assign group_boxes_o[l][c][k] = group_read[3*c+k];
       end
     end
   end

@@ -48,7 +48,9 @@ module triaxis_pair_boxes
     output logic [WordWidth-1:0] word_o,
     output logic [Lanes-1:0] mask_o,
 
-    output logic [LaneCountWidth-1:0] skipped_o
+    output logic [LaneCountWidth-1:0] skipped_o,
+    output logic used_a_o,  // the boxes of triangles, in this clock
+    output logic [Lanes-1:0] used_b_o
 );
 
   localparam int unsigned WordsOfGroup = Group / Lanes;
@@ -160,6 +162,8 @@ module triaxis_pair_boxes
   );
 
   assign decided = (grown_valid_q && enable) ? lanes : '0;
+  assign used_a_o = read_valid_q && enable;
+  assign used_b_o = decided;
   assign skipped_o = lane_count_t'($countones(decided & ~overlap));
   assign valid_o = mask_o != '0;
   assign idle_o = !read_valid_q && !grown_valid_q && !valid_o;

@@ -25,6 +25,7 @@ module triaxis_pair_fetch
     input logic [IndexWidth-1:0] index_b_i,
 
     output logic read_o,
+    output logic used_o,  // the triangles, in this clock
     input logic [9*W-1:0] triangle_a_i,
     input logic [9*W-1:0] triangle_b_i,
 
@@ -44,6 +45,7 @@ module triaxis_pair_fetch
   assign enable  = !valid_o || ready_i;
   assign ready_o = enable;
   assign read_o  = valid_i && enable;
+  assign used_o  = read_valid_q && enable;
 
   for (genvar i = 0; i < 9; i++) begin : g_move
     assign moved[i*W+:W] = triangle_a_i[i*W+:W] + move_i[i%3][W-1:0];

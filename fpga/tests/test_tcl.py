@@ -62,7 +62,8 @@ def test_a_build_that_is_in_time(tmp_path):
     said = {call[0]: call for call in calls(tmp_path / "bin")}
     synthesis, saif = said["synth_design"], said["read_saif"]
     given = {value for option, value in pairwise(synthesis) if option == "-generic"}
-    assert given == {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8", "BuildId=32'hdeadbeef"}
+    sizes = {"W=16", "M=16", "Depth=4096", "Group=8", "Lanes=8"}
+    assert given == {*sizes, "Certify=1'b1", "BuildId=32'hdeadbeef"}
     assert (synthesis[synthesis.index("-part") + 1], synthesis[synthesis.index("-top") + 1]) == (PART, TOP)
     assert (saif[saif.index("-strip_path") + 1], saif[-1]) == (TOP, str(tmp_path / "activity.saif"))
     assert said["read_xdc"][-1] == str(CONSTRAINTS)

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 from triaxis.host.cli import DONE, check
 from triaxis.host.cli.check import add_meshes
-from triaxis.host.cli.engine import BOARD, about, add_any_bitstream, add_port, checkout_id, other_build
+from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, checkout_id, other_build
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import SerialLine
 from triaxis.host.link.messages import Mode
@@ -13,8 +13,8 @@ from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.pseudo_terminal import PseudoTerminal, Wire, serve
 from triaxis.sim.simulated_board import SimulatedTop
 
-# Of the simulated board, some 0.25 s: it runs about 800,000 clocks a second.
-_WATCHDOG_CLOCKS = 200_000
+# Of the simulated board, some 0.2 s: it runs about 480,000 clocks a second.
+_WATCHDOG_CLOCKS = 100_000
 
 
 def add_status(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +48,7 @@ def add_check(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="when clear, keep the board's output at go until interrupted; otherwise it says stop at the end",
     )
-    add_any_bitstream(parser)
+    add_trust(parser)
     parser.set_defaults(run=check.run, engine=BOARD, mode=Mode.ALL, width=None, rotate=[])
 
 

@@ -9,7 +9,17 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers, number
-from triaxis.host.cli.engine import about, add_engine, board_of, hold, other_build, output_of, width_of
+from triaxis.host.cli.engine import (
+    about,
+    add_engine,
+    board_of,
+    certificates,
+    hold,
+    other_build,
+    output_of,
+    self_tested,
+    width_of,
+)
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, STILL, SceneRun, scene_engine
@@ -167,6 +177,7 @@ def _report(
     if board is not None:
         known = not other_build(board.description)
         report |= {
+            **self_tested(options),
             "mode": options.mode.name.lower(),
             "board": board.description,
             "bitstream": {"known": known, "any_allowed": options.any_bitstream},
@@ -194,7 +205,7 @@ def _print_scene(options: argparse.Namespace, meshes: MeshPair) -> None:
 
 def _print_run(options: argparse.Namespace, meshes: MeshPair, run: SceneRun) -> None:
     pairs, skipped = len(meshes.a) * len(meshes.b), run.skipped_in_groups + run.skipped
-    print(f"facet pairs: {pairs}; skipped by boxes: {skipped}; tested: {run.tested}")
+    print(f"facet pairs: {pairs}; skipped by boxes: {skipped}; tested: {run.tested}{certificates(run)}")
     if run.cycles is not None:
         print(
             f"group pairs skipped: {run.group_pairs_skipped}; opened: {run.group_pairs_opened}; "

@@ -7,10 +7,11 @@ from contextlib import contextmanager, suppress
 
 from triaxis.fpga.bitstream import board_hash, build_id
 from triaxis.golden.errors import InputError
-from triaxis.host.engines import ENGINES, RTL
+from triaxis.host.engines import ENGINES, RTL, Counts
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import Description, Flag, Status
+from triaxis.host.link.self_test import self_test
 from triaxis.sim.build import rtl_hash
 
 BOARD = "board"
@@ -27,7 +28,7 @@ def add_engine(parser: argparse.ArgumentParser) -> None:
         "--port (rtl)",
     )  # fmt: skip
     add_port(parser, required=False)
-    add_any_bitstream(parser)
+    add_trust(parser)
 
 
 def add_port(parser: argparse.ArgumentParser, required: bool = True) -> None:
@@ -36,10 +37,12 @@ def add_port(parser: argparse.ArgumentParser, required: bool = True) -> None:
     parser.add_argument("--port", required=required, metavar="DEV", help=port)
 
 
-def add_any_bitstream(parser: argparse.ArgumentParser) -> None:
-    """Add ``--any-bitstream``."""
+def add_trust(parser: argparse.ArgumentParser) -> None:
+    """Add ``--any-bitstream`` and ``--skip-self-test``."""
     about_it = "take a board whose bitstream was not built of this checkout, which is refused otherwise"
     parser.add_argument("--any-bitstream", action="store_true", help=about_it)
+    tried = "do not try the board's checks before it is used, which takes part of a second"
+    parser.add_argument("--skip-self-test", action="store_true", help=tried)
 
 
 def checkout_id() -> int:
@@ -51,8 +54,19 @@ def about(board: Description) -> str:
     """Return what the board is, in a line."""
     return (
         f"{board.width} bits, margin {board.margin_bits} bits, {board.depth} facets a mesh, groups of "
-        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, build {board.build:08x}"
+        f"{board.group}, {board.lanes} lanes, watchdog {board.watchdog_ms} ms, "
+        f"{'each clear certified' if board.certifies else 'no clear certified'}, build {board.build:08x}"
     )
+
+
+def certificates(counts: Counts) -> str:
+    """Return in words how many clears of tested pairs were certified; "" where the engine certifies none."""
+    return "" if counts.certified is None else f"; clears certified: {counts.certified}"
+
+
+def self_tested(options: argparse.Namespace) -> dict[str, str]:
+    """Return the part of a report on how a board checked itself."""
+    return {"self_test": "skipped" if options.skip_self_test else "passed"}
 
 
 def other_build(board: Description) -> str:
@@ -66,11 +80,13 @@ def other_build(board: Description) -> str:
 def board_of(options: argparse.Namespace) -> Iterator[Board | None]:
     """Take the board, if it is to decide; at the end it says stop at once, and not only by its watchdog.
 
-    Raises LinkError where its bitstream is unknown and not allowed.
+    Raises LinkError where its bitstream is unknown and not allowed, or its checks do not work.
     """
     if options.engine != BOARD:
-        if options.port is not None or options.any_bitstream:
-            raise InputError("--port and --any-bitstream go with --engine board, and only with it")
+        if options.port is not None or options.any_bitstream or options.skip_self_test:
+            raise InputError(
+                "--port, --any-bitstream and --skip-self-test go with --engine board, and only with it"
+            )
         yield None
         return
     if options.port is None:
@@ -80,6 +96,8 @@ def board_of(options: argparse.Namespace) -> Iterator[Board | None]:
         description = board.hello()
         try:
             _check_build(description, options.any_bitstream)
+            if not options.skip_self_test:
+                self_test(board)
             yield board
         except LinkError:
             # Nobody may hear, or another master have the board: its watchdog, or that one, says stop.

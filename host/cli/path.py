@@ -10,7 +10,7 @@ from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
-from triaxis.host.cli.engine import about, add_engine, board_of, width_of
+from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, SceneEngine, scene_engine
 from triaxis.host.link.board_engine import BoardEngine
@@ -95,7 +95,10 @@ def run(options: argparse.Namespace) -> int:
             result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
     profile = _profile(options, scene, others)
     if options.json is not None:
-        write_report(options.json, _report(scene, options, result, profile))
+        report = _report(scene, options, result, profile)
+        if board is not None:
+            report |= self_tested(options)
+        write_report(options.json, report)
     if options.picture is not None:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
@@ -180,7 +183,7 @@ def _print_effort(result: PathResult) -> None:
     )
     print(
         f"facet pairs of all poses: skipped by boxes: {effort.skipped_in_groups + effort.skipped}; tested: "
-        f"{effort.tested}"
+        f"{effort.tested}{certificates(effort)}"
     )
     if effort.cycles is not None and effort.most_cycles is not None:
         print(

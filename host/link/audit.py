@@ -23,7 +23,7 @@ from triaxis.host.link.messages import (
     Status,
 )  # fmt: skip
 
-_FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED)
+_FLAGS = int(Flag.GO | Flag.NEAR_WAITING | Flag.WATCHDOG_EXPIRED | Flag.FAULT)
 # Ends of which the engine counts every pair that it was given.
 _WHOLE = (RunEnd.COMPLETE, RunEnd.FIRST)
 
@@ -31,6 +31,17 @@ _WHOLE = (RunEnd.COMPLETE, RunEnd.FIRST)
 def contradiction(what: str) -> LinkError:
     """Return the error of an answer that cannot be."""
     return LinkError(f"the board's answer contradicts itself or us: {what}; verdict unknown")
+
+
+class FaultError(LinkError):
+    """A check of the board's own has failed: nothing counts that it said."""
+
+    def __init__(self) -> None:
+        """Say what to do."""
+        super().__init__(
+            "the board has found a fault in itself: run the command again, which begins with HELLO and loads "
+            "anew; where it comes again, load the bitstream again; verdict unknown"
+        )
 
 
 def must_be(what: str, found: object, wanted: object) -> None:
@@ -50,6 +61,8 @@ def check_description(board: Description) -> None:
         raise contradiction(f"depth, group, lanes {sizes}")
     if board.watchdog_ms == 0:
         raise contradiction("no watchdog")
+    if board.certifies > 1:
+        raise contradiction(f"certifies {board.certifies}, must be 0 or 1")
 
 
 def check_status(status: Status, group: int) -> None:
@@ -64,6 +77,8 @@ def check_status(status: Status, group: int) -> None:
         _check_unfinished(status)
     elif status.end == RunEnd.NONE:
         raise contradiction("a run that is done and has no end")
+    elif (status.end == RunEnd.FAULT) != bool(status.flags & Flag.FAULT):
+        raise contradiction(f"end {RunEnd(status.end).name}, flags {status.flags:#04x}")
     elif status.end in _WHOLE:
         _check_counters(status, group)
     if status.flags & Flag.GO:
@@ -83,7 +98,7 @@ def _check_go(status: Status) -> None:
     if (status.state, status.end, status.near) != (State.DONE, RunEnd.COMPLETE, 0):
         raise contradiction("go, and no complete run that found nothing near")
     if status.flags != Flag.GO:
-        raise contradiction("go, although near pairs wait or the watchdog has run out")
+        raise contradiction("go, although near pairs wait, the watchdog has run out, or a check has failed")
 
 
 def _check_counters(status: Status, group: int) -> None:
@@ -147,6 +162,8 @@ def check_results(results: Results, group: int) -> None:
 
 def check_later(before: Status, now: Status) -> None:
     """Raise LinkError where a status is not that of a finished run again: but for what may happen since."""
+    if now.flags & Flag.FAULT:
+        raise FaultError
     if replace(now, flags=before.flags, errors=before.errors) != before:
         raise contradiction("the status of another run")
     if now.errors < before.errors:
@@ -178,6 +195,8 @@ class BoardRun:
 def audit(run: BoardRun) -> None:
     """Raise LinkError where a run, whose status does not contradict itself, is not what was asked for."""
     status, request = run.status, run.request
+    if status.flags & Flag.FAULT or status.end == RunEnd.FAULT:
+        raise FaultError
     must_be("state", status.state, State.DONE)
     must_be("run number", status.run, run.number)
     must_be("mode", status.mode, request.mode)

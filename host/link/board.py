@@ -101,6 +101,11 @@ class Board:
         check_description(self.description)
         return self.description
 
+    def begin_again(self) -> None:
+        """Empty the board within the session; a fault is forgotten."""
+        self._expect("board", self._ask(Command.HELLO, Description), self.description)
+        self._forget()
+
     def load(self, mesh: Mesh, triangles: npt.NDArray[np.int64], progress: Progress = unwatched) -> None:
         """Replace a mesh by triangles (N, 3, 3), N at least 1; ``progress`` is told of each step's size."""
         limit, width = self.description.depth, self.description.width
@@ -120,9 +125,12 @@ class Board:
         self._expect("pose", self._ask(Command.MOVE, Pose, pose), pose)
         self._pose = pose
 
-    def run(self, mode: Mode, margin: int, progress: Progress = unwatched) -> BoardRun:
-        """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back."""
-        request = RunRequest(mode, margin, *self._counts)
+    def run(self, mode: Mode, margin: int, progress: Progress = unwatched, trial: int = 0) -> BoardRun:
+        """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back.
+
+        ``trial``: what the run tries, see `trial_of`; 0 in use.
+        """
+        request = RunRequest(mode, margin, *self._counts, trial=trial)
         number = self._ask(Command.RUN, RunNumber, request).number
         self._runs += 1
         self._expect("run number", number, self._runs % 256)

@@ -52,7 +52,7 @@ class BoardEngine:
             # What a run that stopped early has left out was not skipped.
             len(self._a) * len(self._b) - opened if status.end == RunEnd.COMPLETE else 0,
             status.pairs_skipped, status.tested, status.near, status.groups_skipped, status.groups_opened,
-            status.cycles, near,
+            status.cycles, status.tested - status.near if self._board.description.certifies else None, near,
         )  # fmt: skip
 
     def _run(self, pose: Pose, margin: int, mode: Mode, attempts: int = _ATTEMPTS) -> BoardRun:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from triaxis.host.link.wire import CRC_BYTES, I32, LONGEST, U8, U16, U32, LayoutError, Record
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 3
+PROTOCOL = 4
 REPLY = 0x80
 
 
@@ -27,7 +27,11 @@ Mesh = IntEnum("Mesh", "A B", start=0)
 # What a run looks for; where the last one stands; how the engine ended it.
 Mode = IntEnum("Mode", "FIRST ALL COUNT", start=0)
 State = IntEnum("State", "IDLE RUNNING DONE", start=0)
-RunEnd = IntEnum("RunEnd", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE", start=0)
+RunEnd = IntEnum("RunEnd", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE FAULT", start=0)
+# What a run tries, so that a check is seen to work; and of which memory, for TrialKind.MEMORY.
+TrialKind = IntEnum("TrialKind", "NOTHING CLAIM PARITY NUMBER MEMORY WALK INTAKE BOARD", start=0)
+Memory = IntEnum("Memory", "GROUPS_A GROUPS_B BOXES_A BOXES_B TRIANGLES", start=0)
+WHICHES = 32
 
 
 class Flag(IntFlag):
@@ -36,6 +40,7 @@ class Flag(IntFlag):
     GO = 1
     NEAR_WAITING = 2
     WATCHDOG_EXPIRED = 4
+    FAULT = 8
 
 
 MOST_TRIANGLES, MOST_NEAR = 12, 32
@@ -66,6 +71,7 @@ class Description(Record):
     lanes: U8
     build: U32
     watchdog_ms: U16
+    certifies: U8
 
 
 class LoadHead(Record):
@@ -91,12 +97,18 @@ class Pose(Record):
 
 
 class RunRequest(Record):
-    """RUN: the counts must be those that the board holds."""
+    """RUN: the counts must be those that the board holds. ``trial``: see `trial_of`; 0 in use."""
 
     mode: U8
     margin: U32
     count_a: U16
     count_b: U16
+    trial: U8 = 0
+
+
+def trial_of(kind: TrialKind, which: int) -> int:
+    """Return what a run is to try; ``which`` of that kind, below `WHICHES`."""
+    return kind * WHICHES + which
 
 
 class RunNumber(Record):

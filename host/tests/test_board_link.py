@@ -18,11 +18,11 @@ from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import main
 from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.enclosure import NOT_ASKED
-from triaxis.host.engines import STILL
+from triaxis.host.engines import STILL, unwatched
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
-from triaxis.host.link.messages import Mesh, Mode, RunEnd
+from triaxis.host.link.messages import Mesh, Mode, RunEnd, TrialKind, trial_of
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies
 from triaxis.host.tests.test_cli import TRIAXIS
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
@@ -86,6 +86,10 @@ def test_the_scenes_through_the_serial_port(board_check, tmp_path, report):
         said = json.loads(report.read_text())
         assert (status, error, said["verdict"]) == (int(scene.near), "", "near" if scene.near else "clear")
         assert ("output: stop\n" if scene.near else "output: go; stop when this command ends") in out
+        tested = said["pairs_tested"]
+        certified = tested - len(said["near"])
+        assert f"; tested: {tested}; clears certified: {certified}\n" in out
+        assert (said["self_test"], said["clears_certified"]) == ("passed", certified)
         assert said["status"]["near"] == len(said["near"]) and (said["near"] != []) == scene.near
 
 
@@ -306,7 +310,7 @@ def test_unplugged(loading, top, boxes, report, capsys):
     with ServedBoard(top, Wire(count, watch)) as served:
         threading.Thread(target=lambda: due.wait(60) and served.unplug(), daemon=True).start()
         words = ["board", "check", *map(str, boxes), "--port", served.path, "--hold", "--json", str(report)]
-        assert main(words) == 2
+        assert main([*words, "--skip-self-test"]) == 2
     out, error = capsys.readouterr()
     assert error == f"triaxis: error: {served.path}: {GONE}\n"
     assert json.loads(report.read_text()) == {"verdict": "unknown"}
@@ -327,9 +331,9 @@ def test_clear_without_go_says_why(step, why, top, board_check, boxes, monkeypat
         return found
 
     monkeypatch.setattr(Board, step, slow)
-    status, out, _ = board_check(*boxes)
+    status, out, _ = board_check(*boxes, "--skip-self-test")
     assert (status, "CLEAR" in out) == (0, True)
-    assert re.search(f"output: stop: .* silent for 2 ms {why}", out)
+    assert re.search(f"output: stop: .* silent for 1 ms {why}", out)
 
 
 def test_an_interrupted_hold_stops_at_once(top, board_check, boxes, capsys, monkeypatch):
@@ -339,6 +343,37 @@ def test_an_interrupted_hold_stops_at_once(top, board_check, boxes, capsys, monk
     assert top.go_clocks
     assert top.stop
     assert "output: go until interrupted" in capsys.readouterr().out
+
+
+def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(
+    top, board_check, boxes, report, monkeypatch
+):
+    real = Board.run
+
+    def tried(board, mode, margin, progress=unwatched, trial=0):
+        return real(board, mode, margin, progress, trial * (trial >> 5 != TrialKind.WALK))
+
+    monkeypatch.setattr(Board, "run", tried)
+    status, out, error = board_check(*boxes, "--json", report)
+    assert (status, out, top.go_clocks) == (2, "", 0)
+    assert "the board's check of one scan by another does not tell of the fault put before it" in error
+    assert json.loads(report.read_text()) == {"verdict": "unknown"}
+    status, _, _ = board_check(*boxes, "--json", report, "--skip-self-test")
+    assert (status, json.loads(report.read_text())["self_test"]) == (0, "skipped")
+
+
+def test_a_fault_in_use_is_unknown_and_a_further_check_is_right(top, board_check, boxes, monkeypatch):
+    real = Board.run
+
+    def failing(board, mode, margin, progress=unwatched, trial=0):
+        return real(board, mode, margin, progress, trial or trial_of(TrialKind.WALK, 3))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Board, "run", failing)
+        status, out, error = board_check(*boxes, "--skip-self-test", "--hold")
+    assert (status, out, top.go_clocks) == (2, "", 0)
+    assert error.startswith("triaxis: error: the board has found a fault in itself: run the command again")
+    assert board_check(*boxes)[0] == 0
 
 
 def test_a_port_is_for_one_program(top, capsys):
@@ -403,7 +438,8 @@ def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(
     said = capsys.readouterr().out
     assert f"warning: {OTHER_BUILD}: `board check` refuses it without --any-bitstream\n" in said
     assert (
-        "16 bits, margin 16 bits, 512 facets a mesh, groups of 8, 8 lanes" in said and "watchdog 2 ms" in said
+        "16 bits, margin 16 bits, 512 facets a mesh, groups of 8, 8 lanes" in said
+        and "watchdog 1 ms, each clear certified" in said
     )
 
 

@@ -119,7 +119,7 @@ BAD_OPTIONS = {
         ("--rotate x inf", "--rotate x inf: not a finite decimal number"),
         ("--width 16 --move 0 0 90", "does not fit 16 bits"),
         ("--engine board", "--engine board: name its serial port with --port"),
-        ("--port /dev/ttyUSB1", "--port and --any-bitstream go with --engine board"),
+        ("--port /dev/ttyUSB1", "--port, --any-bitstream and --skip-self-test go with --engine board"),
     ],
     "scene advise": [
         ("--clearance -1", "clearance -1: must not be negative"),

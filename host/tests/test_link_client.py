@@ -38,11 +38,13 @@ RUNNING = {"state": 1, "end": 0, "cycles": 0, "groups_skipped": 0, "groups_opene
 LIES = [
     {"state": 0}, {"state": 1}, {"state": 1, "end": 0}, {"state": 3}, RUNNING, {"run": 2}, {"run": 0},
     {"x": 1}, {"z": -1}, {"margin": 2}, {"count_a": 5}, {"count_b": 6}, {"near": 1},
-    *({"end": end} for end in range(8) if end != 1),
+    *({"end": end} for end in range(9) if end != 1),
     # Go, and yet near, or not the end of a complete run, or too late.
     {"near": 1, "flags": 1}, {"end": 3, "flags": 1}, {**RUNNING, "flags": 1}, {"flags": 5},
     # Near pairs that nobody gets; a flag that there is not; more than a pair a clock.
-    {"flags": 2}, {"flags": 8}, {"cycles": 4},
+    {"flags": 2}, {"flags": 16}, {"cycles": 4},
+    # A fault, in one of the two places that tell of it, in both, or with go.
+    {"flags": 8}, {"end": 7, "flags": 8}, {"flags": 9}, {"end": 7, "flags": 9},
     # Group pairs that were neither skipped nor opened, or more than there are.
     {"groups_skipped": 1}, {"groups_opened": 3},
     # Pairs that were left out, or tested twice.
@@ -65,6 +67,21 @@ def test_a_status_that_is_not_of_a_complete_run_is_no_verdict(lie):
             assert "a run without end in 30 s: aborted; reset the board; verdict unknown" in refused(line)
         else:
             assert refused(line, mode=mode).endswith("verdict unknown")
+
+
+def test_a_fault_is_told_with_what_to_do():
+    for lie in ({"end": 7, "flags": 8}, {"end": 7, "flags": 8, "near": 1}):
+        said = refused(ScriptedLine().lie(**lie))
+        assert said.startswith("the board has found a fault in itself: run the command again")
+        assert said.endswith("verdict unknown")
+    assert "contradicts itself" in refused(ScriptedLine().lie(flags=8))
+    board = Board(line := ScriptedLine())
+    board.hello()
+    engine = BoardEngine(board, A, B)
+    engine.run(STILL, 3)
+    line.lie(end=7, flags=8)
+    with pytest.raises(LinkError, match="found a fault in itself"):
+        board.still(engine.status)
 
 
 def test_counters_at_the_edge_of_what_is_possible_are_believed():
@@ -143,7 +160,7 @@ def test_a_later_status_is_of_the_same_run():
 def test_a_board_that_cannot_be_is_none():
     for lie in (
         {"width": 7}, {"width": 33}, {"margin_bits": 17}, {"depth": 0}, {"depth": 48}, {"group": 0},
-        {"lanes": 0}, {"group": 3}, {"lanes": 8}, {"depth": 8}, {"watchdog_ms": 0},
+        {"lanes": 0}, {"group": 3}, {"lanes": 8}, {"depth": 8}, {"watchdog_ms": 0}, {"certifies": 2},
     ):  # fmt: skip
         assert "contradicts itself" in refused(ScriptedLine(board=replace(BOARD, **lie)))
 
@@ -160,7 +177,7 @@ SAID = [
     (Command.MOVE, Code.OK, twice(bytes(11) + b"\x01"), "pose: Pose(x=0, y=0, z=16777216), expected Pose("),
     (Command.RUN, Code.OK, twice(b"\x02"), "run number: 2, expected 1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
-    (Command.HELLO, Code.OK, b"\x02" + bytes(12), "speaks protocol 02, this program 03: load the bitstream"),
+    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 04: load the bitstream"),
 ]
 
 

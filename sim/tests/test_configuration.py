@@ -7,6 +7,7 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import NO_AXIS, VERDICT, coordinate_range
+from triaxis.sim.board_parameters import parse_board_configuration
 from triaxis.sim.configuration import Configuration, parse_configuration
 from triaxis.sim.packing import data_bytes, data_words, pack_data, pack_user, unpack_data, unpack_user
 from triaxis.sim.paths import DUT, ROOT
@@ -19,6 +20,20 @@ def test_names_are_unique_and_parse():
     for name in ("", "w16", "w16_m", "w7_m0", "w33_m0", "w16_m17", "w16_m1_no_edge_box", "x"):
         with pytest.raises(InputError):
             parse_configuration(name)
+
+
+def test_names_of_boards_parse():
+    for name in (
+        "board_w12_m5_d128_g8_l4",
+        "board_w8_m0_d16_g4_l2_plain",
+        "board_w16_m16_d64_g8_l8_plain_real",
+    ):
+        board = parse_board_configuration(name)
+        assert board.name == name
+        assert board.rtl["Certify"] == board.engine.certified == ("plain" not in name)
+    for name in ("board_w12_m5_d128_g8", "board_w12_m5_d128_g8_l4_real_plain", "board_w12_m5_d128_g8_l4_x"):
+        with pytest.raises(InputError, match="must read board_w"):
+            parse_board_configuration(name)
 
 
 def test_the_queue_is_that_of_the_rtl():

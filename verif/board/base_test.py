@@ -13,6 +13,7 @@ from triaxis.verif.board.pin_agents import PinBoardBfm
 from triaxis.verif.board.protocol import (
     HEAD,
     MOST_TRIANGLES,
+    RUN,
     Code,
     Command,
     Integers,
@@ -24,6 +25,7 @@ from triaxis.verif.board.protocol import (
     load_payload,
 )
 from triaxis.verif.board.scoreboard import BoardScoreboard
+from triaxis.verif.mesh.items import WHICHES
 from triaxis.verif.testbench.environment import EnvironmentTest, ItemsSequence, create, settings_of
 from triaxis.verif.testbench.settings import coverage_file
 
@@ -183,22 +185,23 @@ class BoardTest(EnvironmentTest):
         """Ask for a pose."""
         await self.ask(Command.MOVE, struct.pack("<3i", x, y, z))
 
-    def asked(self, mode: int = Mode.ALL, margin: int = 0) -> bytes:
-        """Return the payload of a RUN on the meshes that the board holds."""
+    def asked(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> bytes:
+        """Return the payload of a RUN on the meshes that the board holds; ``tries``: a `Trial`, and which."""
         counts = (len(mesh) for mesh in self.env.scoreboard.reference.meshes)
-        return struct.pack("<BIHH", mode, margin, *counts)
+        kind, which = tries
+        return RUN.pack(mode, margin, *counts, kind * WHICHES + which)
 
-    async def start(self, mode: int = Mode.ALL, margin: int = 0) -> None:
+    async def start(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> None:
         """Start a run; its reply has come."""
-        await self.ask(Command.RUN, self.asked(mode, margin))
+        await self.ask(Command.RUN, self.asked(mode, margin, tries))
 
     async def idle(self) -> None:
         """Wait until no run goes on."""
         await self.line(until=Until.IDLE)
 
-    async def run(self, mode: int = Mode.ALL, margin: int = 0) -> None:
+    async def run(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> None:
         """Run to the end, and ask how it ended."""
-        await self.start(mode, margin)
+        await self.start(mode, margin, tries)
         await self.idle()
         await self.status()
 

@@ -39,6 +39,11 @@ class Pins:
         return self._bit(7)
 
     @property
+    def wrong(self) -> bool:
+        """Return whether something went wrong, or a check failed."""
+        return self._bit(9)
+
+    @property
     def errors(self) -> int:
         """Return the low bits of the count of errors."""
         return self.value >> 10 & 0xFF
@@ -66,17 +71,27 @@ class Frame:
 
 @dataclass
 class Run:
-    """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0."""
+    """The last run, or none. ``written``: near pairs in the ring at least, ``ended``: clock or 0.
+
+    ``fails``: a check fails in it, by its end, where nothing ends it before; ``may_fail``: one may, at any
+    clock of it. ``persists``: it fails for as long as it goes on.
+    """
 
     number: int = 0
     mode: int = 0
     margin: int = 0
     pose: tuple[int, int, int] = (0, 0, 0)
+    tries: tuple[int, int] = (0, 0)
     state: State = State.NEVER
     start: int = 0
     ended: int = 0
     overflow: bool = False
     maybe_aborted: bool = False
+    fails: bool = False
+    may_fail: bool = False
+    persists: bool = False
+    # It began while a fault stood.
+    spoiled: bool = False
     answer: SceneAnswer | None = None
     pairs: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
     freed: int = 0
@@ -102,7 +117,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Due:
-    """A reply that is due. ``status``: that it must have; None: the payload stands in ``payload``."""
+    """A reply that is due. ``status``: that it must have; None: the payload stands in ``payload``.
+
+    ``doubtful``: whether a check has failed is what it says.
+    """
 
     frame: Frame
     code: Code
@@ -110,3 +128,4 @@ class Due:
     status: Status | None
     busy: bool
     first_pair: int = 0
+    doubtful: bool = False

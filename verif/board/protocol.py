@@ -18,9 +18,10 @@ Command = IntEnum("Command", "HELLO LOAD MOVE RUN RESULTS STATUS ABORT")
 Code = IntEnum("Code", "OK UNKNOWN LENGTH SESSION SEQUENCE BUSY VALUE PLACE COUNTS EMPTY OVERFULL", start=0)
 Mode = IntEnum("Mode", "FIRST ALL COUNT", start=0)
 State = IntEnum("State", "NEVER RUNNING DONE", start=0)
-End = IntEnum("End", "NONE COMPLETE FIRST ABORTED OVERFLOW", start=0)
+End = IntEnum("End", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE FAULT", start=0)
+Flag = IntEnum("Flag", "GO WAITING EXPIRED FAULT", start=0)
 
-VERSION = 3
+VERSION = 4
 REPLY = 0x80
 END, ESC, ESC_END, ESC_ESC = 0xC0, 0xDB, 0xDC, 0xDD
 SHORTEST, LONGEST = 13, 256
@@ -30,6 +31,8 @@ RING = 1024
 MOST_ERRORS = (1 << 12) - 1
 COUNTERS = ("cycles", "groups_skipped", "groups_opened", "pairs_skipped", "tested", "near")
 
+# RUN's payload: mode, margin, counts, and what it tries.
+RUN = struct.Struct("<BIHHB")
 _STATUS = struct.Struct("<5B3i7I3H")
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import scene_answer
 from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.mesh_engine import Trial
 from triaxis.verif.board.board_state import Due, Frame, Pins, Run
 from triaxis.verif.board.frame_receiver import FrameReceiver
 from triaxis.verif.board.protocol import (
@@ -25,9 +26,11 @@ from triaxis.verif.board.protocol import (
     MOST_ERRORS,
     MOST_TRIANGLES,
     RING,
+    RUN,
     VERSION,
     Code,
     Command,
+    Flag,
     Mode,
     Reply,
     State,
@@ -36,7 +39,9 @@ from triaxis.verif.board.protocol import (
     loaded_triangles,
 )
 from triaxis.verif.board.protocol import End as RunEnd
-from triaxis.verif.board.reply_check import ReplyCheck
+from triaxis.verif.board.reply_check import ReplyCheck, faulty
+from triaxis.verif.mesh.expectation import tried
+from triaxis.verif.mesh.items import WHICHES, ObservedRun, RunAccepted, RunRequest
 
 # A frame is answered, and a run ends, within so many clocks; a run, for each of its pairs.
 _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
@@ -51,6 +56,10 @@ _JUDGED = 1
 _LASTS: dict[int, int] = {Command.HELLO: 2, Command.ABORT: 1}
 # Clocks from then until its reply's first bit begins; that is seen in its middle, and tells that it was.
 REPLIED = 2
+
+# Clocks from the beginning of a run until a check fails, where it fails at once: in the engine two walks, or
+# two intakes, are seen, compared and told of; on the board a frame is, or two runners are.
+_FAILS_AFTER = {Trial.WALK: 3, Trial.INTAKE: 3, Trial.BOARD: 1}
 
 _NO_MESH = np.empty((0, 3, 3), np.int64)
 _CLOCKS_PER_MS = 100_000
@@ -92,6 +101,8 @@ class BoardReference:
         self.session = self.sequence = self.command = 0
         self._forget()
         self.go = self.armed = self.alive = self.expired = self.error = False
+        # A check has failed; in doubt: nobody can know, since an error before it lights the same LED.
+        self.fault = self.in_doubt = self._acknowledged = False
         self.errors = 0
         self.kicked = self._silent = -1
         self._beat_due, self._go_number = False, next(self._numbers)
@@ -133,6 +144,7 @@ class BoardReference:
     def _settle(self) -> None:
         """Compare the pins with what they must be at the end of this clock."""
         pins, run = self.pins, self.run
+        self._look_for_fault()
         if self.held and any(0 < press - self.clock <= self._untold for press in self.presses):
             # It may have been executed, and the button takes the reply that would tell.
             return
@@ -162,8 +174,27 @@ class BoardReference:
         said = int(self.go) | (not self.go) << 1
         return (
             said | said << 2 | pins.busy << 4 | self.alive << 5 | waiting << 6 | full << 7
-            | self.expired << 8 | self.error << 9 | (self.errors & 0xFF) << 10
+            | self.expired << 8 | self._wrong_shown << 9 | (self.errors & 0xFF) << 10
         )  # fmt: skip
+
+    @property
+    def _wrong_shown(self) -> bool:
+        return self.error or self.fault
+
+    def _look_for_fault(self) -> None:
+        """See whether a check has failed, where it may at any clock."""
+        failing = self.busy and self.run.may_fail
+        if self.fault or not (failing or self.in_doubt):
+            return
+        self.in_doubt = self.error
+        if self.pins.wrong and not self.error:
+            self._fail()
+
+    def _fail(self) -> None:
+        """Let a check fail: from the next clock on there is no go, until the next HELLO."""
+        if not self.fault:
+            self.fault, self.in_doubt, self._acknowledged = True, False, False
+            self._at(self.clock + 1, lambda _: self._disturb("fault"))
 
     # --- What is seen -------------------------------------------------------------------------------------
 
@@ -178,6 +209,7 @@ class BoardReference:
     def see(self, value: int) -> None:
         """Take new pins."""
         was, self.pins = self.pins, Pins(value)
+        self._look_for_fault()
         if was.busy and not self.pins.busy and self.run.state == State.RUNNING:
             self._run_ended()
 
@@ -186,9 +218,14 @@ class BoardReference:
         run.state, run.ended = State.DONE, self.clock
         self.runs += 1
         run.maybe_aborted = bool(self.held and self.held.command in (Command.ABORT, Command.HELLO))
+        if run.fails and not run.maybe_aborted:
+            self._fail()
+        self._tell_trial()
         clear = run.end == RunEnd.COMPLETE and not run.near
         said = (
-            "out of range"
+            "fault"
+            if self.fault
+            else "out of range"
             if run.overflow
             else "near"
             if run.near
@@ -200,9 +237,24 @@ class BoardReference:
         if self.armed and clear and (not run.maybe_aborted or self.pins.go):
             self._say_go()
 
+    def _tell_trial(self) -> None:
+        """Tell what came of what a run has tried, or of a fault before it."""
+        run = self.run
+        kind, which = Trial(run.tries[0]), run.tries[1]
+        if run.spoiled:
+            self._happened("board_faults", "a run while it stands")
+        elif kind != Trial.NOTHING:
+            self._happened("board_trials", f"{kind.name} {which}")
+            # An error that nobody took back hides it.
+            if not self.in_doubt:
+                self._happened("board_tried", f"{kind.name}, {'fault' if self.fault else 'no fault'}")
+
     def _say_go(self) -> None:
         """Say go from this clock on; the beat begins with it."""
         self.go = True
+        if self._acknowledged:
+            self._happened("board_faults", "go after it was acknowledged")
+            self._acknowledged = False
         self.gos += 1
         number = self._go_number = next(self._numbers)
 
@@ -338,7 +390,7 @@ class BoardReference:
         if command == Command.LOAD:
             triangles = payload[3] if len(payload) > 3 else 0
             return 4 + triangles * 9 * coordinate_bytes(self.parameters.width)
-        return {Command.MOVE: 12, Command.RUN: 9, Command.RESULTS: 4}.get(Command(command), 0)
+        return {Command.MOVE: 12, Command.RUN: RUN.size, Command.RESULTS: 4}.get(Command(command), 0)
 
     def _command_code(self, command: int, payload: bytes) -> Code:
         if command == Command.LOAD:
@@ -346,7 +398,7 @@ class BoardReference:
         if command == Command.MOVE:
             reach = 1 << self.parameters.width
             return Code.OK if all(-reach <= v < reach for v in struct.unpack("<3i", payload)) else Code.VALUE
-        mode, margin, *counts = struct.unpack("<BIHH", payload)
+        mode, margin, *counts, _ = RUN.unpack(payload)
         if mode > Mode.COUNT or margin > self.parameters.max_margin:
             return Code.VALUE
         if counts != [len(mesh) for mesh in self.meshes]:
@@ -389,8 +441,23 @@ class BoardReference:
             # Silence that is noticed in the same clock is not forgotten.
             self.expired, self.error = self._silent == self.clock, False
         if frame.command == Command.HELLO:
+            self._acknowledge(frame)
             self.session, self.sequence, self.command = frame.session, frame.sequence, frame.command
             self._kick(self.clock)
+
+    def _acknowledge(self, frame: Frame) -> None:
+        """Forget a fault, by HELLO; not one of a run that goes on, and fails for as long."""
+        going = self.busy or self.run.ended >= self.clock
+        if self.fault and frame.busy and not frame.due:
+            # Nobody knows at which clock it came, but the LED.
+            self.fault, self.in_doubt = False, True
+        elif self.fault and going and self.run.persists:
+            self._happened("board_faults", "HELLO while it goes on")
+        elif not (going and self.run.may_fail and not self.fault):
+            if self.fault:
+                self._happened("board_faults", "HELLO acknowledges it")
+            self._acknowledged |= self.fault
+            self.fault = self.in_doubt = False
 
     def _kick(self, clock: int) -> None:
         self.alive, self.kicked = True, clock
@@ -467,23 +534,40 @@ class BoardReference:
         elif command == Command.MOVE:
             self.pose = struct.unpack("<3i", payload)
         elif command == Command.RUN:
-            self._start(*struct.unpack_from("<BI", payload))
-            self.armed = alive
+            mode, margin, _, _, trial = RUN.unpack(payload)
+            self._start(mode, margin, divmod(trial, WHICHES))
+            self.armed = alive and not self.fault
         elif command == Command.RESULTS:
             (self.run.freed,) = struct.unpack("<I", payload)
             self._expect_end(self.run)
 
-    def _start(self, mode: int, margin: int) -> None:
+    def _start(self, mode: int, margin: int, tries: tuple[int, int]) -> None:
         a, b = self.meshes
-        run = Run((self.run.number + 1) % 256, mode, margin, self.pose, State.RUNNING, self.clock)
+        run = Run((self.run.number + 1) % 256, mode, margin, self.pose, tries, State.RUNNING, self.clock)
         moved = a + np.array(self.pose, np.int64)
         low, high = coordinate_range(self.parameters.width)
         run.overflow = bool(moved.min() < low or moved.max() > high)
         if not run.overflow:
             run.answer = scene_answer(moved, b, margin, self.parameters.group)
+        self._try(run)
+        if run.answer:
             run.pairs = run.answer.near_pairs
         self.run = run
         self._expect_end(run)
+
+    def _try(self, run: Run) -> None:
+        """Make out what comes of what a run tries."""
+        run.spoiled = self.fault
+        if Trial(run.tries[0]) in _FAILS_AFTER:
+            run.fails = run.persists = True
+            after = _FAILS_AFTER[Trial(run.tries[0])]
+            self._at(self.clock + after, lambda _: self._fail() if self.run is run else None)
+        else:
+            (a, b), no = self.meshes, (False, False)
+            request = RunRequest(run.pose, run.margin, run.mode, run.tries)
+            observed = ObservedRun(RunAccepted(request), a, b, no, no)
+            outcome = tried(observed, run.answer, self.parameters.engine)
+            run.answer, run.fails, run.may_fail = outcome.answer, outcome.fails, outcome.may_fail
 
     def _expect_end(self, run: Run) -> None:
         """A run ends in time, but where it waits for near pairs to be taken."""
@@ -508,6 +592,7 @@ class BoardReference:
     def _answer(self, frame: Frame, code: Code) -> None:
         """Make out what the reply must be, from the state as it is."""
         command, status, payload = frame.command, None, b""
+        self._look_for_fault()
         if code == Code.PLACE or (code == Code.OK and command == Command.LOAD):
             payload = struct.pack("<H", len(self.meshes[frame.payload[0] & 1]))
         elif code == Code.SEQUENCE:
@@ -522,28 +607,27 @@ class BoardReference:
             else:
                 status = self._status()
         first = struct.unpack("<I", frame.payload)[0] if command == Command.RESULTS and status else 0
-        self._due = Due(frame, code, payload, status, self.busy, first)
+        self._due = Due(frame, code, payload, status, self.busy, first, self.in_doubt)
 
     @property
     def shown(self) -> str:
         """Return what the displays must show while nothing changes: a word, and the near pairs."""
-        word = (
-            "  Go" if self.go else " run" if self.busy else " Err" if self.error or self.expired else "StoP"
-        )
+        wrong = self._wrong_shown or self.expired
+        word = "  Go" if self.go else " run" if self.busy else " Err" if wrong else "StoP"
         near = self.reply_check.near if self.run.state == State.DONE else 0
         return word + (f"{near:04}" if near < 10_000 else "----")
 
     def _description(self) -> bytes:
         p = self.parameters
         return struct.pack(
-            "<BBBHBBIH", VERSION, p.width, p.margin_bits, p.depth, p.group, p.lanes, p.build_id,
-            -(-p.watchdog_clocks // _CLOCKS_PER_MS),
+            "<BBBHBBIHB", VERSION, p.width, p.margin_bits, p.depth, p.group, p.lanes, p.build_id,
+            -(-p.watchdog_clocks // _CLOCKS_PER_MS), p.certify,
         )  # fmt: skip
 
     def _status(self) -> Status:
         """Return the status; counters as they are due where the run has ended by itself."""
         run = self.run
-        flags = self.pins.go | self.pins.waiting << 1 | self.expired << 2
+        flags = self.pins.go << Flag.GO | self.pins.waiting << Flag.WAITING | self.expired << Flag.EXPIRED
         counters, end = _NO_COUNTERS, RunEnd.NONE
         if run.state == State.DONE:
             end = run.end
@@ -557,7 +641,8 @@ class BoardReference:
             run.number, run.state, end, flags, run.mode, *run.pose, run.margin, *counters, self.errors,
             *(len(mesh) for mesh in self.meshes),
         )  # fmt: skip
-        return Status._make(fields)
+        status = Status._make(fields)
+        return faulty(status) if self.fault else status
 
     def spoken(self, value: int) -> None:
         """Take a byte of the board's: those of a reply follow one another without a gap."""

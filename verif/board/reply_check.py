@@ -4,7 +4,7 @@ import struct
 from collections.abc import Callable
 
 from triaxis.verif.board.board_state import Due, Run
-from triaxis.verif.board.protocol import COUNTERS, MOST_NEAR, REPLY, Command, Mode, Reply, State, Status
+from triaxis.verif.board.protocol import COUNTERS, MOST_NEAR, REPLY, Command, Flag, Mode, Reply, State, Status
 from triaxis.verif.board.protocol import End as RunEnd
 
 
@@ -44,17 +44,20 @@ class ReplyCheck:
             return
         status = Status.unpack(reply.payload)
         expected = due.status
+        if due.doubtful and status.flags >> Flag.FAULT & 1:
+            expected = faulty(expected)
         if run.state == State.DONE and expected.state == State.DONE and not _ended_as(run, status):
             expected = expected._replace(end=RunEnd.ABORTED)
             if due.frame.command == Command.ABORT:
                 self._happened("board_runs", f"{Mode(run.mode).name}, aborted")
             run.maybe_aborted = True
-        if run.maybe_aborted or expected.end == RunEnd.FIRST:
+        stopped = run.end == RunEnd.FIRST and expected.end in (RunEnd.FIRST, RunEnd.FAULT)
+        if run.maybe_aborted or stopped:
             # How far it came nobody knows; not too far.
             for name in COUNTERS[1:]:
                 if getattr(status, name) <= getattr(expected, name):
                     expected = expected._replace(**{name: getattr(status, name)})
-            if expected.end == RunEnd.FIRST:
+            if stopped and not run.maybe_aborted:
                 expected = expected._replace(near=1)
         if status.state == State.DONE:
             self.near = status.near
@@ -77,6 +80,12 @@ class ReplyCheck:
         run.written = max(run.written, seen)
         how_many = "32" if number == MOST_NEAR else "some" if number else "none"
         self._happened("board_near", f"{how_many}, {'run' if due.busy else 'ended'}")
+
+
+def faulty(status: Status) -> Status:
+    """Return a status as it is where a check has failed."""
+    end = status.end if status.end == RunEnd.NONE else RunEnd.FAULT
+    return status._replace(flags=status.flags | 1 << Flag.FAULT, end=end)
 
 
 def _ended_as(run: Run, status: Status) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable
 import numpy as np
 
 from triaxis.golden.pairs import coordinate_range
+from triaxis.sim.mesh_engine import Trial
 from triaxis.verif.board.base_test import SESSION, BoardTest
 from triaxis.verif.board.line_agent import Act, Until
 from triaxis.verif.board.protocol import (
@@ -13,6 +14,7 @@ from triaxis.verif.board.protocol import (
     LONGEST,
     MOST_TRIANGLES,
     RING,
+    RUN,
     Command,
     Mode,
     checked,
@@ -22,10 +24,13 @@ from triaxis.verif.board.protocol import (
     stuffed,
 )
 from triaxis.verif.board.reference import EXECUTED
+from triaxis.verif.mesh.items import WHICHES
 from triaxis.verif.testbench.table import Runs, listed
 
 # Coordinates with bits above them in their bytes, and more near pairs than the displays can show.
 BOARD = "board_w12_m5_d128_g8_l4"
+# The same, with a core that shows no "clear" again.
+PLAIN = "board_w12_m5_d128_g8_l4_plain"
 # The sizes that ship, as `fpga.board_build.SIGNED_OFF` has them, with the environment's short times, and the
 # top's own: then a byte takes 500 clocks, and the watchdog ten million.
 SHIPPED, REAL = "board_w16_m16_d4096_g8_l8", "board_w16_m16_d4096_g8_l8_real"
@@ -80,6 +85,13 @@ class BoardSmokeTest(BoardTest):
         await self.status()
         await self.clear_scene()
         await self.clear_run()
+        for kind in (Trial.WALK, Trial.BOARD):
+            await self.run(Mode.ALL, 0, (kind, WHICHES - 1))
+            await self.digits()
+            await self.run()
+            await self.hello()
+            await self.clear_scene()
+        await self.clear_run()
         await self.clocks(self.parameters.watchdog_clocks)
         await self.digits()
 
@@ -109,7 +121,7 @@ class BoardGoTest(BoardTest):
         """Begin a clear run that takes some time, and have it spoiled."""
         count = min(64, self.parameters.depth)
         for name, end in sorted(self.ends.items()):
-            if name in ("load", "move", "silence"):
+            if name in ("load", "move", "silence", "trial"):
                 continue
             await self.needed(count)
             await self.line(framed(self.frame(Command.RUN, self.asked())), Until.SENT)
@@ -151,11 +163,20 @@ class BoardGoTest(BoardTest):
             "length": lambda: ask(Command.STATUS, b"\0"),
             "session": lambda: ask(Command.STATUS, session=1),
             "sequence": lambda: ask(Command.STATUS, ahead=2),
-            "value": lambda: ask(Command.RUN, struct.pack("<BIHH", 3, 0, 1, 1)),
-            "counts": lambda: ask(Command.RUN, struct.pack("<BIHH", 0, 0, 9, 9)),
+            "value": lambda: ask(Command.RUN, RUN.pack(3, 0, 1, 1, 0)),
+            "counts": lambda: ask(Command.RUN, RUN.pack(0, 0, 9, 9, 0)),
             "place": lambda: ask(Command.LOAD, load_payload(0, 99, self.flat(), self.parameters.width)),
             "silence": lambda: self.clocks(self.parameters.watchdog_clocks),
+            "trial": self.trial,
         }
+
+    async def trial(self) -> None:
+        """Have a check fail: no run gives go, until HELLO."""
+        kind = self.rng.choice([Trial.WALK, Trial.INTAKE, Trial.BOARD])
+        await self.run(Mode.ALL, 0, (int(kind), int(self.rng.integers(WHICHES))))
+        await self.clear_run()
+        await self.digits()
+        await self.hello()
 
     async def pressed(self) -> None:
         """Press the button; take the board again."""
@@ -317,7 +338,7 @@ class BoardRefusalsTest(BoardTest):
 
     async def lengths(self) -> None:
         """Ask with payloads of other lengths than there are."""
-        right = {Command.HELLO: 0, Command.MOVE: 12, Command.RUN: 9, Command.RESULTS: 4, Command.STATUS: 0}
+        right = {Command.HELLO: 0, Command.MOVE: 12, Command.RUN: 10, Command.RESULTS: 4, Command.STATUS: 0}
         for command, length in {**right, Command.ABORT: 0}.items():
             for wrong in sorted({0, 1, length - 1, length + 1, 100} - {length, -1}):
                 await self.ask(command, bytes(wrong))
@@ -384,7 +405,7 @@ class BoardRefusalsTest(BoardTest):
             (3, 0, 3, 2), (4, 0, 3, 2), (255, 0, 3, 2), (1, most + 1, 3, 2), (1, 1 << 31, 3, 2), (1, 0, 2, 2),
             (1, 0, 3, 3), (1, 0, 2, 3), (1, 0, 3 + 256, 2), (1, 0, 3, 2 + 256), (1, 0, 0, 0),
         ):  # fmt: skip
-            await self.ask(Command.RUN, struct.pack("<BIHH", mode, margin, a, b))
+            await self.ask(Command.RUN, RUN.pack(mode, margin, a, b, 0))
         for margin in sorted({0, min(4, most), min(5, most), most}):
             await self.run(Mode.ALL, margin)
         await self.results(99)
@@ -621,7 +642,7 @@ class BoardFullTest(BoardTest):
         await self.busy()
         await self.read_again()
         await self.ask(Command.ABORT)
-        await self.results(7 + 1)
+        await self.results(8 + 16)
         # Silence while a run waits, which could have ended well.
         await self.start(Mode.ALL)
         await self.clocks(self.parameters.watchdog_clocks)
@@ -719,6 +740,7 @@ class BoardFullTest(BoardTest):
             await self.results(first)
         await self.again(Command.RESULTS, struct.pack("<I", 8))
         await self.results(7)
+        await self.results(8 + 16)
 
     async def just_full(self) -> None:
         """As many near pairs as the ring holds."""
@@ -754,6 +776,152 @@ class BoardFullTest(BoardTest):
         await self.move(0, 0, 9)
         await self.clear_run()
         await self.digits()
+
+
+@listed(
+    "V2",
+    Runs((BOARD,), 900, seeds=3, smoke=(BOARD,)),
+    Runs((PLAIN,), 900, seeds=1, smoke=(PLAIN,)),
+    Runs((SHIPPED,), 900, seeds=1),
+    why_seeds="Three: each takes other modes, scenes and moments.",
+)
+class BoardTrialsTest(BoardTest):
+    """Every check is tried: each kind, and which; its fault ends the run, stands until HELLO, gives no go."""
+
+    async def stimulus(self) -> None:
+        """Try them, and what comes while a fault stands."""
+        await self.hello()
+        for kind in Trial:
+            for which in range(WHICHES):
+                await self.tried((kind, which))
+        await self.unused()
+        await self.modes()
+        await self.stands()
+        await self.hidden()
+        await self.ended()
+        await self.begun_again()
+        await self.clear_run()
+
+    async def needed(self) -> None:
+        """Begin again where a fault stands; have a clear pair that boxes do not decide."""
+        reference = self.env.scoreboard.reference
+        if reference.fault:
+            await self.hello()
+        if not all(map(len, reference.meshes)):
+            await self.scene(self.flat(), self.corners(1))
+
+    async def tried(self, tries: tuple[int, int], mode: int = Mode.ALL) -> None:
+        """Try a check; where it fails, often run again."""
+        await self.needed()
+        await self.run(mode, 0, tries)
+        if self.env.scoreboard.reference.fault and not self.rng.integers(8):
+            await self.clear_run()
+            await self.digits()
+
+    async def unused(self) -> None:
+        """Take words as broken that no run looks at: of groups, and of boxes, where others decide."""
+        far = self.flat(99), self.flat(99, 2)
+        # Boxes of groups that overlap, of triangles that do not.
+        crossed = np.concatenate([self.flat(0), self.flat(40)]), self.flat(20)
+        for a, b in (far, crossed):
+            for which in (*range(6), WHICHES - 1):
+                await self.hello()
+                await self.scene(a, b)
+                await self.move(0, 0, -1)
+                await self.run(Mode(int(self.rng.integers(3))), 0, (Trial.MEMORY, which))
+
+    async def modes(self) -> None:
+        """Try checks in runs that stop at a near pair, or cannot be: first it is near, then it may be."""
+        count = min(12, self.parameters.depth)
+        for _ in range(6):
+            for kind in list(Trial)[1:]:
+                await self.hello()
+                await self.scene(self.cloud(count, 30), self.cloud(count, 30))
+                await self.run(Mode.FIRST, 0, (kind, int(self.rng.integers(6))))
+                await self.all_results()
+        await self.hello()
+        for kind in list(Trial)[1:]:
+            await self.needed()
+            await self.move(0, 0, (1 << min(self.parameters.width, 31)) - 1)
+            await self.run(Mode.COUNT, 0, (kind, 1))
+            await self.move()
+
+    async def stands(self) -> None:
+        """Have a fault outlast runs, refusals, silence, ABORT; any HELLO ends it, and so does the button."""
+        for end in (self.hello, self.another, self.pressed):
+            await self.needed()
+            await self.run(Mode.COUNT, 0, (Trial.WALK, 3))
+            await self.ask(Command.ABORT)
+            await self.ask(0x20)
+            await self.digits()
+            for mode in Mode:
+                await self.run(mode)
+            await self.silent(b"\xc0\x06\xc0")
+            await self.clocks(self.parameters.watchdog_clocks)
+            await self.digits()
+            await self.status()
+            await self.run()
+            await end()
+            await self.status()
+            await self.digits()
+            await self.needed()
+            # The first after silence is no more than a sign of life.
+            for _ in range(2):
+                await self.clear_run()
+
+    async def another(self) -> None:
+        """Be another host, after silence."""
+        await self.clocks(self.parameters.watchdog_clocks)
+        self.session ^= 1
+        await self.hello()
+
+    async def pressed(self) -> None:
+        """Press the button; take the board again."""
+        await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
+        await self.hello()
+
+    async def hidden(self) -> None:
+        """Have something go wrong on the line in a run whose checks fail, or may."""
+        count = min(56, self.parameters.depth)
+        for kind in list(Trial)[1:]:
+            for mode in (Mode.ALL, Mode.FIRST):
+                await self.hello()
+                await self.scene(self.flat(0, count), self.corners(count))
+                await self.start(mode, 0, (kind, 4))
+                await self.silent(b"\xc0\x06\xc0")
+                await self.idle()
+                await self.status()
+                await self.run(Mode.COUNT)
+
+    async def ended(self) -> None:
+        """End runs whose checks fail, or may, by ABORT and by HELLO: not the end of what goes on failing."""
+        count = min(56, self.parameters.depth)
+        for kind in list(Trial)[1:]:
+            for command in (Command.ABORT, Command.HELLO, Command.HELLO):
+                await self.hello()
+                await self.scene(self.flat(0, count), self.corners(count))
+                frame = framed(self.frame(Command.RUN, self.asked(Mode.ALL, 0, (kind, 4))))
+                ending = framed(self.frame(command, ahead=2))
+                if self.rng.integers(2):
+                    # It waits for the reply to the other.
+                    await self.line(frame + ending)
+                else:
+                    await self.line(frame)
+                    await self.line(ending, Until.NOW, gap=_BYTE * len(ending))
+                await self.line()
+                self.sequence = self.env.scoreboard.reference.sequence
+                await self.status()
+                await self.needed()
+                await self.run()
+        await self.hello()
+
+    async def begun_again(self) -> None:
+        """Find the first run after HELLO as ever."""
+        await self.scene(self.flat(0, 3), self.flat(0, 2))
+        await self.run()
+        await self.all_results()
+        await self.scene(self.flat(0, 3), self.corners(2))
+        await self.status()
 
 
 @listed(
@@ -879,13 +1047,22 @@ class BoardMixedTest(BoardTest):
         while self.unfinished:
             await self.some_scene()
             for _ in range(int(self.rng.integers(1, 8))):
-                kinds = (self.some_run, self.some_run, self.some_talk, self.some_damage, self.some_move)
+                kinds = (
+                    self.some_run, self.some_run, self.some_talk, self.some_damage, self.some_move,
+                    self.some_trial,
+                )  # fmt: skip
                 await kinds[int(self.rng.integers(len(kinds)))]()
             if not self.rng.integers(6):
                 await self.clocks(self.parameters.watchdog_clocks + int(self.rng.integers(-3000, 3000)))
             if not self.rng.integers(8):
-                await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 9)), until=Until.NOW)
-                await self.hello()
+                await self.pressed()
+        await self.pressed()
+        await self.status()
+
+    async def pressed(self) -> None:
+        """Press the button; take the board again."""
+        await self.line(act=Act.RESET, clocks=int(self.rng.integers(1, 9)), until=Until.NOW)
+        await self.hello()
 
     async def some_scene(self) -> None:
         """Load one or both meshes."""
@@ -903,6 +1080,18 @@ class BoardMixedTest(BoardTest):
             await self.idle()
         await self.all_results()
         await self.status()
+
+    async def some_trial(self) -> None:
+        """Try a check in a run of some mode; mostly be told of what has failed, and begin again."""
+        kind, which = int(self.rng.integers(1, len(Trial))), int(self.rng.choice([0, 1, 2, 4, 31]))
+        await self.start(int(self.rng.integers(3)), 0, (kind, which))
+        if self.rng.integers(2):
+            await self.idle()
+        await self.all_results()
+        await self.status()
+        if self.rng.integers(4):
+            await self.hello()
+            await self.some_scene()
 
     async def some_move(self) -> None:
         """Move far away, or near."""

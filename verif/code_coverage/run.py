@@ -72,9 +72,10 @@ CORES = (
 )
 DETECTOR_WIDTH = 16
 
-# The mesh engine, where several words of lanes make a group, and several a mesh; with margins, and without.
+# The mesh engine, where several words of lanes make a group, and several a mesh; with margins and
+# certificates, and without.
 _MESH = MeshConfiguration(8, 8, depth=32, group=4, lanes=2, cycle_bits=8)
-ENGINES = (_MESH, replace(_MESH, margin_bits=0))
+ENGINES = (replace(_MESH, certified=True), replace(_MESH, margin_bits=0))
 BOARDS = (parse_board_configuration("board_w12_m5_d128_g8_l4"),)
 # Of progress: the cores, the wrapper, the engines and the board, each when it is built and when it is done.
 STEPS = 2 * (len(CORES) + 1 + len(ENGINES) + len(BOARDS))
@@ -85,7 +86,7 @@ _CORE_TESTS = {"MixedTest": PAIRS, "ExtremesTest": 3000, "StallsTest": 3600, "Re
 _CERTIFIED_TESTS = {"CertificatesTest": 20_000, **_CORE_TESTS}
 _MESH_TESTS = {
     "MeshRandomTest": 20_000, "MeshLimitsTest": 1, "MeshStallsTest": 5000, "MeshAbortTest": 2000,
-    "MeshResetsTest": 5000,
+    "MeshResetsTest": 5000, "MeshTrialsTest": 1,
 }  # fmt: skip
 _JUDGED_ONE_IN = 1000
 _JOBS = 2

@@ -162,7 +162,7 @@ def add_upsets(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--upsets", type=positive, default=UPSETS, metavar="N",
-        help=f"so many ({UPSETS}: each bit of the small board is inverted once at least)",
+        help=f"so many ({UPSETS}: each flip-flop of the small board is inverted once at least)",
     )  # fmt: skip
     parser.add_argument("--config", default=CONFIG, help=f"the board ({CONFIG})")
     add_seed(parser)
@@ -177,11 +177,17 @@ def _upsets(options: argparse.Namespace) -> int:
     for module, row in (*by_module(inverted).items(), ("all", tally_upsets(inverted))):
         flips.add_row(module, *map(str, (row.upsets, row.dangerous, row.detected, row.false_stops)))
     Console(width=110).print(flips)
+    dangerous = [f"{one.upset}: {one.how}" for one in result.dangerous]
+    print_list("DANGEROUS", dangerous, _SHOWN, "see the JSON file")
+    left = table("what each measure brings", ("with the measures up to", "dangerous, of these"), text=1)
+    for measure, count in result.left.items():
+        left.add_row(measure, str(count))
+    Console(width=110).print(left)
     print_list("PROBLEM", result.problems)
     if result.config != CONFIG:
         print("another board: no result written")
     elif not result.problems:
-        print(f"written to {write_upsets(result)}")
+        print(f"written to {write_upsets(result)}, the failure modes and a plot beside it")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

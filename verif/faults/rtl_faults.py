@@ -61,7 +61,7 @@ SEARCHES = {
         "board",
         (
             "BoardSmokeTest", "BoardFramesTest", "BoardRefusalsTest", "BoardGoTest", "BoardSilenceTest",
-            "BoardMixedTest", "BoardResetsTest", "BoardAbortTest", "BoardFullTest",
+            "BoardMixedTest", "BoardResetsTest", "BoardAbortTest", "BoardFullTest", "BoardTrialsTest",
         ),
         BURST,
         60,

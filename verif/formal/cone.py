@@ -54,40 +54,66 @@ class Register:
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """What the instances in each module are of, as the sources say."""
+    """What the instances in each module can be of, as the sources say: a parameter may choose."""
 
-    instances: Mapping[tuple[str, str], str]
+    instances: Mapping[tuple[str, str], frozenset[str]]
+    # Signals and blocks, each after its module.
+    declared: frozenset[tuple[str, str]]
 
-    def register(self, top: str, path: str) -> Register:
-        """Return the register of a path from ``top``, such as ``u_core.u_delay[1].g_regs.stage_q[0]``."""
-        module, names = top, []
+    def register(self, top: str, path: str, file: str = "") -> Register:
+        """Return the register of a path from ``top``, such as ``u_core.u_delay[1].g_regs.stage_q[0]``.
+
+        Where an instance can be of several modules, it is of the one that has what the path goes on with; of
+        several such, of the one that is called as the ``file`` that writes the register. InputError where
+        none is.
+        """
+        ways: list[tuple[str, tuple[str, ...]]] = [(top, ())]
         for name in re.sub(r"\[[^]]*\]", "", path).split("."):
-            if (below := self.instances.get((module, name))) is not None:
-                module, names = below, []
-            else:
-                names.append(name)
-        return Register(module, ".".join(names))
+            ways = [
+                way
+                for module, names in ways
+                for way in (
+                    [(below, ()) for below in self.instances.get((module, name), ())]
+                    or [(module, (*names, name))]
+                )
+            ]
+        deepest = min(len(names) for _, names in ways)
+        found = {Register(module, ".".join(names)) for module, names in ways if len(names) == deepest}
+        if len(found) > 1:
+            found = {one for one in found if (one.module, one.name.split(".")[0]) in self.declared}
+        if len(found) > 1:
+            found = {one for one in found if one.module == Path(file).stem}
+        if len(found) != 1:
+            raise InputError(f"{top}: {path}: can be in several modules, none of them that of {file or '?'}")
+        return found.pop()
 
 
 def hierarchy(sources: Iterable[Path]) -> Hierarchy:
-    """Return the hierarchy of some files; raise InputError where a name stands for two modules."""
-    found: dict[tuple[str, str], str] = {}
+    """Return the hierarchy of some files."""
+    found: dict[tuple[str, str], set[str]] = {}
+    declared: set[tuple[str, str]] = set()
+    known: set[str] = set()
     for path in sources:
         modules: list[str] = []
 
-        def visit(node: Any, path: Path = path, modules: list[str] = modules) -> None:
+        def visit(node: Any, modules: list[str] = modules) -> None:
             kind = getattr(node, "kind", None)
             if kind == SyntaxKind.ModuleDeclaration:
                 modules.append(node.header.name.valueText)
+                known.add(modules[-1])
             elif kind == SyntaxKind.HierarchyInstantiation:
                 of = node.type.valueText
                 for instance in node.instances:
                     name = getattr(instance, "decl", None) and instance.decl.name.valueText
-                    if name and found.setdefault((modules[-1], name), of) != of:
-                        raise InputError(f"{path}: {name}: instances of two modules have this name")
+                    if name:
+                        found.setdefault((modules[-1], name), set()).add(of)
+            elif kind in (SyntaxKind.Declarator, SyntaxKind.NamedBlockClause) and modules:
+                declared.add((modules[-1], node.name.valueText))
 
         SyntaxTree.fromFile(str(path)).root.visit(visit)
-    return Hierarchy(found)
+    # What none of the files has is not there: a parameter leaves it out.
+    instances = {place: frozenset(of & known or of) for place, of in found.items()}
+    return Hierarchy(instances, frozenset(declared))
 
 
 @dataclass(frozen=True)
@@ -111,12 +137,16 @@ class _Net:
         """Yield what a cell holds; where it lost its name on the way, what is called as its output is."""
         cell = self.module["cells"][name]
         if cell["type"] in _MEMORIES:
-            yield self.hierarchy.register(self.top, cell["parameters"]["MEMID"].removeprefix("\\"))
+            paths = {cell["parameters"]["MEMID"].removeprefix("\\")}
         elif name.startswith(_DRIVER):
-            yield self.hierarchy.register(self.top, name.removeprefix(_DRIVER))
+            paths = {name.removeprefix(_DRIVER)}
         elif _FLIP_FLOP.fullmatch(cell["type"]):
-            for one in {one for bit in cell["connections"]["Q"] for one in self._names.get(bit, ())}:
-                yield self.hierarchy.register(self.top, one)
+            paths = {one for bit in cell["connections"]["Q"] for one in self._names.get(bit, ())}
+        else:
+            paths = set()
+        file = cell["attributes"].get("src", "").split(":")[0]
+        for path in paths:
+            yield self.hierarchy.register(self.top, path, file)
 
     def cone(self) -> set[str]:
         """Return the cells on which the assertions depend, through any number of clocks."""

@@ -23,6 +23,8 @@ RTL = Path(__file__).with_name("rtl")
 _CHECK, _COVER = "check", "cover"
 # Where what is to be covered lies too many clocks after a reset.
 _FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
+# A window begins in any state, whatever registers are configured with; a harness's own begin as it says.
+_ANY_STATE = ("flatten", "setattr -unset init w:u_*.*")
 # What the RTL and the harnesses include.
 _STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
 
@@ -236,6 +238,7 @@ class SbyProof(Proof):
                 # What has no driver is free at each clock, and one and the same wherever it is read.
                 "setundef -undriven -anyseq",
                 f"prep -top {self.top}",
+                *(_ANY_STATE if window else ()),
                 *([] if self.cover_from_reset else [f"{_COVER}: {line}" for line in _FROM_ANY_STATE]),
                 # The provers see files through a sandbox, which has a /tmp of its own: no other paths.
                 "[files]",

@@ -28,14 +28,16 @@ def _assertions(
     *,
     window: int | None = None,
     beside: tuple[str, ...] = (),
+    harness: str | None = None,
 ) -> SbyProof:
-    """Return a proof of the first module, in its formal harness: by induction, or over a window of clocks.
+    """Return a proof of the first module, in a formal harness: by induction, or over a window of clocks.
 
-    ``beside``: files of rtl/ that the harness needs.
+    ``beside``: files of rtl/ that the harness needs. ``harness``: its module, where it is not called as the
+    first module.
     """
-    top = f"{Path(modules[0]).name}_formal"
-    packages = ["core/triaxis_pkg"] if any("core/" in module for module in modules) else []
-    packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith("mesh/") else []
+    top = harness or f"{Path(modules[0]).name}_formal"
+    packages = ["core/triaxis_pkg"]
+    packages += ["mesh/triaxis_mesh_pkg"] if modules[0].startswith(("mesh/", "board/")) else []
     packages += ["board/triaxis_board_pkg"] if modules[0].startswith("board/") else []
     return SbyProof(
         name=name, claim=claim, method=Method.INDUCTION if window is None else Method.WINDOW, top=top,
@@ -252,35 +254,120 @@ def _skip(name: str, width: int, whole: bool) -> SbyProof:
     )
 
 
+# The engine, from its top down to what it compares.
+_WALK = (
+    *(
+        f"mesh/triaxis_{module}"
+        for module in (
+            "mesh", "walk", "run_control", "near_pairs", "pair_fetch", "pair_boxes", "pick", "group_words",
+            "group_rows", "stream_fifo", "lane_mask", "overlap", "grow",
+        )
+    ),
+    "core/triaxis_fifo",
+)  # fmt: skip
+
+
+_EXTENT = ("core/triaxis_extent", "core/triaxis_delay")
+_STORE = (
+    "mesh/triaxis_mesh_store", "mesh/triaxis_mesh_intake", "mesh/triaxis_parity_ram", "mesh/triaxis_ram",
+    *_EXTENT,
+)  # fmt: skip
+
+
 def _walk() -> SbyProof:
-    modules = (
-        "mesh", "run_control", "near_pairs", "pair_fetch", "pair_boxes", "pick", "group_words", "group_rows",
-        "stream_fifo", "lane_mask", "overlap", "grow",
-    )  # fmt: skip
     proof = _assertions(
         "engine_walk",
         "For all time and under every pattern of stalls, aborts and resets: of a run that is said to be "
         "complete each pair of triangles was handed to the core, once, with the vertices that are stored, "
         "A's moved as asked, and verdicts of all that was handed over were taken; or its boxes, or those of "
         "its groups or of the whole of B around them, lie apart on one axis by more than the margin.",
-        (*(f"mesh/triaxis_{module}" for module in modules), "core/triaxis_fifo"),
+        _WALK,
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         26,
         (
             "queues of four places in the copy that is proved, as in `engine_queue`",
             "what is read of a memory is what was written: `engine_memory`; boxes lie around their "
             "triangles: `engine_boxes`",
-            "the core gives one verdict a pair, at any time: `streams`",
+            "the core gives one verdict a pair, at any time: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
     )
-    return replace(proof, edits={"mesh/triaxis_mesh.sv": (("QueueDepth = 16", "QueueDepth = 4"),)})
+    return replace(proof, edits={"mesh/triaxis_walk.sv": (("QueueDepth = 16", "QueueDepth = 4"),)})
+
+
+def _checks() -> SbyProof:
+    return _assertions(
+        "engine_checks",
+        "For all time and under every pattern of stalls and resets: where the walks differ, or the intakes "
+        "of a mesh, where something rests on a word that is not intact, or the core tells a fault, a fault "
+        "is told two clocks later at the latest, and until it is acknowledged; the run of then, and each "
+        "that begins before that, ends with that status, whatever the walks say, and so does one whose "
+        "walks differ in its summary; else the status is that of the first walk, and no fault is told. A "
+        "run that tries the walks ends so where these do the same in any of its clocks before; what is "
+        "tried of memories, intakes and core is just what was asked for.",
+        ("mesh/triaxis_mesh",),
+        {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
+        12,
+        (
+            "what walks show of a summary is that summary, and all else that they do shows: `engine_twice`",
+            "a walk that has ended a run says something of it, and no fault: `engine_control`",
+            "nothing is broken or refuted when the first walk has ended its run: `engine_walk`",
+        ),
+        beside=("triaxis_checks_surroundings",),
+        harness="triaxis_checks_formal",
+    )
+
+
+def _twice() -> SbyProof:
+    return _assertions(
+        "engine_twice",
+        "Whatever one walk asks of a memory or of the core, or says, that the other does not, shows as a "
+        "difference in the next clock, and what it says of a summary at once; whatever one intake counts, "
+        "writes or says of a mesh that the other does not, too; for any states of the two.",
+        (*_WALK, "mesh/triaxis_mesh_store", "mesh/triaxis_mesh_intake", *_EXTENT),
+        {"W": 8, "M": 8, "Depth": 16, "Group": 4, "Lanes": 2},
+        3,
+        ("the box of a mesh counts where it has triangles that have settled: `engine_walk`",),
+        window=2,
+        beside=("triaxis_twice_surroundings",),
+        harness="triaxis_twice_formal",
+    )
+
+
+# Where bits can be inverted: of a word as it is read, of where it is read, and of where it is held to be.
+_PARITY_UPSETS = (
+    (
+        "word_t written, found;",
+        "word_t written, found, kept, free_word;\n  assign found = kept ^ free_word;\n"
+        "  logic [AddressWidth-1:0] free_read, free_late;",
+    ),
+    (".read_address_i,\n      .read_data_o (found)",
+     ".read_address_i(read_address_i ^ free_read),\n      .read_data_o (kept)"),
+    ("^{address_q, ", "^{address_q ^ free_late, "),
+)  # fmt: skip
+
+
+def _parity(name: str, pieces: int, words: int) -> SbyProof:
+    proof = _assertions(
+        name,
+        f"For all time: of a memory of words of {pieces} pieces a word that is read as it was written, where "
+        "it was, is intact; with any one bit of it, of its parity, of the address that it is read at or of "
+        "the one that is remembered inverted it is not, and neither is it on trial.",
+        ("mesh/triaxis_parity_ram", "mesh/triaxis_ram"),
+        {"Pieces": pieces, "PieceWidth": _WIDTH, "Words": words},
+        6,
+    )
+    return replace(
+        proof, assumptions=(), cover_from_reset=False, edits={"mesh/triaxis_parity_ram.sv": _PARITY_UPSETS}
+    )
 
 
 def engine_proofs() -> tuple[SbyProof, ...]:
     """Return the proofs of the mesh engine."""
     return (
         _walk(),
+        _checks(),
+        _twice(),
         _skip("engine_skip", _WIDTH, whole=False),
         _skip("engine_skip_small", 4, whole=True),
         _assertions(
@@ -288,10 +375,24 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "A mesh counts the triangles that it is given, and writes each at its number; the box of a "
             "group, and that of the mesh, is the smallest around its triangles' boxes, by induction over "
             "the triangles.",
-            ("mesh/triaxis_mesh_store", "mesh/triaxis_ram", "core/triaxis_extent", "core/triaxis_delay"),
+            _STORE,
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
             window=5,
+        ),
+        replace(
+            _assertions(
+                "engine_intakes",
+                "For all time and under every pattern of loads and resets: the two intakes of a mesh, "
+                "whatever their registers begin with, show no difference but where one is misread; that is "
+                "told.",
+                _STORE,
+                {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
+                8,
+                harness="triaxis_intakes_formal",
+            ),
+            # As many clocks as a triangle is under way, and one.
+            depth=4,
         ),
         replace(
             _assertions(
@@ -305,6 +406,8 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             assumptions=(),
             cover_from_reset=False,
         ),
+        _parity("engine_parity", 9, 4096),
+        _parity("engine_parity_boxes", 6, 512),
         _assertions(
             "engine_queue",
             "For all time and under every pattern of stalls and resets: a queue between two streams loses, "
@@ -352,22 +455,50 @@ def engine_proofs() -> tuple[SbyProof, ...]:
     )
 
 
+# The board, from its packages up to its top, without what stands in for it.
+_BOARD = (
+    "core/triaxis_pkg", "mesh/triaxis_mesh_pkg", "board/triaxis_board_pkg",
+    *(
+        f"board/triaxis_{module}"
+        for module in (
+            "reset_sync", "session", "judge", "loader", "command", "watchdog", "runner", "saturating_counter",
+            "answer", "safety", "beat",
+        )
+    ),
+    "board/nexys4ddr_top",
+)  # fmt: skip
+
+
+def _board_twice() -> SbyProof:
+    return SbyProof(
+        name="board_twice",
+        claim="Whatever the one of two does, the other permits nothing but from the end of a complete run "
+        "that found nothing near, and on its own sign of life, with no change, error or fault since; go is "
+        "that of the one, stop the contrary of the other; for any states of the two. Two runners that "
+        "differ in anything that they say or ask for, a byte that is broken, and what is tried of these, "
+        "are a fault in the next clock, and nothing else is, until the next HELLO; a fault is told to the "
+        "host.",
+        method=Method.WINDOW,
+        parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
+        assumptions=("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),
+        top="triaxis_board_twice_formal",
+        dut_files=tuple(f"{file}.sv" for file in _BOARD),
+        formal_files=("triaxis_board_surroundings.sv", "triaxis_board_twice_formal.sv"),
+        depth=2,
+        cover_depth=3,
+    )
+
+
 def _board_go() -> SbyProof:
-    packages = ("mesh/triaxis_mesh_pkg", "board/triaxis_board_pkg")
-    modules = (
-        "reset_sync", "session", "judge", "loader", "command", "watchdog", "runner", "saturating_counter",
-        "answer", "safety", "beat",
-    )  # fmt: skip
-    rtl = (*packages, *(f"board/triaxis_{module}" for module in modules))
     return SbyProof(
         name="board_go",
         claim="For all time, from power-up: go is said only where the last run that the engine took was "
         "complete and found nothing near; it was the run last acknowledged to the host, at the pose, "
-        "margin and mode asked for, and the pose is still that; its meshes are those acknowledged, "
+        "margin, mode and trial asked for, and the pose is still that; its meshes are those acknowledged, "
         "byte by byte, as many triangles as the run named, and nothing was loaded since; no frame was"
         " damaged or refused since the run was asked for; a command that was no repeat was "
-        "acknowledged at most WatchdogClocks + 1 clocks ago. Go and stop always differ; the beat ends"
-        " with go.",
+        "acknowledged at most WatchdogClocks + 1 clocks ago; and no fault stands, or has come since that run "
+        "was asked for, and a fault stands until a HELLO. Go and stop always differ; the beat ends with go.",
         method=Method.INDUCTION,
         parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
         assumptions=(
@@ -379,7 +510,7 @@ def _board_go() -> SbyProof:
             "replies leave at any pace, and what RESULTS may ask for is anything",
         ),
         top="triaxis_go_formal",
-        dut_files=tuple(f"{file}.sv" for file in (*rtl, "board/nexys4ddr_top")),
+        dut_files=tuple(f"{file}.sv" for file in _BOARD),
         formal_files=("triaxis_board_surroundings.sv", "triaxis_go_formal.sv"),
         depth=1,
         cover_depth=10,
@@ -413,6 +544,7 @@ def board_proofs() -> tuple[SbyProof, ...]:
     """Return the proofs of what the board's go rests on, the longest first."""
     return (
         _board_go(),
+        _board_twice(),
         replace(
             _assertions(
                 "board_bytes",
@@ -425,16 +557,29 @@ def board_proofs() -> tuple[SbyProof, ...]:
             ),
             cover_from_reset=False,
         ),
-        _assertions(
-            "board_frame",
-            "For all time and under any bytes, ends and errors: a frame that is handed out is what came "
-            "between two ends, 13 to 256 bytes, unchanged until it is released, its last four the "
-            "complement of the remainder of the others divided by the polynomial of CRC-32; every such "
-            "frame is handed out unless it came while another was held; every other is told as an error.",
-            ("board/triaxis_frame_rx", "board/triaxis_crc32"),
-            {},
-            18,
-            ("of byte, end and error one comes at a time: shown by `board_slip`",),
+        replace(
+            _assertions(
+                "board_frame",
+                "For all time and under any bytes, ends and errors: a frame that is handed out is what came "
+                "between two ends, 13 to 256 bytes, unchanged until it is released, its last four the "
+                "complement of the remainder of the others divided by the polynomial of CRC-32; every such "
+                "frame is handed out unless it came while another was held; every other is told as an error. "
+                "A byte of it that is shown is told as broken where one bit of it or of its parity is "
+                "inverted, or that is tried, and otherwise not.",
+                ("board/triaxis_frame_rx", "board/triaxis_crc32"),
+                {},
+                18,
+                ("of byte, end and error one comes at a time: shown by `board_slip`",),
+            ),
+            edits={
+                "board/triaxis_frame_rx.sv": (
+                    (
+                        "logic parity, shown;\n  assign {parity, data_o} = memory_q[address_i];",
+                        "logic parity, shown;\n  logic [8:0] free_inverted;\n"
+                        "  assign {parity, data_o} = memory_q[address_i] ^ free_inverted;",
+                    ),
+                )
+            },
         ),
         _assertions(
             "board_slip",
@@ -450,13 +595,12 @@ def board_proofs() -> tuple[SbyProof, ...]:
             "board_runs",
             "For all time: what is said of a run is what the engine said at its end, every number of the "
             "summary whole, until the next run or HELLO, and zeros before; the run is the one that was asked "
-            "for, at the pose of the last MOVE, and its number counts the runs since HELLO.",
-            ("board/triaxis_runner", "mesh/triaxis_mesh_pkg"),
+            "for, trial included, at the pose of the last MOVE, and its number counts the runs since HELLO.",
+            ("board/triaxis_runner",),
             {"W": _WIDTH, "M": _WIDTH},
             10,
             (
-                "commands come one at a time, none but ABORT during a run, and a HELLO before any other, "
-                "which ends what goes on and then forgets it: shown by `board_go`",
+                "commands come one at a time, none but ABORT during a run: shown by `board_go`",
                 "the engine ends a run once: shown by `engine_control`",
             ),
         ),

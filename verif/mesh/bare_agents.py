@@ -17,7 +17,9 @@ from pyuvm import uvm_factory
 from triaxis.sim.mesh_engine import (
     ABORTED,
     ACCEPTED,
+    ACKNOWLEDGED,
     CLEAR,
+    IDLE_ABORT,
     LOADED,
     NEAR,
     NUM_VALUES,
@@ -32,6 +34,7 @@ from triaxis.sim.mesh_engine import (
 )
 from triaxis.verif.core.items import ResetSeen
 from triaxis.verif.mesh.items import (
+    WHICHES,
     AbortAsked,
     CorePairs,
     Loaded,
@@ -106,8 +109,9 @@ class BareBfm(FastModel[MeshPlayer]):
         """Offer a run."""
         request, traffic = item.request, item.traffic
         self.player.offer(
-            request.translation, request.margin, request.mode, traffic.aborts, traffic.idle_abort
-        )
+            request.translation, request.margin, request.mode, request.trial, traffic.aborts,
+            traffic.idle_abort, traffic.acknowledge,
+        )  # fmt: skip
         self._offered += 1
         self.wake()
 
@@ -143,14 +147,16 @@ class BareBfm(FastModel[MeshPlayer]):
             loaded = Loaded(number & OF_B, bool(number & CLEAR), triangles, bool(number & WITH_RUN))
             self.publish[LoadMonitor](loaded)
         elif kind == ACCEPTED:
-            x, y, z, margin, mode = values.tolist()
-            self.publish[RunMonitor](RunAccepted(RunRequest((x, y, z), margin, mode), bool(number)))
+            x, y, z, margin, mode, trial = values.tolist()
+            request = RunRequest((x, y, z), margin, mode, divmod(trial, WHICHES))
+            before = bool(number & IDLE_ABORT), bool(number & ACKNOWLEDGED)
+            self.publish[RunMonitor](RunAccepted(request, *before))
         elif kind == ABORTED:
             self.publish[RunMonitor](AbortAsked(number))
         elif kind == SUMMARY:
-            *numbers, held_a, held_b, overfull, clock = values.tolist()
+            *numbers, held_a, held_b, overfull, fault, clock = values.tolist()
             self.publish[SummaryMonitor](
-                Summary(*numbers, held=(held_a, held_b), overfull=overfull, clock=clock)
+                Summary(*numbers, held=(held_a, held_b), overfull=overfull, fault=fault, clock=clock)
             )
         elif kind == RESET:
             self.publish[SummaryMonitor](ResetSeen())

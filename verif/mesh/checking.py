@@ -6,17 +6,17 @@ definition; the golden model judges a share of the pairs, which shares nothing w
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from triaxis.coverage.mesh_sample import MeshRow
+from triaxis.coverage.mesh_sample import Before, MeshRow
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Status
-from triaxis.verif.mesh.expectation import begins, difference, expected_status, first_of, moved
+from triaxis.verif.mesh.expectation import Tried, begins, difference, expected_status, first_of, moved, tried
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
 from triaxis.verif.testbench.failures import Blame, ends_at_first, found
@@ -69,6 +69,8 @@ class SceneChecker:
         self.judged_one_in = judged_one_in
         self.rng = np.random.default_rng([seed, *b"scenes"])
         self._on_checked = on_checked
+        # Whether the engine has met a fault that was not acknowledged.
+        self._faulted = False
         self._known: tuple[Integers, Integers, int, SceneAnswer | None] = _NO_MESH, _NO_MESH, 0, None
         # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
         default_solver()
@@ -77,7 +79,11 @@ class SceneChecker:
         """Check a run that has ended."""
         due = expected_status(run, self.configuration)
         answer = self._answer(run) if due == Status.COMPLETE else None
-        wrong = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, answer)]
+        outcome, before = tried(run, answer, self.configuration), self._before(run)
+        if before is Before.STAYS:
+            outcome = replace(outcome, fails=True, may_fail=True)
+        self._faulted = summary.status == Status.FAULT
+        wrong = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, outcome)]
         if answer is not None:
             wrong += [(message, Blame.JUDGES) for message in self._judge(run, answer)]
         for message, blame in wrong:
@@ -95,7 +101,15 @@ class SceneChecker:
             self.near += summary.near
         # What else is not a status has no place in the coverage model.
         if summary.status in list(Status) and not ends_at_first():
-            self._on_checked(row_of(self.configuration, run, summary, answer))
+            self._on_checked(row_of(self.configuration, run, summary, answer, before))
+
+    def _before(self, run: ObservedRun) -> Before:
+        """Return what became of a fault of the run before."""
+        if not self._faulted:
+            return Before.NO_FAULT
+        if run.after_reset:
+            return Before.RESET
+        return Before.ACKNOWLEDGED if run.accepted.acknowledged else Before.STAYS
 
     def _answer(self, run: ObservedRun) -> SceneAnswer:
         """Return the exact answer; that of the run before where it was asked the same."""
@@ -106,15 +120,17 @@ class SceneChecker:
             self._known = a, run.b, margin, answer
         return answer
 
-    def _problems(
-        self, run: ObservedRun, summary: Summary, due: Status, answer: SceneAnswer | None
-    ) -> list[str]:
-        found = [*self._status_problems(run, summary, due, answer), *self._pin_problems(run, summary)]
+    def _problems(self, run: ObservedRun, summary: Summary, due: Status, outcome: Tried) -> list[str]:
+        answer = outcome.answer
+        found = [*self._status_problems(run, summary, due, outcome), *self._pin_problems(run, summary)]
         if answer is None:
             ran = (len(run.near_pairs), len(run.core_pairs), summary.tested, summary.near)
             if any(ran):
                 found.append(f"near pairs, pairs in the core, tested, near: {ran}: nothing was to be run")
             return found
+        if summary.status == Status.FAULT and not run.aborts and run.request.mode != Mode.FIRST:
+            # It went on to its end.
+            summary = replace(summary, status=Status.COMPLETE)
         found += self._stream_problems(run, summary, answer)
         if summary.status == Status.COMPLETE:
             found += self._account_problems(summary, answer)
@@ -122,10 +138,9 @@ class SceneChecker:
             found += self._partial_problems(run, summary, answer)
         return found
 
-    def _status_problems(
-        self, run: ObservedRun, summary: Summary, due: Status, answer: SceneAnswer | None
-    ) -> list[str]:
+    def _status_problems(self, run: ObservedRun, summary: Summary, due: Status, outcome: Tried) -> list[str]:
         """Return what is wrong with how the run ended."""
+        answer = outcome.answer
         stops = due == Status.COMPLETE and run.request.mode == Mode.FIRST and answer and answer.near.any()
         ends = Status.FIRST if stops else due
         # Before the summary is offered an abort ends the run, unless it has stopped at a near pair.
@@ -136,6 +151,8 @@ class SceneChecker:
         if run.aborts and not counted_all:
             # Where clocks are no longer counted nobody knows which came first.
             allowed = aborted | {ends}
+        if outcome.may_fail:
+            allowed = {Status.FAULT} if outcome.fails else allowed | {Status.FAULT}
         if summary.status in allowed:
             return []
         names = " or ".join(sorted(status.name for status in allowed))
@@ -149,6 +166,9 @@ class SceneChecker:
         overfull = run.overfull[0] | run.overfull[1] << 1
         if summary.overfull is not None and summary.overfull != overfull:
             found.append(f"overfull {summary.overfull}, {overfull} is due")
+        fault = int(summary.status == Status.FAULT)
+        if summary.fault is not None and summary.fault != fault:
+            found.append(f"fault {summary.fault}, {fault} is due with this status")
         largest = self.configuration.max_cycles
         if summary.offered_after is not None and summary.cycles != min(summary.offered_after, largest):
             found.append(f"{summary.cycles} cycles, {summary.offered_after} were seen")

@@ -1,11 +1,19 @@
-"""How a run must end, if nothing aborts it; whether lists of pairs are what is due."""
+"""How a run must end, if nothing aborts it, and what it tries; whether lists of pairs are what is due."""
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
+from triaxis.golden.scene import SceneAnswer
+from triaxis.sim.configuration import Configuration
 from triaxis.sim.mesh_configuration import MeshConfiguration
-from triaxis.sim.mesh_engine import Mode, Move, Status
+from triaxis.sim.mesh_engine import Mode, Move, Status, Trial
+from triaxis.sim.result import FAULT, NEAR
+from triaxis.verif.core.expectation import tried_words
 from triaxis.verif.mesh.items import Integers, ObservedRun
 
 
@@ -30,6 +38,71 @@ def expected_status(run: ObservedRun, configuration: MeshConfiguration) -> Statu
     if overflows(run.a, run.request.translation, configuration.width):
         return Status.OVERFLOW
     return Status.COMPLETE
+
+
+class Memory(IntEnum):
+    """Memories of which a trial takes the words as broken; memory_e of triaxis_mesh_pkg."""
+
+    GROUPS_A = 0
+    GROUPS_B = 1
+    BOXES_A = 2
+    BOXES_B = 3
+    TRIANGLES_A = 4
+    TRIANGLES_B = 5
+
+
+_ATTEMPTS = (Trial.CLAIM, Trial.PARITY, Trial.NUMBER)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What comes of what a run tries. ``answer``: what the run must give then, None where nothing is run.
+
+    ``fails``: it is a fault; ``may_fail``: it may be one, where the run ends before all is scanned.
+    """
+
+    answer: SceneAnswer | None
+    fails: bool
+    may_fail: bool
+
+
+def tried(run: ObservedRun, answer: SceneAnswer | None, configuration: MeshConfiguration) -> Tried:
+    """Return what comes of what a run tries, where ``answer`` is due otherwise."""
+    kind, which = run.request.tries
+    if kind in (Trial.WALK, Trial.INTAKE):
+        return Tried(answer, fails=True, may_fail=True)
+    fails = False
+    if answer is not None and answer.near.size:
+        if kind in _ATTEMPTS and configuration.certified:
+            return _attempted(run, answer, configuration)
+        if kind == Trial.MEMORY and which < len(Memory):
+            uses = {
+                Memory.GROUPS_A: True,
+                Memory.GROUPS_B: not answer.rows_apart.all(),
+                Memory.BOXES_A: answer.group_pairs_opened > 0,
+                Memory.BOXES_B: answer.group_pairs_opened > 0,
+                Memory.TRIANGLES_A: answer.tested > 0,
+                Memory.TRIANGLES_B: answer.tested > 0,
+            }
+            fails = bool(uses[Memory(which)])
+    return Tried(answer, fails=fails and not run.aborts, may_fail=fails)
+
+
+def _attempted(run: ObservedRun, answer: SceneAnswer, configuration: MeshConfiguration) -> Tried:
+    """Return what comes of an attempt of the core: pairs of which it is a fault are near."""
+    i, j = answer.to_be_tested.T
+    pairs = np.stack([moved(run.a, run.request.translation)[i], run.b[j]], 1)
+    core = Configuration(configuration.width, configuration.margin_bits, certified=True)
+    facts = bulk_facts(pairs, np.full(len(pairs), run.request.margin))
+    words = np.where(facts.separating == 0, np.uint16(NEAR), np.uint16(0))
+    attempts = np.full(len(pairs), run.request.trial, np.int64)
+    faults = tried_words(words, facts, attempts, core) & np.uint16(FAULT) != 0
+    near = answer.near.copy()
+    near[i, j] |= faults
+    # A run that stops at its first near pair need not come to a later one.
+    first = np.argmax(near[i, j]) if len(i) else 0
+    certain = bool(faults.any()) and (run.request.mode != Mode.FIRST or bool(faults[first]))
+    return Tried(replace(answer, near=near), certain and not run.aborts, bool(faults.any()))
 
 
 def begins(whole: Integers, part: Integers) -> bool:

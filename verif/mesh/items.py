@@ -10,9 +10,12 @@ from pyuvm import uvm_sequence_item
 
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Move
+from triaxis.sim.packing import WHICH_BITS
 from triaxis.verif.core.items import FULL_SPEED, Pace
 
 Integers = npt.NDArray[np.int64]
+# Of a run: its mode; above it what it tries, a kind, and which of so many.
+_MODE_BITS, WHICHES = 2, 1 << WHICH_BITS
 
 
 class LoadItem(uvm_sequence_item):
@@ -41,24 +44,33 @@ class LoadItem(uvm_sequence_item):
 
 @dataclass(frozen=True)
 class RunRequest:
-    """What a run is asked for: ``mode`` may be 3, which is refused."""
+    """What a run is asked for: ``mode`` may be 3, which is refused. ``tries``: a `Trial`, and which."""
 
     translation: Move = (0, 0, 0)
     margin: int = 0
     mode: int = int(Mode.ALL)
+    tries: tuple[int, int] = (0, 0)
+
+    @property
+    def trial(self) -> int:
+        """Return what it tries, as on the pins."""
+        kind, which = self.tries
+        return kind * WHICHES + which
 
 
 @dataclass(frozen=True)
 class RunTraffic:
     """How a run's streams are treated. ``aborts``: clocks after its acceptance at which it is aborted.
 
-    ``idle_abort``: abort is high for a clock before the run is offered, when there is none to abort.
+    ``idle_abort``: abort is high for a clock before the run is offered, when there is none to abort;
+    ``acknowledge``: acknowledge is, so that a fault is forgotten.
     """
 
     near: Pace = FULL_SPEED
     done: Pace = FULL_SPEED
     aborts: tuple[int, ...] = ()
     idle_abort: bool = False
+    acknowledge: bool = False
 
 
 class RunItem(uvm_sequence_item):
@@ -120,13 +132,16 @@ def unpack_triangle(data: int, width: int) -> Integers:
 def pack_run(request: RunRequest, configuration: MeshConfiguration) -> tuple[int, int]:
     """Return tdata and tuser of a run."""
     data = _packed(request.translation, configuration.width + 1)
-    return data, request.mode << configuration.margin_bits | request.margin
+    user = request.trial << _MODE_BITS | request.mode
+    return data, user << configuration.margin_bits | request.margin
 
 
 def unpack_run(data: int, user: int, configuration: MeshConfiguration) -> RunRequest:
     """Return what a beat asks for."""
     x, y, z = _unpacked(data, configuration.width + 1, 3)
-    return RunRequest((x, y, z), user & configuration.max_margin, user >> configuration.margin_bits)
+    rest = user >> configuration.margin_bits
+    trial = divmod(rest >> _MODE_BITS, WHICHES)
+    return RunRequest((x, y, z), user & configuration.max_margin, rest % (1 << _MODE_BITS), trial)
 
 
 def unpack_pair(data: int, configuration: MeshConfiguration) -> tuple[int, int]:
@@ -149,10 +164,11 @@ class Loaded:
 
 @dataclass(frozen=True)
 class RunAccepted:
-    """A run was accepted. ``idle_abort``: abort was high since the run before had ended."""
+    """A run was accepted. ``idle_abort``, ``acknowledged``: these were high since the run before."""
 
     request: RunRequest
     idle_abort: bool = False
+    acknowledged: bool = False
 
 
 @dataclass(frozen=True)
@@ -182,8 +198,8 @@ class Summary:
     """A summary that was taken. ``status`` as on the pins.
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
-    ``held``: triangles held in A and B, and ``overfull`` on the pins; ``clock``: at which it was taken, the
-    first of the run of the test being 0. None: not measured.
+    ``held``: triangles held in A and B; ``overfull``, ``fault``: on the pins; ``clock``: at which it was
+    taken, the first of the run of the test being 0. None: not measured.
     """
 
     status: int
@@ -197,6 +213,7 @@ class Summary:
     wait: int | None = None
     held: tuple[int, int] | None = None
     overfull: int | None = None
+    fault: int | None = None
     clock: int | None = None
 
     @property
@@ -241,13 +258,17 @@ class MeshState:
 
 @dataclass
 class ObservedRun:
-    """A run with everything that was seen of it, until its summary. ``a``, ``b``: (N, 3, 3), (M, 3, 3)."""
+    """A run with everything that was seen of it, until its summary. ``a``, ``b``: (N, 3, 3), (M, 3, 3).
+
+    ``after_reset``: no run was accepted since.
+    """
 
     accepted: RunAccepted
     a: Integers
     b: Integers
     overfull: tuple[bool, bool]
     reloaded: tuple[bool, bool]
+    after_reset: bool = False
     loaded_with_run: bool = False
     near: list[NearTaken] = field(default_factory=list)
     reached: list[CorePairs] = field(default_factory=list)

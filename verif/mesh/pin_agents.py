@@ -164,6 +164,7 @@ class RunDriver(uvm_driver):
         self.dut = dut_of(self)
         withdraw(self.dut, "s_axis_run", settings_of(self))
         self.dut.abort_i.value = 0
+        self.dut.acknowledge_i.value = 0
         self.edge = RisingEdge(self.dut.clk_i)
 
     async def run_phase(self) -> None:
@@ -196,10 +197,11 @@ class RunDriver(uvm_driver):
     async def offer(self, item: RunItem) -> None:
         """Offer the run."""
         dut = self.dut
-        if item.traffic.idle_abort:
-            dut.abort_i.value = 1
+        if item.traffic.idle_abort or item.traffic.acknowledge:
+            dut.abort_i.value = int(item.traffic.idle_abort)
+            dut.acknowledge_i.value = int(item.traffic.acknowledge)
             await self.edge
-            dut.abort_i.value = 0
+            dut.abort_i.value = dut.acknowledge_i.value = 0
         data, user = pack_run(item.request, self.configuration)
         dut.s_axis_run_tdata_i.value = data
         dut.s_axis_run_tuser_i.value = user
@@ -230,7 +232,7 @@ class RunDriver(uvm_driver):
 class RunMonitor(PinMonitor):
     """Publishes runs that are accepted (RunAccepted) and aborts during them (AbortAsked)."""
 
-    clock, idle_abort = 0, False
+    clock, idle_abort, acknowledged = 0, False, False
 
     def look(self, dut: Any) -> None:
         """See whether a run is accepted, or aborted."""
@@ -241,14 +243,16 @@ class RunMonitor(PinMonitor):
             self.clock += 1
             return
         self.idle_abort |= bool(abort)
+        self.acknowledged |= bool(int(dut.acknowledge_i.value))
         if int(dut.s_axis_run_tvalid_i.value) and int(dut.s_axis_run_tready_o.value):
             data, user = int(dut.s_axis_run_tdata_i.value), int(dut.s_axis_run_tuser_i.value)
-            self.ap.write(RunAccepted(unpack_run(data, user, self.configuration), self.idle_abort))
-            self.clock, self.idle_abort = 0, False
+            request = unpack_run(data, user, self.configuration)
+            self.ap.write(RunAccepted(request, self.idle_abort, self.acknowledged))
+            self.clock, self.idle_abort, self.acknowledged = 0, False, False
 
     def reset(self) -> None:
-        """Forget an abort."""
-        self.idle_abort = False
+        """Forget an abort, and an acknowledgement."""
+        self.idle_abort = self.acknowledged = False
 
 
 class RunAgent(StimulusAgent):
@@ -352,6 +356,7 @@ class SummaryMonitor(PinMonitor):
                 wait=self.wait,
                 held=held,
                 overfull=overfull,
+                fault=int(dut.fault_o.value),
                 clock=clock_now(),
             )
         )

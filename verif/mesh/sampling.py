@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from triaxis.coverage.mesh_sample import UNKNOWN, AbortSeen, MeshBuild, MeshRow
+from triaxis.coverage.mesh_sample import UNKNOWN, AbortSeen, Before, MeshBuild, MeshRow
 from triaxis.golden.pairs import coordinate_range
 from triaxis.golden.scene import SceneAnswer, boxes_of, boxes_of_groups
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -32,12 +32,14 @@ def mesh_build(configuration: MeshConfiguration) -> MeshBuild:
         c.lanes,
         c.cycle_bits,
         c.name in PIN_DRIVEN,
+        c.certified,
     )
 
 
 def row_of(
-    configuration: MeshConfiguration, run: ObservedRun, summary: Summary, answer: SceneAnswer | None
-) -> MeshRow:
+    configuration: MeshConfiguration, run: ObservedRun, summary: Summary, answer: SceneAnswer | None,
+    before: Before = Before.NO_FAULT,
+) -> MeshRow:  # fmt: skip
     """Return the row of a run; ``answer`` is None where nothing was to be run."""
     request = run.request
     fits, beyond = _ends(configuration, run) if not any(run.overfull) else (0, 0)
@@ -76,6 +78,9 @@ def row_of(
         loaded_with_run=int(run.loaded_with_run),
         near_wait=UNKNOWN if run.near_wait is None else run.near_wait,
         done_wait=UNKNOWN if summary.wait is None else summary.wait,
+        tried=request.tries[0],
+        which=request.tries[1],
+        before=before,
     )
 
 

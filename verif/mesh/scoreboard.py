@@ -37,6 +37,7 @@ class RunMatcher:
         self._run: ObservedRun | None = None
         # Whether the last triangle came at the same edge as the run that is about to be seen.
         self._loaded_now = False
+        self._was_reset = True
         self.accepted = self.triangles = self.resets = self.ended_by_reset = 0
         self.stray: list[str] = []
 
@@ -71,7 +72,8 @@ class RunMatcher:
         if self._run is not None:
             self._told_of("a run was accepted during a run")
         self.accepted += 1
-        self._run = ObservedRun(datum, _EMPTY, _EMPTY, (False, False), (False, False))
+        reset, self._was_reset = self._was_reset, False
+        self._run = ObservedRun(datum, _EMPTY, _EMPTY, (False, False), (False, False), reset)
         self._show_meshes(self._run)
         self._run.loaded_with_run, self._loaded_now = self._loaded_now, False
 
@@ -111,6 +113,7 @@ class RunMatcher:
 
     def _reset(self) -> None:
         self.resets += 1
+        self._was_reset = True
         self.ended_by_reset += self._run is not None
         self._run = None
         for mesh in self._meshes:

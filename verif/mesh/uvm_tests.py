@@ -10,10 +10,11 @@ from cocotb.task import Task
 
 from triaxis.golden.pairs import coordinate_range
 from triaxis.sim.clocking import PERIOD_NS
-from triaxis.sim.mesh_engine import Mode
+from triaxis.sim.mesh_engine import Mode, Trial
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
-from triaxis.verif.mesh.items import RunRequest, RunTraffic, Scene
+from triaxis.verif.mesh.expectation import Memory
+from triaxis.verif.mesh.items import WHICHES, RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.kept_clocks import FoundClocks
 from triaxis.verif.mesh.scenes import (
     MOST_FULL,
@@ -32,16 +33,17 @@ from triaxis.verif.testbench.table import Runs, listed
 
 # A word of lanes to a group and one word of groups; several of each, few clocks counted, no margins; the
 # widest; one lane, in the width of the board's finer build; the engine as it stands on the board; narrow;
-# wide; a single group; groups of one triangle.
+# wide; a single group; groups of one triangle; a small one whose core is certified.
 SQUARE = "mesh_w16_m16_d64_g8_l8"
 WORDS = "mesh_w12_m0_d32_g4_l2_c8"
 WIDEST = "mesh_w32_m32_d16_g4_l2"
 ONE_LANE = "mesh_w24_m1_d16_g4_l1"
-BOARD = "mesh_w16_m16_d4096_g8_l8"
+BOARD = "mesh_w16_m16_d4096_g8_l8_certified"
 NARROW = "mesh_w8_m8_d16_g4_l1"
 WIDE = "mesh_w24_m24_d128_g8_l4"
 ONE_GROUP = "mesh_w10_m3_d8_g8_l1"
 NO_GROUPS = "mesh_w9_m9_d16_g1_l1"
+CERTIFIED = "mesh_w8_m8_d16_g4_l2_certified"
 _ON_PINS = (SQUARE, WORDS)
 
 # Triangles of the meshes that are to fill all queues at most; and of so many scenes one has such meshes.
@@ -52,6 +54,10 @@ _LAST_RESET = 8.7
 _LEAST_SCENES = 40
 # A run of mode all is complete; what is none of them is refused.
 _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
+# Of the attempts of the core, which has a test of its own, one in so many; memories, whose words have lanes,
+# so many times; a reset in place of an acknowledgement. Scenes in which much is tested.
+_SOME_OF, _MEMORIES_TIMES, _RESET_ONE_IN = 5, 4, 6
+_MIXED = ("in_one_place", "clusters", "cloud", "one_contact")
 
 
 @listed(
@@ -310,6 +316,49 @@ class MeshResetsTest(MeshEngineTest):
         """Return a scene; after a reset, at times one that empties no mesh, but relies on what it finds."""
         scene = random_scene(self.shapes, calm=True)
         return replace(scene, append=struck and bool(self.rng.integers(2)))
+
+
+@listed(
+    "V2",
+    Runs((SQUARE, WORDS, ONE_LANE, WIDEST, BOARD), 1, 8, seeds=3),
+    Runs((NARROW, WIDE, ONE_GROUP, NO_GROUPS, CERTIFIED), 1, 8, seeds=3, smoke=(CERTIFIED,), signoff=False),
+    Runs((WORDS,), 1, 8, agent=PIN, seeds=1),
+    why_seeds="Three: other scenes; what is tried is the same.",
+)
+class MeshTrialsTest(MeshEngineTest):
+    """Each check is tried: a fault, which stays until it is acknowledged, or a reset comes."""
+
+    async def stimulus(self) -> None:
+        """Try everything in turn; see the fault stay, and end."""
+        every = [
+            *product((Trial.WALK, Trial.INTAKE), range(WHICHES)),
+            *product((Trial.MEMORY,), (*Memory, len(Memory), WHICHES - 1) * _MEMORIES_TIMES),
+            *product((Trial.CLAIM, Trial.PARITY, Trial.NUMBER), range(0, WHICHES, _SOME_OF)),
+            (Trial.BOARD, 0),
+            (Trial.NOTHING, WHICHES - 1),
+        ]
+        modes = cycle((*Mode, 3))
+        for number in self.rng.permutation(len(every)).tolist():
+            for mode in (Mode.ALL, next(modes)):
+                await self.attempt(every[number], int(mode))
+
+    async def attempt(self, tries: tuple[int, int], mode: int) -> None:
+        """Send a scene with a run that tries something, and runs after it."""
+        most = min(self.configuration.depth, 2 * self.configuration.group + 1)
+        counts = self.rng.integers(1, most + 1, 2).tolist()
+        scene = random_scene(self.shapes, True, (counts[0], counts[1]), _MIXED)
+        plain = replace(scene.runs[0][0], mode=mode)
+        aborts = (int(self.rng.integers(0, 40)),) if self.rng.integers(4) == 0 else ()
+        asked = replace(plain, tries=tries)
+        runs = ((asked, RunTraffic(aborts=aborts)), (plain, RunTraffic()))
+        await self.send(replace(scene, runs=runs))
+        after = RunTraffic(acknowledge=True)
+        if self.rng.integers(_RESET_ONE_IN) == 0:
+            await self.between_edges()
+            await self.reset(1, 0)
+            after = RunTraffic()
+        # On other meshes: a reset has emptied them.
+        await self.send(replace(scene, runs=((plain, after), (plain, RunTraffic()))))
 
 
 @listed(

@@ -38,7 +38,7 @@ _CERTIFIED_TESTS = {"CertificatesTest": 3000, **_CORE_TESTS}
 _CERTIFIED_FILES = (CORE_PACKAGE, *(path.relative_to(DUT).as_posix() for path in certified_sources()))
 _MESH_TESTS = {
     "MeshRandomTest": 1, "MeshGapsTest": 1, "MeshResetsTest": 1, "MeshStallsTest": 1, "MeshAbortTest": 1,
-    "MeshLimitsTest": 1, "MeshClocksTest": 1,
+    "MeshLimitsTest": 1, "MeshTrialsTest": 1, "MeshClocksTest": 1,
 }  # fmt: skip
 # Pairs of the volume, in the narrowest model, which is the fastest, and in others.
 _VOLUME, _OTHER_VOLUME = 1 << 20, 1 << 17
@@ -52,7 +52,7 @@ _MESH_VOLUME = {
 _BOARD_TESTS = {
     "BoardSmokeTest": 1, "BoardRefusalsTest": 1, "BoardFramesTest": 1, "BoardGoTest": 1,
     "BoardResetsTest": 40, "BoardSilenceTest": 1, "BoardAbortTest": 1, "BoardMixedTest": 150,
-    "BoardFullTest": 1,
+    "BoardFullTest": 1, "BoardTrialsTest": 1,
 }  # fmt: skip
 _BOARD_VOLUME = 1000
 
@@ -220,8 +220,10 @@ FULL_PIECES = (Target(parse_configuration("w23_m17_t1")), Target(parse_configura
 
 # Several words of lanes in a group, and of groups in a mesh.
 ENGINE = EngineTarget(MeshConfiguration(8, 8, depth=64, group=8, lanes=2, cycle_bits=9))
-# One triangle in a group, one lane, no margins.
-ENGINE_SINGLE = EngineTarget(MeshConfiguration(8, 0, depth=16, group=1, lanes=1, cycle_bits=8))
+# One triangle in a group, one lane, no margins, the core certified.
+ENGINE_SINGLE = EngineTarget(
+    MeshConfiguration(8, 0, depth=16, group=1, lanes=1, cycle_bits=8, certified=True)
+)
 # One word of lanes in a group, one of groups in a mesh; margins narrower than coordinates, no operand gating.
 ENGINE_WORD = EngineTarget(MeshConfiguration(8, 3, depth=16, group=4, lanes=4, cycle_bits=8, gating=False))
 

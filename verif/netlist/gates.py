@@ -57,7 +57,8 @@ _FULL = "size: the engine of 4,096 triangles and 8 lanes, many times the one tha
 NOT_SIMULATED = {
     "board_w16_m16_d4096_g8_l8": _FULL,
     "board_w16_m16_d4096_g8_l8_real": _FULL,
-    "mesh_w16_m16_d4096_g8_l8": _FULL,
+    "board_w12_m5_d128_g8_l4_plain": _ENGINE,
+    "mesh_w16_m16_d4096_g8_l8_certified": _FULL,
     "mesh_w16_m16_d64_g8_l8": _ENGINE,
     "mesh_w24_m1_d16_g4_l1": _ENGINE,
     "mesh_w32_m32_d16_g4_l2": _ENGINE,

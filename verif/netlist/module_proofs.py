@@ -148,8 +148,10 @@ NOT_PROVED = {
     "triaxis_frame_rx": _RAM,
     "triaxis_group_rows": _RAM,
     "triaxis_mesh": _WHOLE,
+    "triaxis_mesh_intake": _LONG,
     "triaxis_mesh_store": _RAM,
     "triaxis_near_ring": _RAM,
+    "triaxis_parity_ram": _RAM,
     "triaxis_plane_axes": _LONG,
     "triaxis_prisms": _PRODUCTS,
     "triaxis_projections": _LONG,
@@ -159,6 +161,7 @@ NOT_PROVED = {
     "triaxis_thresholds": _PRODUCTS,
     "triaxis_transmitter": _WHOLE,
     "triaxis_trapezoid": _PRODUCTS,
+    "triaxis_walk": _WHOLE,
 }
 
 

@@ -52,7 +52,7 @@ CORE_KINDS = (
     _SWITCH,
 )
 _DEPTHS = _powers(MOST_DEPTH)[1:]
-# Width by latency, margin, depth, group, lanes, cycle bits, gating.
+# Width by latency, margin, depth, group, lanes, cycle bits, gating, certificates.
 MESH_KINDS = (
     _bands(FIRST_WIDTHS, MAX_WIDTH),
     (NONE, SOME, ALL),
@@ -62,9 +62,10 @@ MESH_KINDS = (
     # Many, so that every number of bits has its turn.
     _bands((LEAST_CYCLE_BITS, *range(9, MOST_CYCLE_BITS, 8)), MOST_CYCLE_BITS),
     _SWITCH,
+    _SWITCH,
 )
-# Width by bytes of a coordinate on the line, margin, depth, group, lanes: what the engine itself makes of
-# each is known from its own array.
+# Width by bytes of a coordinate on the line, margin, depth, group, lanes, certificates: what the engine
+# itself makes of each is known from its own array.
 _BOARD_DEPTHS = _powers(MOST_BOARD_DEPTH)[1:]
 BOARD_KINDS = (
     _bands((MIN_WIDTH, 9, 17, 25), MAX_WIDTH),
@@ -72,6 +73,7 @@ BOARD_KINDS = (
     tuple(_BOARD_DEPTHS[n : n + 4] for n in range(0, len(_BOARD_DEPTHS), 4)),
     ((1,), (2, 4, 8), (16, 32, MOST_GROUP)),
     ((1,), (2, 4), (8, 16), (MOST_LANES,)),
+    _SWITCH,
 )
 
 
@@ -83,7 +85,7 @@ def core_fits(row: Row) -> bool:
 
 def mesh_fits(row: Row) -> bool:
     """Return whether an engine can have these kinds."""
-    _, _, depths, group, lanes, _, _ = row
+    _, _, depths, group, lanes, *_ = row
     return lanes <= group and group * lanes <= depths[-1]
 
 
@@ -95,7 +97,7 @@ def _sizes(depths: Iterable[int], groups: Iterable[int], lanes: Iterable[int]) -
 
 def board_fits(row: Row) -> bool:
     """Return whether a board can have these kinds."""
-    return bool(_sizes(*row[2:]))
+    return bool(_sizes(*row[2:5]))
 
 
 def covering_rows(kinds: Sequence[Sequence[Any]], fits: Callable[[Row], bool] = lambda _: True) -> list[Row]:
@@ -200,11 +202,12 @@ def mesh_array() -> tuple[MeshConfiguration, ...]:
     """Return the configurations of the mesh engine."""
     widths, some, depths, cycles = _Fewest(), _Fewest(), _Fewest(), _Fewest()
     found: list[MeshConfiguration] = []
-    for band, margin, depth, group, lanes, bits, gating in covering_rows(MESH_KINDS, mesh_fits):
+    for band, margin, depth, group, lanes, *rest in covering_rows(MESH_KINDS, mesh_fits):
         width = widths(band)
         enough = [one for one in depth if one >= group * lanes]
-        margin_bits, cycle_bits = _margin(margin, width, some), cycles(bits)
-        found.append(MeshConfiguration(width, margin_bits, depths(enough), group, lanes, cycle_bits, gating))
+        bits, gating, certified = rest
+        sizes = depths(enough), group, lanes, cycles(bits)
+        found.append(MeshConfiguration(width, _margin(margin, width, some), *sizes, gating, certified))
     # What had no turn.
     margins = set(range(MAX_WIDTH + 1)) - {one.margin_bits for one in found}
     counts = set(range(LEAST_CYCLE_BITS, MOST_CYCLE_BITS + 1)) - {one.cycle_bits for one in found}
@@ -218,10 +221,12 @@ def board_array() -> tuple[BoardParameters, ...]:
     """Return the configurations of the board."""
     widths, some, taken = _Fewest(), _Fewest(), Counter[tuple[int, int]]()
     found: list[BoardParameters] = []
-    for band, margin, *sizes in covering_rows(BOARD_KINDS, board_fits):
+    for band, margin, *sizes, certify in covering_rows(BOARD_KINDS, board_fits):
         # Of those that go together the ones that were taken least; of these the last, which few others allow.
         best = min(reversed(_sizes(*sizes)), key=lambda one: sum(taken[place] for place in enumerate(one)))
         taken.update(enumerate(best))
         width = widths(band)
-        found.append(BoardParameters(width, _margin(margin, width, some), *best))
-    return tuple(found)
+        found.append(BoardParameters(width, _margin(margin, width, some), *best, certify=certify))
+    # What had no turn.
+    depths = set(_BOARD_DEPTHS) - {one.depth for one in found}
+    return (*found, *(BoardParameters(MAX_WIDTH, 0, depth, 1, 1, certify=False) for depth in sorted(depths)))

@@ -115,7 +115,7 @@ def chain(parts: Mapping[str, Part], beside: Mapping[str, Part]) -> list[Link]:
         Link(
             "a bit that turns over",
             "go falls, and nothing is said to be clear, where a register or memory of the FPGA is upset",
-            "none asked for: `make upsets` counts those that are dangerous",
+            "asked for by no sign-off: `make upsets` tries bits one by one, and counts the dangerous",
             "",
             State.OUTSIDE,
         ),

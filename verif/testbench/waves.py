@@ -61,25 +61,29 @@ _MESH: Groups = {
     ],
     "runs in": [
         "s_axis_run_tvalid_i", "s_axis_run_tready_o", "margin", "move[0]", "move[1]", "move[2]", "abort_i",
-        "busy_o", "u_control.state_q",
+        "busy_o", "trial_q", "g_walk[0].u_walk.u_control.state_q",
     ],
     "groups, boxes, pairs": [
-        "row_valid", "row", "word_valid", "word_mask", "group_pair_valid", "masked_valid", "pair_valid",
-        "core_valid", "core_ready", "core_a", "core_b",
+        *(f"g_walk[0].u_walk.{name}" for name in ("row_valid", "row", "word_valid", "word_mask",
+        "group_pair_valid", "masked_valid", "pair_valid")), "core_valid", "core_ready", "core_a", "core_b",
     ],
-    "verdicts": ["verdict_valid", "verdict_ready", "verdict", "verdict_pair"],
+    "verdicts": ["verdict_valid", "verdicts_ready", "verdict", "verdict_pair"],
     "near pairs out": ["m_axis_near_tvalid_o", "m_axis_near_tready_i", "m_axis_near_tdata_o"],
     "ends of runs": [
         "m_axis_done_tvalid_o", "m_axis_done_tready_i", "status_o", "cycles_o", "group_pairs_skipped_o",
         "pairs_skipped_o", "tested_o", "near_o",
     ],
+    "faults": ["broken", "stores_differ", "differ", "unlike", "fault", "acknowledge_i", "fault_o"],
 }  # fmt: skip
 _BOARD: Groups = {
     "line": [
         "clk_100mhz_i", "cpu_reset_ni", "rst_n", "uart_rx_i", "uart_tx_o", "frame_full", "frame_length",
         "frame_release", "link_error", "reply_valid", "reply_ready", "code",
     ],
-    "go": ["go_o", "stop_o", "beat_o", "led_o", "alive", "expired", "refused", "u_safety.armed_q"],
+    "go": [
+        "go_o", "stop_o", "beat_o", "led_o", "alive", "expired", "refused", "fault",
+        "g_safety[0].u_safety.armed_q",
+    ],
     "session": [
         "hello", "load", "move", "run", "free", "abort", "u_command.state_q", "u_command.u_session.session_q",
     ],

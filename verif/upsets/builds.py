@@ -1,19 +1,51 @@
-"""The board with all its registers and memories public."""
+"""The board with all its registers and memories public; with all measures against upsets, or without some."""
 
 import re
-from dataclasses import replace
+import shutil
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters
-from triaxis.sim.build import content_hash
+from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
 from triaxis.sim.models import board_build
 from triaxis.sim.paths import BUILD, DUT, SIM
 from triaxis.sim.verilate import Build
+from triaxis.verif.faults.faulty_rtl import apply_patch
 from triaxis.verif.formal.cone import Hierarchy, hierarchy
 from triaxis.verif.mutation.syntax import below, kind, module_name, read_source, span
 
 FOLDER = BUILD / "upsets"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What is done against upsets; ``without`` is the change of the RTL that makes it look away.
+
+    All registers are there without it, too: the same upsets can be tried.
+    """
+
+    name: str
+    title: str
+
+    @property
+    def without(self) -> Path:
+        """Return the diff that takes it away."""
+        return Path(__file__).with_name("without") / f"{self.name}.patch"
+
+
+# In the order in which they are added up, from nothing to all.
+MEASURES = (
+    Measure("outputs", "go and stop are decided apart, each by a watchdog of its own"),
+    Measure("runners", "what a run is asked for and answers is kept twice"),
+    Measure("walks", "each run is walked twice"),
+    Measure("parity", "all that is kept of a mesh has parity"),
+    Measure("intakes", "boxes are computed twice"),
+    Measure("certificates", "each clear of the core is shown again"),
+    Measure("frames", "frames have parity until they are executed"),
+)
 _FILES = tuple(sorted(DUT.rglob("*.sv")))
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -51,8 +83,26 @@ def _assigned(left: str) -> set[str]:
     return {match[0] for part in parts if (match := _NAME.search(part))}
 
 
-def upset_build(parameters: BoardParameters) -> Build:
+def without_measures(measures: Iterable[Measure]) -> Path:
+    """Return a folder of the RTL in which these are taken away, made where needed."""
+    patches = [measure.without for measure in measures]
+    if not patches:
+        return DUT
+
+    def make(partial: Path) -> None:
+        for source in rtl_files():
+            place = partial / source.relative_to(DUT)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, place)
+        for patch in patches:
+            apply_patch(patch, partial)
+
+    return built(FOLDER / f"without-{content_hash(patches, rtl_hash())[:12]}", make)
+
+
+def upset_build(parameters: BoardParameters, without: Iterable[Measure] = ()) -> Build:
     """Return the build of the board; its player lists the registers and flips their bits."""
+    without = tuple(without)
     lines = [
         f'public_flat_rw -module "{module}" -var "{name}"'
         for module, names in registers().items()
@@ -62,8 +112,9 @@ def upset_build(parameters: BoardParameters) -> Build:
     control = FOLDER / f"registers-{content_hash((), text)[:12]}.vlt"
     if not control.exists():
         write_whole(control, text)
-    build = board_build(parameters)
+    build = board_build(parameters, without_measures(without))
+    left = "".join(f"_{measure.name}" for measure in without)
     return replace(
-        build, name=f"{build.name}_upsets", sources=(control, *build.sources),
+        build, name=f"{build.name}_upsets{left and f'_without{left}'}", sources=(control, *build.sources),
         headers=(*build.headers, SIM / "registers.h"), defines={**build.defines, "UPSETS": 1},
     )  # fmt: skip

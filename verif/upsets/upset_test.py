@@ -8,12 +8,15 @@ the environment, as all others are.
 import json
 import os
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import partial
+from heapq import heapify, heappop, heappush
+from itertools import count
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from triaxis.host.link.messages import Loaded, Mode, Pose, RunNumber, RunRequest
 from triaxis.sim.player import Register
@@ -30,6 +33,7 @@ from triaxis.verif.upsets.verdict import (
     Truth,
     Upset,
     permitted,
+    read_upsets,
     runs,
     upset_files,
 )
@@ -44,7 +48,9 @@ _BYTE_BITS = 10
 # is on the line by then has been seen by the stride after.
 _STRIDE = 256
 # Of so many upsets one is of each of the other kinds than flips.
-_OF_OTHERS = 12
+_OF_OTHERS = 33
+# Upsets that are tried in one copy, where that suffices; the memories of meshes, of which each run makes use.
+_TOGETHER, _ALWAYS_USED = 32, ".u_store_"
 
 
 @dataclass(frozen=True)
@@ -110,11 +116,38 @@ class Talk:
                     return Fate.NO_EFFECT, ""
         return truth.judge(self.events)
 
+    def alike(self, upsets: Sequence[Upset], numbers: Mapping[str, int], file: Path) -> bool:
+        """Return whether all goes on as without these, each in a word of its own, at its clock.
+
+        Nothing was made of any of the words then: all else is compared, at each stride, with a copy that goes
+        on undisturbed, and so is all that is seen. ``file``: what that copy writes.
+        """
+        for upset in upsets:
+            self._player.ignore(numbers[upset.register], upset.element)
+        _in_copies([lambda: np.savez(file, states=self._followed((), numbers), events=self.events)])
+        states = self._followed(upsets, numbers)
+        with np.load(file) as kept:
+            same = np.array_equal(states, kept["states"]) and np.array_equal(self.events, kept["events"])
+        file.unlink()
+        return same
+
+    def _followed(self, upsets: Sequence[Upset], numbers: Mapping[str, int]) -> npt.NDArray[np.uint64]:
+        """Go on to the end, with upsets at their clocks; return the state at the end of each stride."""
+        left, states = list(upsets), list[int]()
+        for end in [*range((self.clock // _STRIDE + 1) * _STRIDE, self._end, _STRIDE), self._end]:
+            while left and left[0].clock <= end:
+                upset = left.pop(0)
+                self.forward(upset.clock)
+                self._player.upset(upset.kind, numbers[upset.register], upset.element, upset.bit)
+            self.forward(end)
+            states.append(self._player.state())
+        return np.array(states, np.uint64)
+
 
 class BoardUpsetsTest(BoardTest):
     """Clear and go, near and stop, by a pose and by a load; go that a damaged frame ends; then silence.
 
-    ``pairs``: so many upsets.
+    ``pairs``: so many upsets, drawn at random; those of a file to ``replay``, one a line, where there is one.
     """
 
     async def stimulus(self) -> None:
@@ -202,10 +235,13 @@ class BoardUpsetsTest(BoardTest):
         due = permitted(without.events, end)
         clear = [asked.run for asked in script if asked.run and not asked.run.near]
         assert len(due) == len(clear), f"go {len(due)} times, {len(clear)} runs are clear"
-        truth = Truth(script, tuple(due), self.parameters.group, end)
+        truth = Truth(script, tuple(due), self.parameters.group, self.clocks_of(1), end)
         fate, how = truth.judge(without.events)
         assert fate is Fate.NO_EFFECT, f"without an upset: {fate}: {how}"
-        upsets = self.chosen(registers, runs(without.events, end), end)
+        replay = self.settings.replay
+        upsets = (
+            read_upsets(Path(replay)) if replay else self.chosen(registers, runs(without.events, end), end)
+        )
         share = len(files)
         _in_copies(
             [
@@ -217,9 +253,10 @@ class BoardUpsetsTest(BoardTest):
     def chosen(
         self, registers: Sequence[Register], running: Sequence[tuple[int, int]], end: int
     ) -> list[Upset]:
-        """Return the upsets in the order of their clocks: of each kind, of no bit more than of another.
+        """Return the upsets in the order of their clocks.
 
-        Edges are missed by no register more than by another. One half is while a run goes on, which is a
+        Bits that are inverted are first those of all flip-flops, then some of memories; no bit, and for edges
+        no register, is taken more than once oftener than another. One half is while a run goes on, which is a
         small part of the time.
         """
         sizes = np.array([one.elements * one.bits for one in registers])
@@ -231,8 +268,10 @@ class BoardUpsetsTest(BoardTest):
         kinds = np.concatenate(
             [np.full(many, kind) for kind, many in (*counts.items(), (Kind.MISSED_EDGE, others))]
         )
+        memory = np.repeat([one.elements > 1 for one in registers], sizes)
         bits = np.concatenate(
             [
+                _in_order(rng, memory, counts.pop(Kind.FLIP)),
                 *(_evenly(rng, total, many) for many in counts.values()),
                 first[missing] + rng.integers(0, sizes[missing]),
             ]
@@ -253,6 +292,12 @@ def _evenly(rng: np.random.Generator, total: int, count: int) -> Integers:
     """Return so many numbers below ``total``, (count,), none of them more than once oftener than another."""
     orders = [rng.permutation(total) for _ in range(-(-count // total))]
     return np.concatenate([np.zeros(0, np.int64), *orders])[:count]
+
+
+def _in_order(rng: np.random.Generator, later: npt.NDArray[np.bool_], count: int) -> Integers:
+    """Return so many numbers of bits, (count,): all that are not for later, then those; then all again."""
+    order = [rng.permutation(np.flatnonzero(later == part)) for part in (False, True)]
+    return np.resize(np.concatenate(order), count)
 
 
 def _in_copies(work: Sequence[Callable[[], None]]) -> None:
@@ -278,8 +323,8 @@ def _undisturbed(
     """Write down what is seen where nothing is upset."""
     talk = Talk(player, script, end)
     states = [player.state(), *(player.state() for _ in talk.strides())]
-    bits = sum(one.elements * one.bits for one in registers)
-    np.savez(file, events=talk.events, states=np.array(states, np.uint64), bits=bits)
+    names, sizes = [one.name for one in registers], [(one.elements, one.bits) for one in registers]
+    np.savez(file, events=talk.events, states=np.array(states, np.uint64), names=names, sizes=sizes)
 
 
 def _upset_all(
@@ -297,8 +342,47 @@ def _upset_all(
             lines.write(json.dumps([*astuple(upset), *came]) + "\n")
             lines.flush()
 
-        for upset in upsets:
+        def told_together(some: Sequence[Upset], apart: Path) -> None:
+            if not talk.alike(some, numbers, apart.with_suffix(".npz")):
+                apart.touch()
+                return
+            for upset in some:
+                lines.write(json.dumps([*astuple(upset), Fate.NO_EFFECT, ""]) + "\n")
+            lines.flush()
+
+        waiting = [(some[0].clock, number, some) for number, some in enumerate(grouped(upsets, registers))]
+        heapify(waiting)
+        apart, more = file.with_name(f"{file.stem}_apart"), count(len(waiting))
+        while waiting:
+            clock, _, some = heappop(waiting)
             if os.getppid() != simulator:
                 raise RuntimeError("the simulator has ended, so this copy of it does")
-            talk.forward(upset.clock)
-            _in_copies([partial(told, upset)])
+            talk.forward(clock)
+            if len(some) == 1:
+                _in_copies([partial(told, some[0])])
+                continue
+            _in_copies([partial(told_together, some, apart)])
+            if apart.exists():
+                apart.unlink()
+                for upset in some:
+                    heappush(waiting, (upset.clock, next(more), [upset]))
+
+
+def grouped(upsets: Sequence[Upset], registers: Sequence[Register]) -> list[list[Upset]]:
+    """Return upsets, each alone but for bits inverted in words of memories of which mostly nothing is made.
+
+    So many of these that follow one another are together, no two of them in the same word.
+    """
+    memories = {one.name for one in registers if one.elements > 1 and _ALWAYS_USED not in one.name}
+    groups: list[list[Upset]] = []
+    group: dict[tuple[str, int], Upset] = {}
+    for upset in upsets:
+        if upset.kind is not Kind.FLIP or upset.register not in memories:
+            groups.append([upset])
+            continue
+        word = upset.register, upset.element
+        if word in group or len(group) == _TOGETHER:
+            groups.append(list(group.values()))
+            group = {}
+        group[word] = upset
+    return [*groups, list(group.values())] if group else groups

@@ -1,10 +1,12 @@
 """The kinds of upsets, and what came of one: what the pins and a host say, against what is true."""
 
+import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from enum import IntEnum, StrEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -56,6 +58,23 @@ class Upset:
     bit: int
     clock: int
     running: bool
+
+
+def write_upsets(upsets: Sequence[Upset], file: Path) -> None:
+    """Write upsets, one a line, for `read_upsets`."""
+    file.write_text("".join(json.dumps(astuple(upset)) + "\n" for upset in upsets), encoding="utf-8")
+
+
+def read_upsets(file: Path) -> list[Upset]:
+    """Return the upsets of a file, in the order of their clocks."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return sorted((upset_of(json.loads(line)) for line in lines), key=lambda one: one.clock)
+
+
+def upset_of(row: Sequence[Any]) -> Upset:
+    """Return an upset from its values, as JSON has them."""
+    kind, *rest = row
+    return Upset(Kind(kind), *rest)
 
 
 def upset_files(folder: Path) -> list[Path]:
@@ -116,19 +135,24 @@ def runs(events: Events, end: int) -> list[tuple[int, int]]:
 class Truth:
     """The talk, and when the machine may move in it: ``due``, from a clock to another, as without an upset.
 
-    ``group``: triangles of a group of the board; ``end``: the last clock.
+    ``group``: triangles of a group of the board; ``byte``: clocks of a byte on its line; ``end``: the last
+    clock.
     """
 
     script: tuple[Asked, ...]
     due: tuple[tuple[int, int], ...]
     group: int
+    byte: int
     end: int
 
     def judge(self, events: Events) -> tuple[Fate, str]:
         """Return what came of an upset, and how it showed."""
         said = permitted(events, self.end)
+        spoken = events["clock"][events["kind"] == TX].tolist()
         for first, last in said:
-            if not any(begin - EARLY <= first and last <= end + LATE for begin, end in self.due):
+            if not any(
+                begin - EARLY <= first and last <= self._heard(spoken, end) + LATE for begin, end in self.due
+            ):
                 return Fate.DANGEROUS, f"go from clock {first} to {last}"
         fate, how = self._told(events)
         if fate is not Fate.NO_EFFECT:
@@ -137,6 +161,16 @@ class Truth:
             if not any(first <= begin + LATE and last >= end - LATE for first, last in said):
                 return Fate.FALSE_STOP, f"no go all the time from clock {begin} to {end}"
         return Fate.NO_EFFECT, ""
+
+    def _heard(self, spoken: Sequence[int], end: int) -> int:
+        """Return when what ends go is heard: a frame waits for the reply before it, where that goes on.
+
+        A host that waits for its answers never sees the difference.
+        """
+        for clock in spoken:
+            if end < clock <= end + 2 * self.byte:
+                end = clock
+        return end
 
     def _told(self, events: Events) -> tuple[Fate, str]:
         """Return what a host makes of the answers, up to the first that it does not believe."""

@@ -38,8 +38,12 @@ module triaxis_board_sva
     input logic free,
     input logic [31:0] free_to,
     input logic [31:0] asked,
-    // Go.
+    // Faults.
+    input logic tries,  // by the run that begins, or goes on
+    input logic acknowledges,
     input logic fault,
+    // Go.
+    input logic wrong,
     input logic go_o,
     input logic stop_o,
     input logic beat_o
@@ -126,8 +130,27 @@ module triaxis_board_sva
   else $error("go and stop are the same");
 
   GoEnds :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) ends || changes || fault |=> !go_o)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) ends || changes || wrong |=> !go_o)
   else $error("go is said after what ends it");
+
+  FaultEndsGo :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) fault |=> !go_o)
+  else $error("go is said although a check has failed");
+
+  FaultStands :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) fault && !acknowledges |=> fault)
+  else $error("a fault is gone that nobody was told of");
+
+  // Whether anything was tried since the last HELLO that found no run.
+  logic tried;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) tried <= 1'b0;
+    else tried <= (run_tvalid && tries) || (tried && !(acknowledges && !busy));
+  end
+
+  NoFalseAlarm :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) fault |-> tried)
+  else $error("a check failed although nothing was tried");
 
   BeatOnlyWithGo :
   assert property (@(posedge clk_i) disable iff (!rst_ni) beat_o |-> go_o || $past(go_o))
@@ -164,7 +187,10 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .free,
     .free_to(ring_number),
     .asked(request.fields[31:0]),
-    .fault(link_error || refused || !alive),
+    .tries(trial.kind != triaxis_mesh_pkg::TrialNothing),
+    .acknowledges(hello),
+    .fault,
+    .wrong(link_error || refused || alive != '1),
     .go_o,
     .stop_o,
     .beat_o

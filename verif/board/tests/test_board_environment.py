@@ -48,11 +48,25 @@ BROKEN = (
     ("RingBounded", "near_ring", "freed_q <= number_i;", "freed_q <= number_i + 32'd1;", "Smoke"),
     ("Antivalent", "safety", "stop_q <= !go_d;", "stop_q <= !go_q;", "Smoke"),
     ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
+    ("FaultEndsGo", "safety", " || !alive_i || fault_i", " || !alive_i", "Trials"),
+    ("FaultStands", "top", " || (board_fault_q && !hello)", "", "Trials"),
+    ("NoFalseAlarm", "frame_rx", "{^data_i, data_i}", "{|data_i, data_i}", "Smoke"),
     ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
 )  # fmt: skip
 
 # Those that press the button.
-PRESSED = ("BoardGoTest", "BoardFullTest", "BoardSilenceTest", "BoardResetsTest", "BoardMixedTest")
+PRESSED = (
+    "BoardGoTest",
+    "BoardFullTest",
+    "BoardSilenceTest",
+    "BoardResetsTest",
+    "BoardMixedTest",
+    "BoardTrialsTest",
+)
+
+
+def rtl_of(module):
+    return "board/nexys4ddr_top.sv" if module == "top" else f"board/triaxis_{module}.sv"
 
 
 def simulated(folder, test, seed):
@@ -103,7 +117,7 @@ def test_a_lie_fails_the_test(tmp_path, seed, name):
 @pytest.mark.parametrize(("rule", "module", "right", "wrong", "test"), BROKEN, ids=[one[0] for one in BROKEN])
 def test_what_breaks_a_rule_is_told_by_it(tmp_path, seed, rule, module, right, wrong, test):
     settings = run_settings(f"Board{test}Test", BOARD, seed, 40, folder=tmp_path / "run", agent=BURST)
-    result = run(settings, broken_rtl(tmp_path, (f"board/triaxis_{module}.sv", right, wrong)))
+    result = run(settings, broken_rtl(tmp_path, (rtl_of(module), right, wrong)))
     assert not result.passed
     log = result.log.read_text()
     assert f"u_sva.{rule}:" in log
@@ -115,7 +129,7 @@ def test_every_rule_is_seen_broken(tmp_path):
     rules = [name.rpartition(".")[2] for path in assertions(BOARD_SVA) for name in assertion_names(path)]
     assert sorted(rules) == sorted(one[0] for one in BROKEN)
     for rule, module, right, wrong, _ in BROKEN:
-        broken_rtl(tmp_path / rule, (f"board/triaxis_{module}.sv", right, wrong))
+        broken_rtl(tmp_path / rule, (rtl_of(module), right, wrong))
 
 
 @pytest.mark.regress

@@ -7,7 +7,8 @@
 
 // Whole frames, of any bytes, at any clocks. Frames stay as they are until they are released, have
 // 13 to 256 bytes and a good CRC (`board_frame`). Of a frame one byte, of any place, reads the same
-// each time; all others are free at each reading, which allows more than the real one does.
+// each time; all others are free at each reading, which allows more than the real one does; and any
+// byte that is shown may be told as broken.
 module triaxis_receiver
   import triaxis_board_pkg::*;
 #(
@@ -21,10 +22,12 @@ module triaxis_receiver
     input logic [$clog2(MaxFrameBytes)-1:0] address_i,
     output byte_t data_o,
     input logic release_i,
+    input logic trial_i,
+    output logic broken_o,
     output logic error_o
 );
 
-  logic free_arrives, free_error;
+  logic free_arrives, free_broken, free_error;
   byte_t free_data, free_byte, byte_q;
   logic [$clog2(MaxFrameBytes)-1:0] free_place, place_q;
   logic [$clog2(MaxFrameBytes+1)-1:0] free_length;
@@ -39,8 +42,9 @@ module triaxis_receiver
       byte_q   <= free_byte;
     end
   end
-  assign data_o  = address_i == place_q ? byte_q : free_data;
-  assign error_o = free_error;
+  assign data_o   = address_i == place_q ? byte_q : free_data;
+  assign broken_o = full_o && free_broken;
+  assign error_o  = free_error;
 
   always_comb begin
     Length : assume (free_length >= 9'(HeaderBytes + CrcBytes) && free_length <= 9'(MaxFrameBytes));
@@ -53,7 +57,8 @@ endmodule
 // neither aborted nor ended early, in whose last clock nothing was left to do, is `engine_control`;
 // that what it says near_o of are the verdicts of all pairs tested, `engine_near`; that what was
 // not tested is separated, `engine_skip`, `engine_skip_small` and `engine_boxes`; that none is lost
-// between, `engine_walk`; that verdicts are right, the proofs of the core.
+// between, `engine_walk`; that verdicts are right, the proofs of the core. A fault comes at any clock, and
+// stays until it is acknowledged: `engine_checks`.
 // Triangles get the next number of their mesh: `engine_boxes`.
 module triaxis_mesh
   import triaxis_mesh_pkg::*;
@@ -63,6 +68,7 @@ module triaxis_mesh
     parameter int unsigned Depth = 4096,
     parameter int unsigned Group = 8,
     parameter int unsigned Lanes = 8,
+    parameter bit Certify = 1'b0,
     localparam int unsigned IndexWidth = $clog2(Depth),
     localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1,
     localparam int unsigned PairCountWidth = 2 * IndexWidth + 1
@@ -79,7 +85,7 @@ module triaxis_mesh
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [M+1:0] s_axis_run_tuser_i,
+    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
     input logic abort_i,
     output logic busy_o,
     output logic m_axis_near_tvalid_o,
@@ -93,10 +99,12 @@ module triaxis_mesh
     output logic [GroupPairWidth-1:0] group_pairs_opened_o,
     output logic [PairCountWidth-1:0] pairs_skipped_o,
     output logic [PairCountWidth-1:0] tested_o,
-    output logic [PairCountWidth-1:0] near_o
+    output logic [PairCountWidth-1:0] near_o,
+    input logic acknowledge_i,
+    output logic fault_o
 );
 
-  logic free_ends, free_near_valid;
+  logic free_ends, free_near_valid, free_fault;
   logic [2:0] free_status;
   logic [2*IndexWidth-1:0] free_near;
   logic [PairCountWidth-1:0] free_count;
@@ -108,9 +116,11 @@ module triaxis_mesh
     if (!rst_ni) begin
       awake_q   <= 1'b0;
       running_q <= 1'b0;
+      fault_o   <= 1'b0;
       count_q   <= '{default: '0};
     end else begin
       awake_q <= 1'b1;
+      fault_o <= free_fault || (fault_o && !acknowledge_i);
       if (s_axis_run_tvalid_i && s_axis_run_tready_o) running_q <= 1'b1;
       else if (m_axis_done_tvalid_o && m_axis_done_tready_i) running_q <= 1'b0;
       for (int mesh = 0; mesh < 2; mesh++) begin

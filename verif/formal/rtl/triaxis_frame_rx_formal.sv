@@ -5,6 +5,8 @@
 // with its own CRC-32 at its end, and stays until it is released; whatever else came is told as an
 // error. One byte of a frame, of any number, chosen once by the prover, is followed. The CRC is
 // that of the definition: the remainder of the division by the polynomial, highest power first.
+// A byte that is shown is broken where one bit of it, or of its parity, is inverted, or that is tried; else it
+// is not. The bits that are inverted are free, at each clock: see the edit of the proof.
 
 `include "triaxis_formal.svh"
 
@@ -17,14 +19,15 @@ module triaxis_frame_rx_formal
     input byte_t data_i,
     input logic  end_i,
     input logic  error_i,
-    input logic  release_i
+    input logic  release_i,
+    input logic  trial_i
 );
 
   localparam logic [31:0] Polynomial = 32'h04C1_1DB7;
   typedef logic [31:0] remainder_t;
   typedef logic [8:0] count_t;
 
-  logic full_o, error_o;
+  logic full_o, broken_o, error_o;
   byte_t length_o;
   byte_t data_o, place_q;
 
@@ -104,6 +107,11 @@ module triaxis_frame_rx_formal
     end
   end
 
+  logic shown;
+  logic [8:0] inverted;
+  assign shown = full_o && 9'(place_q) < held_count_q;
+  assign inverted = u_frame.free_inverted;
+
   always_comb begin
     // The line gives one of them at a time: shown by `board_slip`.
     OneAtATime : assume (32'(valid_i) + 32'(end_i) + 32'(error_i) <= 1);
@@ -114,10 +122,12 @@ module triaxis_frame_rx_formal
       Leaves : assert (!held_q || !released_q || !full_o);
       AsItCame :
       assert (!full_o || (length_o == 8'(held_count_q) &&
-              (9'(place_q) >= held_count_q || data_o == held_byte_q)));
+              (!shown || data_o == (held_byte_q ^ inverted[7:0]))));
+      Broken : assert (broken_o == (shown && (trial_i || ^inverted)));
       Told : assert (!ended_q || whole_q || told_before_q || error_o);
       ErrorsTold : assert (!error_q || error_o);
       SeenFull : cover (whole_q && 9'(place_q) == held_count_q - 9'd1);
+      SeenBroken : cover (broken_o && !trial_i && data_o != held_byte_q);
       SeenLate : cover (late_q && error_o);
       SeenBadCrc : cover (ended_q && !whole_q && !told_before_q && count_q == '0);
       // What makes it inductive.
@@ -130,7 +140,9 @@ module triaxis_frame_rx_formal
       assert (told_q || u_frame.count_q == count_q);
       assert (u_frame.count_q <= 9'(MaxFrameBytes));
       assert (told_q || u_frame.crc == mirrored(remainder_q[0]));
-      assert (told_q || 9'(place_q) >= count_q || full_o || u_frame.data_o == followed_q);
+      assert (told_q || 9'(place_q) >= count_q || full_o ||
+              u_frame.memory_q[place_q] == {^followed_q, followed_q});
+      assert (!shown || u_frame.memory_q[place_q] == {^held_byte_q, held_byte_q});
       assert (!full_o || told_q || count_q == '0);
       assert (!full_o || held_count_q inside {[9'(HeaderBytes + CrcBytes) : 9'(MaxFrameBytes)]});
     end

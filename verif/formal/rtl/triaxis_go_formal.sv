@@ -5,7 +5,8 @@
 // the engine was given and said, and of clocks. The host's view is made of answered frames alone:
 // whose the board is, the next number, the meshes, the pose and the run that were acknowledged. The
 // engine's view is made of its streams alone. See triaxis_board_surroundings for what stands around
-// the board.
+// the board. Whatever permits the machine to move is there twice, and the two do the same here: that each
+// permits nothing on its own, whatever the other does, is `board_twice`.
 //
 // Meshes are followed by one byte of one triangle, of any mesh, number and place, chosen once by
 // the prover: what holds of it holds of all. In each frame any one byte is followed; claims hold
@@ -36,10 +37,12 @@ module triaxis_go_formal
 
   typedef logic [16:0] count_t;
   typedef logic [$clog2(WatchdogClocks)+1:0] age_t;
+  typedef logic [$clog2(WatchdogClocks+1)-1:0] left_t;
   typedef struct packed {
     pose_t pose;
     logic [31:0] margin;
     logic [1:0] mode;
+    trial_t trial;
     logic [15:0] count_b;
     logic [15:0] count_a;
   } run_t;
@@ -153,6 +156,7 @@ module triaxis_go_formal
             pose: pose_q,
             margin: frame.fields[39:8],
             mode: frame.fields[1:0],
+            trial: frame.fields[79:72],
             count_a: frame.fields[55:40],
             count_b: frame.fields[71:56]
         };
@@ -224,8 +228,9 @@ module triaxis_go_formal
     if (accept) begin
       for (int k = 0; k < 3; k++)
       engine_run_q.pose[k] <= 32'(signed'(u_top.run_tdata[k*(W+1)+:W+1]));
-      engine_run_q.margin <= M > 0 ? 32'(u_top.run_tuser) & 32'((64'd1 << M) - 64'd1) : 32'd0;
+      engine_run_q.margin <= 32'(u_top.run_tuser[M+1:0]) & 32'((64'd1 << M) - 64'd1);
       engine_run_q.mode <= u_top.run_tuser[M+:2];
+      engine_run_q.trial <= u_top.run_tuser[M+2+:$bits(trial_t)];
       engine_run_q.count_a <= 16'(u_top.count_a);
       engine_run_q.count_b <= 16'(u_top.count_b);
     end
@@ -246,32 +251,35 @@ module triaxis_go_formal
     else was_go_q <= go_o;
   end
 
-  // What the runner has been told since the reset: a HELLO cuts what goes on, and then has it forget.
-  logic cut_q, forgot_q;
-  logic [3:0] told;
-  assign told = {u_top.forget, u_top.move, u_top.run, u_top.cut};
+  // A fault since the run that was asked for last, or the last clock's.
+  logic permits, faulted_q, was_fault_q, was_hello_q;
+  assign permits = go_o || !stop_o;
   always_ff @(posedge clk_i or negedge rst_n) begin
-    if (!rst_n) {cut_q, forgot_q} <= '0;
+    if (!rst_n) {faulted_q, was_fault_q, was_hello_q} <= '0;
     else begin
-      cut_q <= cut_q || u_top.cut;
-      forgot_q <= forgot_q || u_top.forget;
+      faulted_q   <= u_top.fault || (faulted_q && !u_top.run);
+      was_fault_q <= u_top.fault;
+      was_hello_q <= u_top.hello;
     end
   end
 
+  logic [3:0] told;
+  assign told = {u_top.forget, u_top.move, u_top.run, u_top.cut};
+
   always_comb begin
     Antivalent : assert (go_o != stop_o);
-    StopInReset : assert (rst_n || !go_o);
+    StopInReset : assert (rst_n || !permits);
     if (rst_n) begin
       // Only frames of the board's own session, each once and in order, are acknowledged, or the
       // last one again; another session's HELLO takes the board.
       Legitimate :
       assert (!acknowledged || heard ||
               (owned && frame.sequence_number == number_q && frame.command == command_q));
-      TakenInSilence : assert (!(u_top.hello && takes) || !u_top.alive);
-      if (go_o) begin
+      TakenInSilence : assert (!(u_top.hello && takes) || !u_top.alive[0]);
+      if (permits) begin
         // The last run was complete and found nothing near.
         Clear : assert (clear_q && unchanged_q);
-        // It was the run asked for: pose, margin, mode and counts, and the pose is still the
+        // It was the run asked for: pose, margin, mode, trial and counts, and the pose is still the
         // host's.
         AsAsked : assert (asked_q && engine_run_q == host_run_q && pose_q == host_run_q.pose);
         // On the meshes that were acknowledged: as many triangles, and each byte of each.
@@ -283,11 +291,15 @@ module triaxis_go_formal
         assert (!known_q || 17'(slot_q) >= engine_count[mesh_q] || engine_byte_q == host_byte_q);
         NothingWrong : assert (!wrong_q);
         HeardInTime : assert (age_q <= age_t'(WatchdogClocks));
+        // None while a fault stands, nor before the end of a run that was asked for after it.
+        NoFault : assert (!was_fault_q && !faulted_q);
       end
+      // It stands until a HELLO.
+      FaultStays : assert (!was_fault_q || u_top.fault || was_hello_q);
+      // A HELLO ends what goes on.
+      HelloEndsRun : assert (!was_hello_q || !u_top.busy || u_top.aborting);
       // As `board_runs` assumes of commands.
-      ToldInOrder :
-      assert ((told & (told - 4'd1)) == '0 && !(u_top.busy && told[3:1] != '0) &&
-              (cut_q || !u_top.forget) && (forgot_q || told[2:1] == '0));
+      ToldInOrder : assert ((told & (told - 4'd1)) == '0 && !(u_top.busy && told[3:1] != '0));
       BeatOnlyWithGo : assert (!beat_o || go_o || was_go_q);
       FitsTheMesh :
       assert (!load || u_top.load_tuser[1] || engine_count[u_top.load_tuser[0]] < 17'(Depth));
@@ -296,6 +308,7 @@ module triaxis_go_formal
       cover (acknowledged && frame.command == CmdLoad && known_d && !known_q && loaded_q);
       SeenStopInTime :
       cover (judged_q && was_go_q && !go_o && age_q == age_t'(WatchdogClocks + 1) && !wrong_q);
+      SeenFault : cover (was_go_q && was_fault_q && !permits && judged_q);
       SeenTaken : cover (judged_q && heard && takes);
     end
   end
@@ -304,6 +317,7 @@ module triaxis_go_formal
 
   logic [2:0] state;
   logic [2:0] loader;
+  left_t left;  // clocks until silence
   logic busy, armed, repeated, executes, ok, load_here, loading, hello_new, in_hello;
   logic [7:0] read;  // bytes of the frame
   logic [3:0] sent;  // triangles of the frame before the one that is in hand
@@ -313,8 +327,9 @@ module triaxis_go_formal
   assign state = u_top.u_command.state_q;
   assign loader = u_top.u_command.u_loader.state_q;
   assign busy = u_top.busy;
+  assign left = u_top.g_watchdog[0].u_watchdog.left_q;
   // In silence it comes to nothing.
-  assign armed = u_top.u_safety.armed_q && (u_top.alive || go_o);
+  assign armed = u_top.g_safety[0].u_safety.armed_q && (u_top.alive[0] || go_o);
   assign repeated = u_top.u_command.repeated;
   assign ok = u_top.code == CodeOk;
   assign read = state > Gather ? 8'(RequestBytes) : 8'(u_top.u_command.place_q);
@@ -330,8 +345,11 @@ module triaxis_go_formal
 
   always_comb begin
     if (rst_n) begin
-      assert (cut_q || (u_top.u_command.u_session.session_q == '0 && state != HelloEnd));
-      assert (forgot_q || state == HelloEnd || u_top.u_command.u_session.session_q == '0);
+      // The copies.
+      assert (u_top.says_go[0] == u_top.says_go[1] && u_top.says_stop[0] == u_top.says_stop[1]);
+      assert (u_top.g_safety[0].u_safety.armed_q == u_top.g_safety[1].u_safety.armed_q);
+      assert (left == u_top.g_watchdog[1].u_watchdog.left_q);
+      assert (u_top.runner_seen[0] == u_top.runner_seen[1]);
       // The command: states, and what is read of the frame.
       assert (state == '0 || (u_top.frame_full && u_top.u_mesh.awake_q));
       assert (8'(u_top.u_command.place_q) < 8'(RequestBytes) || state == Judge);
@@ -429,8 +447,7 @@ module triaxis_go_formal
       assert (!u_top.run_tvalid || (!u_top.u_mesh.running_q && state == Reply));
       TakenAtOnce : assert (!u_top.run_tvalid || u_top.unused.ready);
       assert (u_top.run_state <= RunDone);
-      // A first HELLO forgets what nobody has given.
-      if (u_top.u_command.u_session.session_q != '0 && state != HelloEnd) begin
+      if (state != HelloEnd) begin
         assert (u_top.pose == (hello_new ? '0 : pose_d));
         for (int k = 0; k < 3; k++) begin
           assert (u_top.pose[k] == 32'(signed'(u_top.pose[k][W:0])));
@@ -445,6 +462,7 @@ module triaxis_go_formal
         assert (!wrong_q || (heard && frame.command == CmdRun));
         assert (pose_d == host_run_d.pose && u_top.status.pose == host_run_d.pose);
         assert (u_top.status.margin == host_run_d.margin && u_top.run_mode == host_run_d.mode);
+        assert (u_top.trial == host_run_d.trial && !faulted_q);
         assert ((host_run_d.margin >> M) == '0);
         assert (engine_count[0] == 17'(host_run_d.count_a) && engine_count[0] != '0);
         assert (engine_count[1] == 17'(host_run_d.count_b) && engine_count[1] != '0);
@@ -455,10 +473,9 @@ module triaxis_go_formal
       assert (!go_o || !busy);
 
       // The watchdog.
-      assert (32'(u_top.u_watchdog.left_q) <= 32'(WatchdogClocks));
-      assert (in_hello || u_top.u_watchdog.left_q == '0 ||
-              32'(u_top.u_watchdog.left_q) + 32'(age_q) <= 32'(WatchdogClocks));
-      assert (!armed || u_top.u_watchdog.left_q != '0 || age_q <= age_t'(WatchdogClocks));
+      assert (32'(left) <= 32'(WatchdogClocks));
+      assert (in_hello || left == '0 || 32'(left) + 32'(age_q) <= 32'(WatchdogClocks));
+      assert (!armed || left != '0 || age_q <= age_t'(WatchdogClocks));
       assert (!u_top.beat_o || go_o || was_go_q);
     end
   end

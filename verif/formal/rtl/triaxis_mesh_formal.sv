@@ -4,12 +4,16 @@
 // The walk of a run: one triangle of A and one of B are followed, free constants, from the start of a
 // run to its end. A complete run has handed the pair to the core, once, as it is in memory, A moved,
 // and has its verdict; or has held its boxes, or boxes around them, against one another, and on one
-// axis they are apart by more than the margin.
+// axis they are apart by more than the margin. Or something rested on a word of a memory that was not
+// intact, and then the engine knows of it at that clock. All this is of the first of the two walks: what
+// becomes of a difference, and of a fault, is `engine_checks`.
 //
 // While the run goes on the pair is in one place: not yet reached by the scan of the rows, in a stage,
 // or in a queue, alone or in a group or a word that holds it; or it was skipped; or it was issued.
 
 `include "triaxis_formal.svh"
+
+`define WALK u_mesh.g_walk[0].u_walk
 
 module triaxis_mesh_formal
   import triaxis_mesh_pkg::*;
@@ -29,7 +33,7 @@ module triaxis_mesh_formal
     input logic [1:0] s_axis_load_tuser_i,
     input logic s_axis_run_tvalid_i,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [M+1:0] s_axis_run_tuser_i,
+    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
     input logic abort_i,
     input logic m_axis_near_tready_i,
     input logic m_axis_done_tready_i
@@ -62,16 +66,20 @@ module triaxis_mesh_formal
       .busy_o(),
       .m_axis_near_tvalid_o(),
       .m_axis_near_tdata_o(),
-      .m_axis_done_tvalid_o(done),
-      .status_o(status),
+      .m_axis_done_tvalid_o(),
+      .status_o(),
       .cycles_o(),
       .group_pairs_skipped_o(),
       .group_pairs_opened_o(),
       .pairs_skipped_o(),
       .tested_o(),
       .near_o(),
+      .acknowledge_i(1'b0),
+      .fault_o(),
       .*
   );
+  assign done   = `WALK.m_axis_done_tvalid_o;
+  assign status = `WALK.status_o;
 
   `TRIAXIS_RESET_FIRST
 
@@ -93,7 +101,7 @@ module triaxis_mesh_formal
   assign part = word % WordsOfGroup;
   assign present = 32'(a) < 32'(u_mesh.count_a_o) && 32'(b) < 32'(u_mesh.count_b_o);
   assign empty = u_mesh.count_a_o == '0 || u_mesh.count_b_o == '0;
-  assign state = u_mesh.u_control.state_q;
+  assign state = `WALK.u_control.state_q;
 
   // --- By the definition ----------------------------------------------------------------------------------
 
@@ -106,9 +114,9 @@ module triaxis_mesh_formal
 
   wide_t move[3], margin;
   for (genvar k = 0; k < 3; k++) begin : g_move
-    assign move[k] = wide_t'($signed(u_mesh.u_control.move_o[k]));
+    assign move[k] = wide_t'($signed(`WALK.u_control.move_o[k]));
   end
-  assign margin = wide_t'({4'b0, u_mesh.u_control.margin_o});
+  assign margin = wide_t'({4'b0, `WALK.u_control.margin_o});
 
   // On one axis more than the margin lies between a box of A, moved, and one of B.
   function automatic logic apart(box_t of_a, box_t of_b);
@@ -135,22 +143,36 @@ module triaxis_mesh_formal
   // --- What becomes of it ---------------------------------------------------------------------------------
 
   logic skips_row, skips_word, skips_box, issues, sends;
-  assign skips_row = u_mesh.row_skip && 32'(u_mesh.u_rows.grown_group_q) == row;
-  assign skips_word = 32'(u_mesh.u_words.read_row_q) == row &&
-      32'(u_mesh.u_words.read_word_q) == column_word && u_mesh.u_words.decided[column_lane] &&
-      !u_mesh.u_words.overlap[column_lane];
-  assign skips_box = u_mesh.u_boxes.grown_index_q == a &&
-      32'(u_mesh.u_boxes.grown_word_q) == word && u_mesh.u_boxes.decided[lane] &&
-      !u_mesh.u_boxes.overlap[lane];
-  assign issues = u_mesh.issue && u_mesh.fetch_a == a && u_mesh.fetch_b == b;
+  assign skips_row = `WALK.row_skip && 32'(`WALK.u_rows.grown_group_q) == row;
+  assign skips_word = 32'(`WALK.u_words.read_row_q) == row &&
+      32'(`WALK.u_words.read_word_q) == column_word && `WALK.u_words.decided[column_lane] &&
+      !`WALK.u_words.overlap[column_lane];
+  assign skips_box = `WALK.u_boxes.grown_index_q == a &&
+      32'(`WALK.u_boxes.grown_word_q) == word && `WALK.u_boxes.decided[lane] &&
+      !`WALK.u_boxes.overlap[lane];
+  assign issues = `WALK.issue && `WALK.triangle_a_index_o == a && `WALK.triangle_b_index_o == b;
   assign sends = u_mesh.core_valid && u_mesh.core_ready && u_mesh.core_a == a && u_mesh.core_b == b;
 
+  // In this clock something rests on a word that is not intact; something did in this run.
+  logic breaks, broken_q;
+  assign breaks = (`WALK.row_used_o && !u_mesh.row_intact) ||
+      (`WALK.word_used_o & ~u_mesh.words_intact) != '0 ||
+      (`WALK.box_a_used_o && !u_mesh.box_a_intact) ||
+      (`WALK.boxes_b_used_o & ~u_mesh.boxes_b_intact) != '0 ||
+      (`WALK.triangles_used_o && !(u_mesh.triangle_a_intact && u_mesh.triangle_b_intact));
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) broken_q <= 1'b0;
+    else broken_q <= breaks || (broken_q && !`WALK.restart);
+  end
+
   // The pair is followed in this run; what became of it.
-  logic followed_q, skipped_q, issued_q, sent_q;
+  logic followed_q, follows, skipped_q, issued_q, sent_q;
+  assign follows = followed_q && !breaks;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) {followed_q, skipped_q, issued_q, sent_q} <= '0;
-    else if (u_mesh.restart || u_mesh.drain) {followed_q, skipped_q, issued_q, sent_q} <= '0;
-    else if (u_mesh.start) followed_q <= present;
+    else if (`WALK.restart || `WALK.drain || breaks)
+      {followed_q, skipped_q, issued_q, sent_q} <= '0;
+    else if (`WALK.start) followed_q <= present;
     else if (followed_q) begin
       if (skips_row || skips_word || skips_box) skipped_q <= 1'b1;
       if (issues) issued_q <= 1'b1;
@@ -161,20 +183,24 @@ module triaxis_mesh_formal
   always_comb begin
     if (rst_ni) begin
       Accounted :
-      assert (!done || status != StatusComplete || empty || !present || skipped_q || sent_q);
-      OnlyWhereApart : assert (!followed_q || !skips_row || apart(group_a, object_b));
-      assert (!followed_q || !skips_word || apart(group_a, group_b));
-      assert (!followed_q || !skips_box || apart(box_a, box_b));
+      assert (!done || status != StatusComplete || empty || !present || broken_q || skipped_q ||
+              sent_q);
+      RowsApart : assert (!follows || !skips_row || apart(group_a, object_b));
+      WordsApart : assert (!follows || !skips_word || apart(group_a, group_b));
+      BoxesApart : assert (!follows || !skips_box || apart(box_a, box_b));
       Once : assert (!followed_q || !issues || (!issued_q && !skipped_q));
       assert (!followed_q || !sends || (!sent_q && issued_q));
       AsItIs :
       assert (!followed_q || !sends || u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved});
-      VerdictTaken : assert (!done || status != StatusComplete || u_mesh.u_core.held_q == '0);
+      BrokenIsTold : assert (!breaks || u_mesh.broken);
+      // Verdicts are taken; nothing is found broken, and no verdict wrong, once the summary is there.
+      VerdictTaken : assert (!done || (!breaks && u_mesh.g_core.u_core.held_q == '0));
 
       SeenSent : cover (done && status == StatusComplete && sent_q);
       SeenSkippedRow : cover (followed_q && skips_row);
       SeenSkippedWord : cover (followed_q && skips_word);
       SeenSkippedBox : cover (followed_q && skips_box);
+      SeenBroken : cover (done && status == StatusComplete && broken_q && present);
       SeenDrained : cover (state == Drain && u_mesh.core_valid);
     end
   end
@@ -185,9 +211,9 @@ module triaxis_mesh_formal
   logic [RowQueueDepth-1:0] in_rows;
   logic [QueueDepth-1:0] in_groups, in_masked;
   logic ahead_in_row, ahead_in_group;
-  assign ahead_in_row = 32'(u_mesh.u_words.word_q) <= column_word;
-  assign ahead_in_group = 32'(u_mesh.u_boxes.triangle_q) < step ||
-      (32'(u_mesh.u_boxes.triangle_q) == step && 32'(u_mesh.u_boxes.word_q) <= part);
+  assign ahead_in_row = 32'(`WALK.u_words.word_q) <= column_word;
+  assign ahead_in_group = 32'(`WALK.u_boxes.triangle_q) < step ||
+      (32'(`WALK.u_boxes.triangle_q) == step && 32'(`WALK.u_boxes.word_q) <= part);
 
   localparam int unsigned GrownWidth = grown_width(W);
   typedef logic [1:0][2:0][GrownWidth-1:0] grown_t;
@@ -202,9 +228,9 @@ module triaxis_mesh_formal
   grown_t grown_of_row, grown_of_word, grown_of_box;
   for (genvar c = 0; c < 2; c++) begin : g_corner
     for (genvar k = 0; k < 3; k++) begin : g_axis
-      assign grown_of_row[c][k]  = u_mesh.u_rows.grown[c][k];
-      assign grown_of_word[c][k] = u_mesh.u_words.read_grown_q[c][k];
-      assign grown_of_box[c][k]  = u_mesh.u_boxes.grown[c][k];
+      assign grown_of_row[c][k]  = `WALK.u_rows.grown[c][k];
+      assign grown_of_word[c][k] = `WALK.u_words.read_grown_q[c][k];
+      assign grown_of_box[c][k]  = `WALK.u_boxes.grown[c][k];
     end
   end
 
@@ -212,47 +238,46 @@ module triaxis_mesh_formal
   for (genvar i = 0; i < RowQueueDepth; i++) begin : g_rows
     logic [1:0] age;
     logic of_row;
-    assign age = 2'(i) - u_mesh.u_rows.u_waiting.u_words.read_q[1:0];
-    assign of_row = 3'(age) < u_mesh.u_rows.u_waiting.held_q &&
-        32'(u_mesh.u_rows.u_waiting.u_words.memory_q[i].row) == row;
+    assign age = 2'(i) - `WALK.u_rows.u_waiting.u_words.read_q[1:0];
+    assign of_row = 3'(age) < `WALK.u_rows.u_waiting.held_q &&
+        32'(`WALK.u_rows.u_waiting.u_words.memory_q[i].row) == row;
     assign in_rows[i] = of_row && (age != '0 || ahead_in_row);
     assign row_right[i] = !of_row || right(
-        u_mesh.u_rows.u_waiting.u_words.memory_q[i].grown, group_a
+        `WALK.u_rows.u_waiting.u_words.memory_q[i].grown, group_a
     );
   end
   for (genvar i = 0; i < QueueDepth; i++) begin : g_queues
     logic [$clog2(QueueDepth)-1:0] age_group, age_masked;
-    assign age_group = 2'(i) - u_mesh.u_group_pairs.u_words.read_q[1:0];
-    assign in_groups[i] = 3'(age_group) < u_mesh.u_group_pairs.held_q &&
-        32'(u_mesh.u_group_pairs.u_words.memory_q[i].a) == row &&
-        32'(u_mesh.u_group_pairs.u_words.memory_q[i].b) == column &&
+    assign age_group = 2'(i) - `WALK.u_group_pairs.u_words.read_q[1:0];
+    assign in_groups[i] = 3'(age_group) < `WALK.u_group_pairs.held_q &&
+        32'(`WALK.u_group_pairs.u_words.memory_q[i].a) == row &&
+        32'(`WALK.u_group_pairs.u_words.memory_q[i].b) == column &&
         (age_group != '0 || ahead_in_group);
-    assign age_masked = 2'(i) - u_mesh.u_masked_pairs.u_words.read_q[1:0];
-    assign in_masked[i] = 3'(age_masked) < u_mesh.u_masked_pairs.held_q &&
-        u_mesh.u_masked_pairs.u_words.memory_q[i].pairs.index == a &&
-        32'(u_mesh.u_masked_pairs.u_words.memory_q[i].pairs.word) == word &&
-        u_mesh.u_masked_pairs.u_words.memory_q[i].mask[lane];
+    assign age_masked = 2'(i) - `WALK.u_masked_pairs.u_words.read_q[1:0];
+    assign in_masked[i] = 3'(age_masked) < `WALK.u_masked_pairs.held_q &&
+        `WALK.u_masked_pairs.u_words.memory_q[i].pairs.index == a &&
+        32'(`WALK.u_masked_pairs.u_words.memory_q[i].pairs.word) == word &&
+        `WALK.u_masked_pairs.u_words.memory_q[i].mask[lane];
   end
 
   logic [9:0] in_stages;
   assign in_stages = {
-    u_mesh.u_rows.scanning_q && 32'(u_mesh.u_rows.next_q) <= row,
-    u_mesh.u_rows.read_valid_q && 32'(u_mesh.u_rows.read_group_q) == row,
-    u_mesh.u_rows.grown_valid_q && 32'(u_mesh.u_rows.grown_group_q) == row,
-    u_mesh.u_words.read_valid_q && 32'(u_mesh.u_words.read_row_q) == row &&
-        32'(u_mesh.u_words.read_word_q) == column_word,
-    32'(u_mesh.word.row) == row && 32'(u_mesh.word.word) == column_word &&
-        u_mesh.word_mask[column_lane],
-    32'(u_mesh.picked.row) == row && 32'(u_mesh.picked.word) == column_word &&
-        u_mesh.u_pick_group.mask_q[column_lane],
-    u_mesh.u_boxes.read_valid_q && u_mesh.u_boxes.read_index_q == a &&
-        32'(u_mesh.u_boxes.read_word_q) == word,
-    u_mesh.u_boxes.grown_valid_q && u_mesh.u_boxes.grown_index_q == a &&
-        32'(u_mesh.u_boxes.grown_word_q) == word,
-    u_mesh.boxed.pairs.index == a && 32'(u_mesh.boxed.pairs.word) == word &&
-        u_mesh.boxed.mask[lane],
-    u_mesh.pair_word.index == a && 32'(u_mesh.pair_word.word) == word &&
-        u_mesh.u_pick_pair.mask_q[lane]
+    `WALK.u_rows.scanning_q && 32'(`WALK.u_rows.next_q) <= row,
+    `WALK.u_rows.read_valid_q && 32'(`WALK.u_rows.read_group_q) == row,
+    `WALK.u_rows.grown_valid_q && 32'(`WALK.u_rows.grown_group_q) == row,
+    `WALK.u_words.read_valid_q && 32'(`WALK.u_words.read_row_q) == row &&
+        32'(`WALK.u_words.read_word_q) == column_word,
+    32'(`WALK.word.row) == row && 32'(`WALK.word.word) == column_word &&
+        `WALK.word_mask[column_lane],
+    32'(`WALK.picked.row) == row && 32'(`WALK.picked.word) == column_word &&
+        `WALK.u_pick_group.mask_q[column_lane],
+    `WALK.u_boxes.read_valid_q && `WALK.u_boxes.read_index_q == a &&
+        32'(`WALK.u_boxes.read_word_q) == word,
+    `WALK.u_boxes.grown_valid_q && `WALK.u_boxes.grown_index_q == a &&
+        32'(`WALK.u_boxes.grown_word_q) == word,
+    `WALK.boxed.pairs.index == a && 32'(`WALK.boxed.pairs.word) == word && `WALK.boxed.mask[lane],
+    `WALK.pair_word.index == a && 32'(`WALK.pair_word.word) == word &&
+        `WALK.u_pick_pair.mask_q[lane]
   };
   localparam int unsigned Places = 10 + RowQueueDepth + 2 * QueueDepth + 2;
   logic [Places-1:0] places;
@@ -266,11 +291,11 @@ module triaxis_mesh_formal
     end
   end
   logic read_here, offered_here, at_rest, in_run;
-  assign read_here = u_mesh.u_fetch.read_valid_q && u_mesh.u_fetch.read_a_q == a &&
-      u_mesh.u_fetch.read_b_q == b;
+  assign read_here = `WALK.u_fetch.read_valid_q && `WALK.u_fetch.read_a_q == a &&
+      `WALK.u_fetch.read_b_q == b;
   assign offered_here = u_mesh.core_valid && u_mesh.core_a == a && u_mesh.core_b == b;
-  assign at_rest = u_mesh.groups_idle && u_mesh.rows_idle && u_mesh.boxes_idle &&
-      !u_mesh.masked_valid && !u_mesh.pair_valid;
+  assign at_rest = `WALK.groups_idle && `WALK.rows_idle && `WALK.boxes_idle &&
+      !`WALK.masked_valid && !`WALK.pair_valid;
   assign in_run = state inside {Start, Scan, Drain};
 
   always_comb begin
@@ -280,41 +305,42 @@ module triaxis_mesh_formal
       assert (!followed_q || (read_here || offered_here || sent_q) == issued_q);
       assert (!followed_q || !((read_here && offered_here) ||
               (sent_q && (read_here || offered_here))));
-      assert (state != Scan || followed_q == present);
+      assert (state != Scan || followed_q == (present && !broken_q));
+      assert (!broken_q || !(followed_q || state inside {Check, Start}));
       assert (followed_q || {skipped_q, issued_q, sent_q} == '0);
       assert (!followed_q ||
               (state inside {Scan, Drain, Report} ? present : state inside {Idle, Settle}));
 
       // At rest between runs.
-      assert (in_run || (at_rest && u_mesh.u_near.in_flight_q == '0));
-      assert (state != Start || (at_rest && u_mesh.u_near.in_flight_q == '0));
-      assert (u_mesh.u_words.word_q == '0 ||
-              (u_mesh.row_valid && u_mesh.u_words.word_q <= u_mesh.u_words.last_word));
-      assert ({u_mesh.u_boxes.triangle_q, u_mesh.u_boxes.word_q} == '0 || u_mesh.group_pair_valid);
-      assert (32'(u_mesh.u_near.in_flight_q) == 32'(u_mesh.u_fetch.read_valid_q) +
-              32'(u_mesh.core_valid) + 32'(u_mesh.u_core.held_q));
-      assert (32'(u_mesh.u_core.held_q) <= u_mesh.u_core.Places);
+      assert (in_run || (at_rest && `WALK.u_near.in_flight_q == '0));
+      assert (state != Start || (at_rest && `WALK.u_near.in_flight_q == '0));
+      assert (`WALK.u_words.word_q == '0 ||
+              (`WALK.row_valid && `WALK.u_words.word_q <= `WALK.u_words.last_word));
+      assert ({`WALK.u_boxes.triangle_q, `WALK.u_boxes.word_q} == '0 || `WALK.group_pair_valid);
+      assert (32'(`WALK.u_near.in_flight_q) == 32'(`WALK.u_fetch.read_valid_q) +
+              32'(u_mesh.core_valid) + 32'(u_mesh.g_core.u_core.held_q));
+      assert (32'(u_mesh.g_core.u_core.held_q) <= u_mesh.g_core.u_core.Places);
 
       assert (32'(u_mesh.count_a_o) <= Depth && 32'(u_mesh.count_b_o) <= Depth);
 
       // The queues.
-      assert (u_mesh.u_rows.u_waiting.held_q == u_mesh.u_rows.u_waiting.u_words.write_q -
-              u_mesh.u_rows.u_waiting.u_words.read_q && u_mesh.u_rows.u_waiting.held_q <= 3'd4);
-      assert (u_mesh.u_group_pairs.held_q == u_mesh.u_group_pairs.u_words.write_q -
-              u_mesh.u_group_pairs.u_words.read_q && u_mesh.u_group_pairs.held_q <= 3'd4);
-      assert (u_mesh.u_masked_pairs.held_q == u_mesh.u_masked_pairs.u_words.write_q -
-              u_mesh.u_masked_pairs.u_words.read_q && u_mesh.u_masked_pairs.held_q <= 3'd4);
-      assert (!u_mesh.u_rows.u_waiting.ready_q || u_mesh.u_rows.u_waiting.held_q != 3'd4);
-      assert (!u_mesh.u_group_pairs.ready_q || u_mesh.u_group_pairs.held_q != 3'd4);
-      assert (!u_mesh.u_masked_pairs.ready_q || u_mesh.u_masked_pairs.held_q != 3'd4);
+      assert (`WALK.u_rows.u_waiting.held_q == `WALK.u_rows.u_waiting.u_words.write_q -
+              `WALK.u_rows.u_waiting.u_words.read_q && `WALK.u_rows.u_waiting.held_q <= 3'd4);
+      assert (`WALK.u_group_pairs.held_q == `WALK.u_group_pairs.u_words.write_q -
+              `WALK.u_group_pairs.u_words.read_q && `WALK.u_group_pairs.held_q <= 3'd4);
+      assert (`WALK.u_masked_pairs.held_q == `WALK.u_masked_pairs.u_words.write_q -
+              `WALK.u_masked_pairs.u_words.read_q && `WALK.u_masked_pairs.held_q <= 3'd4);
+      assert (!`WALK.u_rows.u_waiting.ready_q || `WALK.u_rows.u_waiting.held_q != 3'd4);
+      assert (!`WALK.u_group_pairs.ready_q || `WALK.u_group_pairs.held_q != 3'd4);
+      assert (!`WALK.u_masked_pairs.ready_q || `WALK.u_masked_pairs.held_q != 3'd4);
 
       // What was asked for: refused where A moved leaves the range, so that no sum is cut.
       if (state inside {Check, Start, Scan}) begin
-        assert (u_mesh.settled);
+        assert (`WALK.settled_i);
         for (int k = 0; k < 3; k++) begin
-          assert (wide_t'($signed(u_mesh.shift[0][k])) == move[k] - margin);
-          assert (wide_t'($signed(u_mesh.shift[1][k])) == move[k] + margin);
-          assert ((state == Check && (u_mesh.u_control.overflow_q || u_mesh.empty_a)) || (low(
+          assert (wide_t'($signed(`WALK.shift[0][k])) == move[k] - margin);
+          assert (wide_t'($signed(`WALK.shift[1][k])) == move[k] + margin);
+          assert ((state == Check && (`WALK.u_control.overflow_q || `WALK.empty_a)) || (low(
               object_a, k
           ) + move[k] >= -(wide_t'(1) <<< (W - 1)) && high(
               object_a, k
@@ -322,30 +348,30 @@ module triaxis_mesh_formal
         end
       end
       assert (!(state inside {Start, Scan}) || !empty);
-      assert (!u_mesh.u_rows.scanning_q || !(state inside {Scan, Drain}) ||
-              32'(u_mesh.u_rows.next_q) < 32'(u_mesh.groups_a));
+      assert (!`WALK.u_rows.scanning_q || !(state inside {Scan, Drain}) ||
+              32'(`WALK.u_rows.next_q) < 32'(`WALK.groups_a));
 
       // The memories were read where the stages say.
-      assert (!u_mesh.u_rows.read_valid_q ||
-              u_mesh.u_store_a.group_at_q == u_mesh.u_rows.read_group_q);
-      assert (!u_mesh.u_words.read_valid_q ||
-              u_mesh.u_store_b.group_at_q == u_mesh.u_words.read_word_q);
-      assert (!u_mesh.u_boxes.read_valid_q ||
-              u_mesh.u_store_a.box_at_q == u_mesh.u_boxes.read_index_q);
-      assert (!u_mesh.u_boxes.grown_valid_q ||
-              u_mesh.u_store_b.box_at_q == u_mesh.u_boxes.grown_word_q);
-      assert (!u_mesh.u_fetch.read_valid_q ||
-              (u_mesh.u_store_a.triangle_at_q == u_mesh.u_fetch.read_a_q &&
-               u_mesh.u_store_b.triangle_at_q == u_mesh.u_fetch.read_b_q));
+      assert (!`WALK.u_rows.read_valid_q ||
+              u_mesh.u_store_a.group_at_q == `WALK.u_rows.read_group_q);
+      assert (!`WALK.u_words.read_valid_q ||
+              u_mesh.u_store_b.group_at_q == `WALK.u_words.read_word_q);
+      assert (!`WALK.u_boxes.read_valid_q ||
+              u_mesh.u_store_a.box_at_q == `WALK.u_boxes.read_index_q);
+      assert (!`WALK.u_boxes.grown_valid_q ||
+              u_mesh.u_store_b.box_at_q == `WALK.u_boxes.grown_word_q);
+      assert (!`WALK.u_fetch.read_valid_q ||
+              (u_mesh.u_store_a.triangle_at_q == `WALK.u_fetch.read_a_q &&
+               u_mesh.u_store_b.triangle_at_q == `WALK.u_fetch.read_b_q));
 
       // What was read of the pair, grown and moved.
-      if (state == Scan) begin
+      if (state == Scan && !broken_q) begin
         assert (!in_stages[7] || right(grown_of_row, group_a));
         assert (row_right == '1);
-        assert (!(u_mesh.u_words.read_valid_q && 32'(u_mesh.u_words.read_row_q) == row) || right(
+        assert (!(`WALK.u_words.read_valid_q && 32'(`WALK.u_words.read_row_q) == row) || right(
             grown_of_word, group_a
         ));
-        assert (!(u_mesh.u_boxes.grown_valid_q && u_mesh.u_boxes.grown_index_q == a) || right(
+        assert (!(`WALK.u_boxes.grown_valid_q && `WALK.u_boxes.grown_index_q == a) || right(
             grown_of_box, box_a
         ));
         assert (!offered_here || !followed_q ||

@@ -8,6 +8,9 @@
 
 `include "triaxis_formal.svh"
 
+// What is stored is what the first intake makes of it.
+`define FIRST u_store.g_intake[0].u_intake
+
 module triaxis_mesh_store_formal #(
     parameter int unsigned W = 16,
     parameter int unsigned Depth = 16,
@@ -47,12 +50,21 @@ module triaxis_mesh_store_formal #(
       .triangle_read_i(1'b0),
       .triangle_index_i('0),
       .triangle_o(),
+      .triangle_intact_o(),
       .box_read_i(1'b0),
       .box_word_i('0),
       .boxes_o,
+      .boxes_intact_o(),
       .group_read_i(1'b0),
       .group_word_i('0),
-      .group_boxes_o
+      .group_boxes_o,
+      .groups_intact_o(),
+      .trial_triangles_i(1'b0),
+      .trial_boxes_i(1'b0),
+      .trial_groups_i(1'b0),
+      .trial_intake_i(1'b0),
+      .which_i('0),
+      .differ_o()
   );
 
   `TRIAXIS_PAST(count_t, counts, count, 3)
@@ -68,7 +80,7 @@ module triaxis_mesh_store_formal #(
               (cleared ? '0 : counts[0] + count_t'(pushed && counts[0] != count_t'(Depth))));
     end
     AtItsNumber :
-    assert (u_store.index == counts[2][$clog2(Depth)-1:0] && u_store.triangle == triangles[2]);
+    assert (u_store.index == counts[2][$clog2(Depth)-1:0] && u_store.triangles[0] == triangles[2]);
   end
 
   logic first_in_group, first_in_mesh;
@@ -78,16 +90,16 @@ module triaxis_mesh_store_formal #(
   for (genvar k = 0; k < 3; k++) begin : g_axis
     coord_t low, high, group_low, group_high, group_low_d, group_high_d;
     coord_t mesh_low, mesh_high, mesh_low_d, mesh_high_d;
-    assign low = u_store.box[0][k];
-    assign high = u_store.box[1][k];
-    assign group_low = u_store.group_q[0][k];
-    assign group_high = u_store.group_q[1][k];
-    assign group_low_d = u_store.group_flat[0][k];
-    assign group_high_d = u_store.group_flat[1][k];
+    assign low = u_store.boxes[0][0][k];
+    assign high = u_store.boxes[0][1][k];
+    assign group_low = `FIRST.group_q[0][k];
+    assign group_high = `FIRST.group_q[1][k];
+    assign group_low_d = u_store.groups[0][0][k];
+    assign group_high_d = u_store.groups[0][1][k];
     assign mesh_low = object_o[0][k];
     assign mesh_high = object_o[1][k];
-    assign mesh_low_d = u_store.object_d[0][k];
-    assign mesh_high_d = u_store.object_d[1][k];
+    assign mesh_low_d = `FIRST.object_d[0][k];
+    assign mesh_high_d = `FIRST.object_d[1][k];
 
     always_comb begin
       if (u_store.write) begin

@@ -4,8 +4,10 @@
 // Stand-ins in the proof of the engine's walk, with the ports of the real ones.
 
 // A mesh in memory: what is known of it is one triangle, whichever number it has: its vertices, its
-// box, that of its group, that of the mesh. Whatever else is read is anything. All of it is new while
-// the mesh is changed, and stays once it has settled: what the boxes are is shown by `engine_boxes`.
+// box, that of its group, that of the mesh. Whatever else is read is anything, and so is what is not
+// intact: that no other word is changed is shown by `engine_memory` and `engine_parity`. All of it is
+// new while the mesh is changed, and stays once it has settled: what the boxes are is shown by
+// `engine_boxes`.
 module triaxis_mesh_store
   import triaxis_mesh_pkg::*;
 #(
@@ -29,12 +31,21 @@ module triaxis_mesh_store
     input logic triangle_read_i,
     input logic [IndexWidth-1:0] triangle_index_i,
     output logic [9*W-1:0] triangle_o,
+    output logic triangle_intact_o,
     input logic box_read_i,
     input logic [WordWidth-1:0] box_word_i,
     output logic signed [W-1:0] boxes_o[Lanes][2][3],
+    output logic [Lanes-1:0] boxes_intact_o,
     input logic group_read_i,
     input logic [GroupWordWidth-1:0] group_word_i,
-    output logic signed [W-1:0] group_boxes_o[Lanes][2][3]
+    output logic signed [W-1:0] group_boxes_o[Lanes][2][3],
+    output logic [Lanes-1:0] groups_intact_o,
+    input logic trial_triangles_i,
+    input logic trial_boxes_i,
+    input logic trial_groups_i,
+    input logic trial_intake_i,
+    input logic [4:0] which_i,
+    output logic differ_o
 );
 
   // A box: lowest corner, highest corner.
@@ -50,13 +61,18 @@ module triaxis_mesh_store
   logic changed, settled_q;
 
   // No drivers: anything at each clock.
-  logic free_settled, free_overfull;
+  logic free_settled, free_overfull, free_triangle_intact, free_differ;
+  logic [Lanes-1:0] free_boxes_intact, free_groups_intact;
   logic [9*W-1:0] free_triangle, other_triangle;
   box_t free_object, free_group, free_box, other_boxes[Lanes], other_groups[Lanes];
 
   assign changed = clear_i || push_i;
   assign settled_o = settled_q || free_settled;
   assign overfull_o = free_overfull;
+  assign triangle_intact_o = free_triangle_intact;
+  assign boxes_intact_o = free_boxes_intact;
+  assign groups_intact_o = free_groups_intact;
+  assign differ_o = free_differ;
   assign count_o = count_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -83,11 +99,12 @@ module triaxis_mesh_store
   end
 
   box_t boxes[Lanes], groups[Lanes];
-  assign triangle_o = triangle_at_q == number_q ? triangle_q : other_triangle;
+  assign triangle_o = triangle_at_q == number_q && triangle_intact_o ? triangle_q : other_triangle;
   for (genvar l = 0; l < Lanes; l++) begin : g_lane
-    assign boxes[l] = 32'(box_at_q) * Lanes + l == 32'(number_q) ? box_q : other_boxes[l];
-    assign groups[l] = 32'(group_at_q) * Lanes + l == 32'(number_q) / Group ? group_q :
-        other_groups[l];
+    assign boxes[l] = 32'(box_at_q) * Lanes + l == 32'(number_q) && boxes_intact_o[l] ? box_q :
+        other_boxes[l];
+    assign groups[l] = 32'(group_at_q) * Lanes + l == 32'(number_q) / Group && groups_intact_o[l] ?
+        group_q : other_groups[l];
     for (genvar c = 0; c < 2; c++) begin : g_corner
       for (genvar k = 0; k < 3; k++) begin : g_axis
         assign boxes_o[l][c][k] = boxes[l][c][k];

@@ -28,7 +28,7 @@ module triaxis_reply_formal
 );
 
   // No two bytes of it are the same.
-  localparam hello_block_t Hello = 104'h3132_2A2B_2C2D_17_18_0C0D_05_06_01;
+  localparam hello_block_t Hello = 112'h07_3132_2A2B_2C2D_17_18_0C0D_05_06_01;
   typedef logic [8:0] count_t;
   typedef logic [6:0] place_t;
 
@@ -76,7 +76,7 @@ module triaxis_reply_formal
     if (code_i == CodeSequence) due_bytes = 9'd4;
     else if (paid)
       case (request_i.command)
-        CmdHello: due_bytes = 9'd13;
+        CmdHello: due_bytes = 9'd14;
         CmdLoad: due_bytes = 9'd2;
         CmdMove: due_bytes = 9'd12;
         CmdRun: due_bytes = 9'd1;

@@ -111,7 +111,7 @@ module triaxis_run_control_formal
               (m_axis_done_tvalid_o && status_o == status_q && cycles_o == reported_q));
       Cycles : assert (!running_q || cycles_o == cycles_q);
       if (m_axis_done_tvalid_o) begin
-        SaysSomething : assert (status_o != StatusNone && 3'(status_o) != 3'd7);
+        SaysSomething : assert (status_o != StatusNone && status_o != StatusFault);
         NeverCompleteIfCut : assert (status_o != StatusComplete || (!aborted_q && !drained_q));
         AbortedIsSaid : assert (!aborted_q || status_o == StatusAborted || status_o == StatusFirst);
         AbortedIsMeant : assert (status_o != StatusAborted || (aborted_q && drained_q));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is said of a run is what the engine said at its end: every number of the summary, whole, until the next run or
-// HELLO; zeros before. Its number, pose, mode and margin are those it was started with.
+// HELLO; zeros before, and from a reset on. Its number, pose, mode, margin and trial are those it was started with.
 
 `include "triaxis_formal.svh"
 
@@ -32,74 +32,62 @@ module triaxis_runner_formal
   run_state_e run_state_o;
   logic [1:0] run_mode_o;
   logic [31:0] run_margin_o;
+  trial_t run_trial_o;
   status_e engine_status_o;
   summary_t summary_o;
   logic [3*RunBits-1:0] run_tdata_o;
-  logic [M+1:0] run_tuser_o;
+  logic [$bits(trial_t)+M+1:0] run_tuser_o;
 
   triaxis_runner #(
       .W(W),
       .M(M)
   ) u_runner (
+      .seen_o(),
       .*
   );
 
   `TRIAXIS_RESET_FIRST
 
-  // A HELLO comes before anything else, and ends what goes on, first.
-  logic ended_q, known_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) {ended_q, known_q} <= '0;
-    else begin
-      if (abort_i) ended_q <= 1'b1;
-      if (forget_i) known_q <= 1'b1;
-    end
-  end
-
   logic [3:0] commands;
   assign commands = {forget_i, move_i, run_i, abort_i};
   always_comb begin
     OneAtATime : assume ((commands & (commands - 4'd1)) == '0);
-    HelloFirst : assume (known_q || !(move_i || run_i));
-    EndsFirst : assume (ended_q || !forget_i);
     NotInRuns : assume (!busy_o || !(forget_i || move_i || run_i));
     EndsRuns : assume (busy_o || !done_tvalid_i);
   end
 
   // What has happened since the last HELLO, event by event.
+  typedef struct packed {
+    logic [31:0] margin;
+    logic [1:0] mode;
+    trial_t trial;
+  } asked_t;
   logic going_q, over_q, aborted_q;
   summary_t told_q;
   status_e  status_q;
   pose_t moved_q, begun_q;
-  logic [33:0] asked_q;
-  byte_t runs_q;
+  asked_t asked_q;
+  byte_t  runs_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      {going_q, over_q} <= '0;
+      {going_q, over_q, aborted_q} <= '0;
+      {moved_q, begun_q, asked_q, runs_q} <= '0;
     end else if (forget_i) begin
-      {going_q, over_q} <= '0;
+      {going_q, over_q, aborted_q} <= '0;
+      {moved_q, begun_q, asked_q, runs_q} <= '0;
     end else begin
-      if (run_i) {going_q, over_q} <= 2'b10;
+      if (move_i) moved_q <= fields_i[95:0];
+      if (run_i) begin
+        {going_q, over_q, aborted_q} <= 3'b100;
+        begun_q <= moved_q;
+        asked_q <= '{margin: fields_i[39:8], mode: fields_i[1:0], trial: fields_i[79:72]};
+        runs_q <= runs_q + 8'd1;
+      end
+      if (abort_i && going_q) aborted_q <= 1'b1;
       if (done_tvalid_i) {going_q, over_q} <= 2'b01;
     end
   end
-
   always_ff @(posedge clk_i) begin
-    if (forget_i) begin
-      moved_q <= '0;
-      begun_q <= '0;
-      asked_q <= '0;
-      runs_q <= '0;
-      aborted_q <= 1'b0;
-    end
-    if (move_i) moved_q <= fields_i[95:0];
-    if (run_i) begin
-      begun_q <= moved_q;
-      asked_q <= {fields_i[39:8], fields_i[1:0]};
-      runs_q <= runs_q + 8'd1;
-      aborted_q <= 1'b0;
-    end
-    if (abort_i && going_q) aborted_q <= 1'b1;
     if (done_tvalid_i) begin
       told_q   <= done_summary_i;
       status_q <= done_status_i;
@@ -115,20 +103,18 @@ module triaxis_runner_formal
     if (rst_ni) begin
       Going : assert (busy_o == going_q);
       State : assert (run_state_o == (going_q ? RunGoing : over_q ? RunDone : RunNever));
-      if (ended_q) Aborting : assert (aborting_o == (going_q && aborted_q));
+      Aborting : assert (aborting_o == (going_q && aborted_q));
       Told : assert (summary_o == (over_q ? told_q : '0));
-      if (known_q) begin
-        Status : assert (engine_status_o == (over_q ? status_q : StatusNone));
-        Number : assert (run_number_o == runs_q);
-        Present : assert (pose_o == moved_q);
-        Started : assert (run_pose_o == begun_q);
-        Asked : assert ({run_margin_o, run_mode_o} == asked_q);
-        if (run_tvalid_o) begin
-          Handed : assert (going_q && run_tuser_o == {run_mode_o, run_margin_o[M-1:0]});
-          HandedPose : assert (run_tdata_o == run_pose);
-        end
-        SeenLong : cover (over_q && summary_o.cycles[31] && run_number_o == 8'd2);
+      Status : assert (engine_status_o == (over_q ? status_q : StatusNone));
+      Number : assert (run_number_o == runs_q);
+      Present : assert (pose_o == moved_q);
+      Started : assert (run_pose_o == begun_q);
+      Asked : assert ({run_margin_o, run_mode_o, run_trial_o} == asked_q);
+      if (run_tvalid_o) begin
+        Handed : assert (going_q && run_tuser_o == {run_trial_o, run_mode_o, run_margin_o[M-1:0]});
+        HandedPose : assert (run_tdata_o == run_pose);
       end
+      SeenLong : cover (over_q && summary_o.cycles[31] && run_number_o == 8'd2);
     end
   end
 

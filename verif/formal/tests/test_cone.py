@@ -13,6 +13,7 @@ from triaxis.verif.formal.cone import (
     Register,
     all_registers,
     by_modules,
+    hierarchy,
     read_unproved,
 )
 from triaxis.verif.formal.proof import Result
@@ -61,6 +62,26 @@ def test_all_registers_are_those_of_every_module_that_has_some(tmp_path):
         Register("triaxis_delay", "g_regs.g_stage.stage_q"),
         Register("triaxis_verdict", "flags_2"),
     } <= every
+
+
+def test_a_parameter_may_choose_the_module_of_an_instance(tmp_path):
+    path = tmp_path / "unit.sv"
+    path.write_text("""
+module outer; if (1) begin : g inner u (); end else begin : g other u (); end endmodule
+module other; logic same_q, own_q; if (1) begin : g_own logic deep_q; end endmodule
+module inner; logic same_q; other u (); endmodule
+""")
+    known = hierarchy([path])
+    assert known.register("outer", "g.u.own_q[3].member") == Register("other", "own_q.member")
+    assert known.register("outer", "g.u.g_own.deep_q") == Register("other", "g_own.deep_q")
+    assert known.register("outer", "g.u.u.same_q") == Register("other", "same_q")
+    assert known.register("outer", "g.u.same_q", "inner.sv") == Register("inner", "same_q")
+    with pytest.raises(InputError, match="in several modules"):
+        known.register("outer", "g.u.same_q")
+    # What no file has is not there.
+    less = tmp_path / "less.sv"
+    less.write_text(path.read_text().replace("module other", "module another"))
+    assert hierarchy([less]).register("outer", "g.u.same_q") == Register("inner", "same_q")
 
 
 def test_a_reason_that_no_longer_applies_is_a_problem():

@@ -43,13 +43,13 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
     .clk_i,
     .rst_ni,
     .busy_o,
-    .idle,
+    .idle(g_walk[0].u_walk.idle),
     .settled,
-    .first,
+    .first(g_walk[0].u_walk.first),
     .summary(status_o != triaxis_mesh_pkg::StatusNone || {
       cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
     } != '0),
-    .reads(row_read || word_read || box_a_read || box_b_read || triangle_read),
+    .reads({row_read, word_read, box_a_read, box_b_read, triangle_read} != '0),
     .answers({
       s_axis_load_tready_o,
       s_axis_run_tready_o,
@@ -58,7 +58,8 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
       m_axis_done_tvalid_o,
       count_a_o,
       count_b_o,
-      overfull_o
+      overfull_o,
+      fault_o
     } != '0),
-    .core_as_asked(u_core.Gating == Gating && u_core.EdgeBox == EdgeBox)
+    .core_as_asked(g_core.u_core.Gating == Gating && g_core.u_core.EdgeBox == EdgeBox)
 );

@@ -31,7 +31,9 @@ module triaxis_mesh_sva
     input logic [63:0] group_pairs,
     input logic [63:0] group_pairs_decided,
     input logic [63:0] tested,
-    input logic [63:0] near
+    input logic [63:0] near,
+    input logic tries,
+    input logic fault_o
 );
 
   // What is offered and not taken stays as it is.
@@ -106,7 +108,7 @@ module triaxis_mesh_sva
 
   StatusKnown :
   assert property (@(posedge clk_i) disable iff (!rst_ni)
-      m_axis_done_tvalid_o |-> status_o >= StatusComplete && status_o <= StatusBadMode)
+      m_axis_done_tvalid_o |-> status_o != StatusNone)
   else $error("a summary with a status that there is not");
 
   // Whatever ended the run, no more was counted than there is.
@@ -126,6 +128,15 @@ module triaxis_mesh_sva
       busy_o && !m_axis_done_tvalid_o |-> status_o == StatusNone)
   else $error("a status during a run");
 
+  NoFalseAlarm :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) $rose(fault_o) |-> tries)
+  else $error("a fault, although nothing was tried");
+
+  FaultEndsRuns :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      m_axis_done_tvalid_o && fault_o |-> status_o == StatusFault)
+  else $error("a fault, and a summary that says nothing of it");
+
   // A run that is aborted before its summary is offered is not complete, whenever the summary comes.
   logic abort_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -142,7 +153,7 @@ endmodule
 
 bind triaxis_mesh triaxis_mesh_sva #(
     .LoadWidth(9 * W + 2),
-    .RunWidth(3 * triaxis_mesh_pkg::move_width(W) + M + 2),
+    .RunWidth(3 * triaxis_mesh_pkg::move_width(W) + M + 2 + $bits(triaxis_mesh_pkg::trial_t)),
     .NearWidth(2 * IndexWidth),
     .CountersWidth(CycleBits + 2 * GroupPairWidth + 3 * PairCountWidth)
 ) u_sva (
@@ -165,8 +176,10 @@ bind triaxis_mesh triaxis_mesh_sva #(
       cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
     }),
     .status_o,
-    .group_pairs(64'(groups_a) * 64'(groups_b)),
+    .group_pairs(64'(g_walk[0].u_walk.groups_a) * 64'(g_walk[0].u_walk.groups_b)),
     .group_pairs_decided(64'(group_pairs_skipped_o) + 64'(group_pairs_opened_o)),
     .tested(64'(tested_o)),
-    .near(64'(near_o))
+    .near(64'(near_o)),
+    .tries(trial_q.kind != triaxis_mesh_pkg::TrialNothing),
+    .fault_o
 );

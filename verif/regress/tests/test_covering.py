@@ -63,11 +63,13 @@ def kinds_of(configuration):
         kind = kind if configuration.edge_box else NO_EDGE_BOX
         given = (width, kind, configuration.tag_bits, configuration.gating)
     elif isinstance(configuration, BoardParameters):
-        given = (width, kind, configuration.depth, configuration.group, configuration.lanes)
+        given = (
+            width, kind, configuration.depth, configuration.group, configuration.lanes, configuration.certify,
+        )  # fmt: skip
     else:
         given = (
             width, kind, configuration.depth, configuration.group, configuration.lanes,
-            configuration.cycle_bits, configuration.gating,
+            configuration.cycle_bits, configuration.gating, configuration.certified,
         )  # fmt: skip
     all_kinds = {Configuration: CORE_KINDS, MeshConfiguration: MESH_KINDS, BoardParameters: BOARD_KINDS}
     return tuple(
@@ -135,10 +137,11 @@ def documented(file):
         }),
         ("mesh-engine.md", mesh_array(), {
             "W": "width", "M": "margin_bits", "Depth": "depth", "Group": "group", "Lanes": "lanes",
-            "CycleBits": "cycle_bits", "Gating": "gating",
+            "CycleBits": "cycle_bits", "Gating": "gating", "Certify": "certified",
         }),
         ("board.md", board_array(), {
             "W": "width", "M": "margin_bits", "Depth": "depth", "Group": "group", "Lanes": "lanes",
+            "Certify": "certify",
         }),
     ],
 )  # fmt: skip

@@ -7,17 +7,22 @@ import numpy as np
 import pytest
 
 from triaxis.host.link.messages import Flag, Mode, Pose, RunNumber, RunRequest, Status
+from triaxis.sim.build import rtl_files
+from triaxis.sim.paths import DUT
+from triaxis.sim.player import Register
 from triaxis.sim.simulated_board import EVENT, PINS, TX
 from triaxis.verif.board.protocol import HEAD, REPLY, Command, framed
-from triaxis.verif.upsets import campaign
-from triaxis.verif.upsets.builds import module_of, registers
-from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kind, Truth, permitted
+from triaxis.verif.upsets import builds, campaign
+from triaxis.verif.upsets.builds import MEASURES, module_of, registers, without_measures
+from triaxis.verif.upsets.fmeda import BLOCKS, block_of
+from triaxis.verif.upsets.upset_test import grouped
+from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kind, Truth, Upset, permitted
 
 REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
 SESSION, RUN = 7, 1
 CLEAR, NEAR = Pose(0, 0, 0), Pose(0, 0, 3)
 GO, STOP = 1, 2
-GOES, ENDS, OVER = 5000, 50_000, 80_000
+GOES, ENDS, OVER, BYTE = 5000, 50_000, 80_000, 60
 
 
 def truth(near):
@@ -27,7 +32,7 @@ def truth(near):
         (command | REPLY, number, SESSION) for number, command in enumerate((Command.RUN, Command.RESULTS))
     ]
     script = Asked(0, b"", heads[0], RunNumber(RUN)), Asked(10_000, b"", heads[1], run=run)
-    return Truth(script, () if near else ((GOES, ENDS),), 8, OVER)
+    return Truth(script, () if near else ((GOES, ENDS),), 8, BYTE, OVER)
 
 
 def answer(number, command, payload, pairs=b"", code=0):
@@ -93,6 +98,49 @@ def test_the_machine_may_move_where_go_is_said_and_stop_is_not():
     assert permitted(seen(b"", WHOLE), OVER) == [WHOLE]
 
 
+def test_a_frame_that_waits_for_a_reply_is_heard_after_it():
+    """Go may go on while the reply before the frame is on the line, and no longer."""
+    right = truth(near=False)
+    late = ENDS + 3000
+    speech = [(clock, TX, 0) for clock in range(ENDS - 5 * BYTE, late, BYTE)]
+    for said, fate in ((speech, Fate.DETECTED), (speech[:-9], Fate.DETECTED), ([], Fate.DANGEROUS)):
+        rows = [*seen(b"", (GOES, late)).tolist(), *said]
+        events = np.array(sorted(rows, key=lambda row: row[0]), EVENT)
+        assert right.judge(events)[0] is fate
+    silent = [one for one in speech if not ENDS < one[0] < ENDS + 1500]
+    rows = [*seen(b"", (GOES, late)).tolist(), *silent]
+    assert right.judge(np.array(sorted(rows, key=lambda row: row[0]), EVENT))[0] is Fate.DANGEROUS
+
+
+def test_upsets_share_a_copy_where_they_are_in_words_of_memories():
+    memory, mesh = Register("u_ring.memory_q", 8, 4), Register("top.u_store_a.memory_q", 8, 4)
+    state = Register("state_q", 1, 3)
+    upsets = [
+        Upset(kind, one.name, element, 0, clock, running=False)
+        for clock, (kind, one, element) in enumerate(
+            [
+                (Kind.FLIP, memory, 0), (Kind.FLIP, state, 0), (Kind.FLIP, memory, 1), (Kind.FLIP, mesh, 0),
+                (Kind.STUCK_AT_0, memory, 2), (Kind.FLIP, memory, 1), (Kind.FLIP, memory, 3),
+            ]
+        )
+    ]  # fmt: skip
+    groups = grouped(upsets, (memory, mesh, state))
+    assert sorted([one.clock for one in group] for group in groups) == [[0, 2], [1], [3], [4], [5, 6]]
+
+
+def test_each_measure_can_be_taken_away(tmp_path, monkeypatch):
+    """The diffs fit the RTL, alone and together."""
+    monkeypatch.setattr(builds, "FOLDER", tmp_path)
+    for some in (MEASURES, *((measure,) for measure in MEASURES)):
+        changed = without_measures(some)
+        differ = [one for one in rtl_files(changed) if one.read_bytes() != same(one, changed).read_bytes()]
+        assert differ and len(differ) <= len(some)
+
+
+def same(file, folder):
+    return DUT / file.relative_to(folder)
+
+
 def test_the_share_that_is_not_exceeded():
     # None of n: 1 - 0.05^(1/n). Of one in ten Clopper and Pearson's table has 0.394.
     assert campaign.most_share(0, 30_000) == pytest.approx(1 - 0.05 ** (1 / 30_000))
@@ -101,9 +149,9 @@ def test_the_share_that_is_not_exceeded():
 
 
 def test_a_register_is_of_the_module_that_assigns_it():
-    place = "TOP.nexys4ddr_top.u_mesh.u_store_b.g_lane[0].u_boxes.memory_q"
+    place = "TOP.nexys4ddr_top.u_mesh.u_store_b.g_lane[0].u_boxes.u_words.memory_q"
     assert module_of(place) == "triaxis_ram"
-    assert module_of("TOP.nexys4ddr_top.u_safety.go_q") == "triaxis_safety"
+    assert module_of("TOP.nexys4ddr_top.g_safety[0].u_safety.go_q") == "triaxis_safety"
     named = registers()
     assert {"go_q", "armed_q"} <= set(named["triaxis_safety"])
     # By the macro of the data path's stages, from braces, and at outputs.
@@ -115,16 +163,21 @@ def test_a_register_is_of_the_module_that_assigns_it():
 def test_upsets_of_the_board_are_seen(tmp_path, seed, monkeypatch):
     """Some have an effect; each comes to an end; and one that is dangerous is told."""
     monkeypatch.setattr(campaign, "FOLDER", tmp_path)
-    monkeypatch.setattr(campaign, "RESULT", tmp_path / "upsets.json")
+    for name, file in (("RESULT", "upsets.json"), ("TABLE", "fmeda.md"), ("PLOT", "measures.svg")):
+        monkeypatch.setattr(campaign, name, tmp_path / file)
     told: list[int] = []
     result = campaign.upset_board(told.append, seed, 300)
     assert not result.problems and sum(told) == len(result.outcomes) == 300
-    assert [len(result.of(kind)) for kind in Kind] == [225, 25, 25, 25]
+    assert [len(result.of(kind)) for kind in Kind] == [273, 9, 9, 9] and len(result.without) == 75
+    assert list(result.left) == ["none", *(measure.name for measure in MEASURES)]
     assert (
         campaign.tally(list(result.outcomes)).detected and len(campaign.by_module(result.of(Kind.FLIP))) > 20
     )
-    assert result.bits > 30_000 and len(result.of(*Kind, running=True)) == 150
+    assert sum(result.bits.values()) > 50_000 and len(result.of(*Kind, running=True)) == 150
+    assert set(map(block_of, result.bits)) == {block.name for block in BLOCKS}
+    assert sum(one.tried for one in campaign.by_block(result).values()) == 300
     assert all(re.fullmatch(r"triaxis_\w+|nexys4ddr_top", one.module) for one in result.outcomes)
     assert campaign.write_result(result).exists()
+    assert campaign.TABLE.read_text().count("\n") == 2 + len(BLOCKS) and campaign.PLOT.exists()
     wrong = replace(result, outcomes=(*result.outcomes, replace(result.outcomes[0], fate=Fate.DANGEROUS)))
     assert not wrong.passed and len(wrong.dangerous) == len(result.dangerous) + 1
