@@ -133,7 +133,8 @@ module triaxis_certified_core
   assign pair.margin = margin;
   assign pair.coordinates = s_axis_tdata_i[18*W-1:0];
   assign spoilt = (pair.attempt.kind == TryParity) ? parity_t'(1) << pair.attempt.which : '0;
-  assign kept_d.parity = parity_of(pair) ^ spoilt;
+  // What is not on offer is not intact: a result that comes without its pair finds none.
+  assign kept_d.parity = parity_of(pair) ^ spoilt ^ parity_t'(!s_axis_tvalid_i);
   assign kept_d.pair = pair;
   // What is on offer is written until it is accepted: its place is free, as the pair that had it was read at
   // the core's latency, Depth clocks ago or more.

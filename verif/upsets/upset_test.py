@@ -9,7 +9,7 @@ import json
 import os
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 from heapq import heapify, heappop, heappush
 from itertools import count
@@ -62,14 +62,18 @@ class Undisturbed:
 
 
 class Talk:
-    """The board's model on its way through the script, from the clock at which that begins."""
+    """The board's model on its way through the script, from the clock at which that begins.
 
-    def __init__(self, player: BoardPlayer, script: Sequence[Asked], end: int) -> None:
+    The host in it says nothing more once it has not believed an answer, or has none in time.
+    """
+
+    def __init__(self, player: BoardPlayer, truth: Truth) -> None:
         """Begin at the clock at which the player stands."""
-        self._player, self._end, self._start = player, end, player.clocks
-        self._left = list(script)
+        self._player, self._truth, self._start = player, truth, player.clocks
+        self._end, self._script = truth.end, truth.script
+        self._silent = False
         self._seen = np.zeros(0, EVENT)
-        self.clock = 0
+        self.clock = self.sent = 0
 
     @property
     def events(self) -> Events:
@@ -81,9 +85,12 @@ class Talk:
 
     def forward(self, until: int) -> None:
         """Go on to a clock."""
-        while self._left and self._left[0].clock <= until:
-            self._run(self._left[0].clock)
-            self._player.send(self._left.pop(0).data)
+        while not self._silent and self.sent < len(self._script) and self._script[self.sent].clock <= until:
+            self._run(self._script[self.sent].clock)
+            self._silent = self._truth.told(self.events, self.sent)[0] is Fate.DETECTED
+            if not self._silent:
+                self._player.send(self._script[self.sent].data)
+                self.sent += 1
         self._run(until)
 
     def _run(self, until: int) -> None:
@@ -99,7 +106,7 @@ class Talk:
             yield number
         self.forward(self._end)
 
-    def upset(self, upset: Upset, register: int, without: Undisturbed, truth: Truth) -> tuple[Fate, str]:
+    def upset(self, upset: Upset, register: int, without: Undisturbed) -> tuple[Fate, str]:
         """Upset the board, go to the end, or until all is as without it; return what came of it.
 
         ``register``: its number in the player.
@@ -114,7 +121,7 @@ class Talk:
                 events, due = self.events, without.events
                 if np.array_equal(events, due[due["clock"] <= self.clock]):
                     return Fate.NO_EFFECT, ""
-        return truth.judge(self.events)
+        return self._truth.judge(self.events, self.sent)
 
     def alike(self, upsets: Sequence[Upset], numbers: Mapping[str, int], file: Path) -> bool:
         """Return whether all goes on as without these, each in a word of its own, at its clock.
@@ -229,14 +236,15 @@ class BoardUpsetsTest(BoardTest):
         player, files = self.bfm.player, upset_files(Path(self.settings.folder))
         registers = player.registers()
         file = files[0].with_name("undisturbed.npz")
-        _in_copies([partial(_undisturbed, player, script, end, registers, file)])
+        truth = Truth(script, (), self.parameters.group, self.parameters.watchdog_clocks, end)
+        _in_copies([partial(_undisturbed, player, truth, registers, file)])
         with np.load(file) as kept:
             without = Undisturbed(kept["events"], tuple(kept["states"].tolist()))
         due = permitted(without.events, end)
         clear = [asked.run for asked in script if asked.run and not asked.run.near]
         assert len(due) == len(clear), f"go {len(due)} times, {len(clear)} runs are clear"
-        truth = Truth(script, tuple(due), self.parameters.group, self.clocks_of(1), end)
-        fate, how = truth.judge(without.events)
+        truth = replace(truth, due=tuple(due))
+        fate, how = truth.judge(without.events, len(script))
         assert fate is Fate.NO_EFFECT, f"without an upset: {fate}: {how}"
         replay = self.settings.replay
         upsets = (
@@ -317,11 +325,9 @@ def _in_copies(work: Sequence[Callable[[], None]]) -> None:
     assert not failed, "a copy of the simulator came to no end: see the log"
 
 
-def _undisturbed(
-    player: BoardPlayer, script: Sequence[Asked], end: int, registers: Sequence[Register], file: Path
-) -> None:
+def _undisturbed(player: BoardPlayer, truth: Truth, registers: Sequence[Register], file: Path) -> None:
     """Write down what is seen where nothing is upset."""
-    talk = Talk(player, script, end)
+    talk = Talk(player, truth)
     states = [player.state(), *(player.state() for _ in talk.strides())]
     names, sizes = [one.name for one in registers], [(one.elements, one.bits) for one in registers]
     np.savez(file, events=talk.events, states=np.array(states, np.uint64), names=names, sizes=sizes)
@@ -332,13 +338,13 @@ def _upset_all(
     registers: Sequence[Register], file: Path,
 ) -> None:  # fmt: skip
     """Go through the talk, and leave a copy with an upset behind at each of these clocks."""
-    talk = Talk(player, truth.script, truth.end)
+    talk = Talk(player, truth)
     numbers = {register.name: number for number, register in enumerate(registers)}
     simulator = os.getppid()
     with file.open("w") as lines:
 
         def told(upset: Upset) -> None:
-            came = talk.upset(upset, numbers[upset.register], without, truth)
+            came = talk.upset(upset, numbers[upset.register], without)
             lines.write(json.dumps([*astuple(upset), *came]) + "\n")
             lines.flush()
 

@@ -135,26 +135,29 @@ def runs(events: Events, end: int) -> list[tuple[int, int]]:
 class Truth:
     """The talk, and when the machine may move in it: ``due``, from a clock to another, as without an upset.
 
-    ``group``: triangles of a group of the board; ``byte``: clocks of a byte on its line; ``end``: the last
-    clock.
+    ``group``: triangles of a group of the board; ``watchdog``: clocks of silence that end go; ``end``: the
+    last clock.
     """
 
     script: tuple[Asked, ...]
     due: tuple[tuple[int, int], ...]
     group: int
-    byte: int
+    watchdog: int
     end: int
 
-    def judge(self, events: Events) -> tuple[Fate, str]:
-        """Return what came of an upset, and how it showed."""
+    def judge(self, events: Events, sent: int) -> tuple[Fate, str]:
+        """Return what came of an upset, and how it showed, where so many frames of the script were sent."""
         said = permitted(events, self.end)
-        spoken = events["clock"][events["kind"] == TX].tolist()
+        # A host that says no more leaves go that was said to the watchdog, and is due no other.
+        silent = self.script[sent].clock if sent < len(self.script) else self.end
+        heard = silent + self.watchdog if silent < self.end else 0
         for first, last in said:
             if not any(
-                begin - EARLY <= first and last <= self._heard(spoken, end) + LATE for begin, end in self.due
+                begin - EARLY <= first <= end and last <= max(end, heard) + LATE and begin <= silent
+                for begin, end in self.due
             ):
                 return Fate.DANGEROUS, f"go from clock {first} to {last}"
-        fate, how = self._told(events)
+        fate, how = self.told(events, sent)
         if fate is not Fate.NO_EFFECT:
             return fate, how
         for begin, end in self.due:
@@ -162,21 +165,11 @@ class Truth:
                 return Fate.FALSE_STOP, f"no go all the time from clock {begin} to {end}"
         return Fate.NO_EFFECT, ""
 
-    def _heard(self, spoken: Sequence[int], end: int) -> int:
-        """Return when what ends go is heard: a frame waits for the reply before it, where that goes on.
-
-        A host that waits for its answers never sees the difference.
-        """
-        for clock in spoken:
-            if end < clock <= end + 2 * self.byte:
-                end = clock
-        return end
-
-    def _told(self, events: Events) -> tuple[Fate, str]:
-        """Return what a host makes of the answers, up to the first that it does not believe."""
+    def told(self, events: Events, sent: int) -> tuple[Fate, str]:
+        """Return what a host makes of the answers to so many frames, up to the first not believed."""
         lines = iter(_lines(events["value"][events["kind"] == TX].tolist()))
         alarm = ""
-        for asked in self.script:
+        for asked in self.script[:sent]:
             if asked.head is None:
                 continue
             try:

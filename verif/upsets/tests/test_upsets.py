@@ -22,7 +22,7 @@ REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
 SESSION, RUN = 7, 1
 CLEAR, NEAR = Pose(0, 0, 0), Pose(0, 0, 3)
 GO, STOP = 1, 2
-GOES, ENDS, OVER, BYTE = 5000, 50_000, 80_000, 60
+GOES, ENDS, OVER, WATCHDOG = 5000, 50_000, 80_000, 20_000
 
 
 def truth(near):
@@ -32,7 +32,7 @@ def truth(near):
         (command | REPLY, number, SESSION) for number, command in enumerate((Command.RUN, Command.RESULTS))
     ]
     script = Asked(0, b"", heads[0], RunNumber(RUN)), Asked(10_000, b"", heads[1], run=run)
-    return Truth(script, () if near else ((GOES, ENDS),), 8, BYTE, OVER)
+    return Truth(script, () if near else ((GOES, ENDS),), 8, WATCHDOG, OVER)
 
 
 def answer(number, command, payload, pairs=b"", code=0):
@@ -89,7 +89,7 @@ WHOLE = (GOES, ENDS)
     ],
 )
 def test_go_or_clear_where_something_is_near_is_dangerous(near, said, go, fate):
-    assert truth(near).judge(seen(said, *go))[0] is fate
+    assert truth(near).judge(seen(said, *go), 2)[0] is fate
 
 
 def test_the_machine_may_move_where_go_is_said_and_stop_is_not():
@@ -98,18 +98,20 @@ def test_the_machine_may_move_where_go_is_said_and_stop_is_not():
     assert permitted(seen(b"", WHOLE), OVER) == [WHOLE]
 
 
-def test_a_frame_that_waits_for_a_reply_is_heard_after_it():
-    """Go may go on while the reply before the frame is on the line, and no longer."""
-    right = truth(near=False)
-    late = ENDS + 3000
-    speech = [(clock, TX, 0) for clock in range(ENDS - 5 * BYTE, late, BYTE)]
-    for said, fate in ((speech, Fate.DETECTED), (speech[:-9], Fate.DETECTED), ([], Fate.DANGEROUS)):
-        rows = [*seen(b"", (GOES, late)).tolist(), *said]
-        events = np.array(sorted(rows, key=lambda row: row[0]), EVENT)
-        assert right.judge(events)[0] is fate
-    silent = [one for one in speech if not ENDS < one[0] < ENDS + 1500]
-    rows = [*seen(b"", (GOES, late)).tolist(), *silent]
-    assert right.judge(np.array(sorted(rows, key=lambda row: row[0]), EVENT))[0] is Fate.DANGEROUS
+def test_a_host_that_does_not_believe_an_answer_is_silent():
+    """Go that was said may go on until the watchdog; none may begin after that."""
+    script = truth(near=False).script
+    more = replace(
+        truth(near=False), script=(*script, Asked(40_000, b"")), due=((GOES, ENDS), (60_000, 70_000))
+    )
+    later = 40_000 + WATCHDOG
+    for first, last, sent, fate in (
+        (GOES, later, 2, Fate.DETECTED),
+        (GOES, later + LATE + 1, 2, Fate.DANGEROUS),
+        (60_000, 61_000, 2, Fate.DANGEROUS),
+        (GOES, later, 3, Fate.DANGEROUS),
+    ):
+        assert more.judge(seen(b"", (first, last)), sent)[0] is fate
 
 
 def test_upsets_share_a_copy_where_they_are_in_words_of_memories():
