@@ -100,8 +100,13 @@ class Talk:
         self.clock = until
 
     def strides(self) -> Iterator[int]:
-        """Go on to the end; yield the number of each stride at its end."""
+        """Go on to the end, or until a host that is silent has been so for long enough to be seen.
+
+        Yields the number of each stride at its end.
+        """
         for number in range(self.clock // _STRIDE + 1, self._end // _STRIDE + 1):
+            if self._silent and self.clock > self._truth.quiet(self.sent):
+                return
             self.forward(number * _STRIDE)
             yield number
         self.forward(self._end)

@@ -145,6 +145,10 @@ class Truth:
     watchdog: int
     end: int
 
+    def quiet(self, sent: int) -> int:
+        """Return the clock by which go must have ended where only so many frames are sent."""
+        return self.script[sent].clock + self.watchdog + 2 * LATE
+
     def judge(self, events: Events, sent: int) -> tuple[Fate, str]:
         """Return what came of an upset, and how it showed, where so many frames of the script were sent."""
         said = permitted(events, self.end)

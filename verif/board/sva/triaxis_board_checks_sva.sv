@@ -1,0 +1,83 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the checks of the board look at, bound from outside the RTL: without an upset two runners are alike
+// whatever they show of themselves, so no answer tells what is compared.
+
+module triaxis_runner_sva
+  import triaxis_board_pkg::*;
+(
+    input logic clk_i,
+    input logic rst_ni,
+    input logic [RunnerSeenWidth-1:0] seen,
+    input logic [RunnerSeenWidth-1:0] due
+);
+
+  RunnerShowsAll :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) seen == due)
+  else $error("what is compared of a runner is not all that rests on it");
+
+endmodule
+
+module triaxis_runners_sva
+  import triaxis_board_pkg::*;
+  import triaxis_mesh_pkg::*;
+(
+    input logic clk_i,
+    input logic rst_ni,
+    input logic busy,
+    input trial_t trial,
+    input logic [RunnerSeenWidth-1:0] misread,
+    input logic trying_frame
+);
+
+  // The highest number has frames taken as broken.
+  localparam int unsigned Step = 31;
+  logic [RunnerSeenWidth-1:0] wrong;
+  always_comb begin
+    wrong = '0;
+    if (32'(trial.which) < Step) begin
+      for (int unsigned i = 32'(trial.which); i < RunnerSeenWidth; i += Step) begin
+        wrong[i] = busy && trial.kind == TrialBoard;
+      end
+    end
+  end
+
+  RunnerMisreadAsAsked :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) misread == wrong)
+  else $error("other bits of the second runner are misread than the run tries");
+
+  FrameTriedAsAsked :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      trying_frame == (busy && trial.kind == TrialBoard && 32'(trial.which) == Step))
+  else $error("a frame is taken as broken, and the run does not try it; or the other way");
+
+endmodule
+
+bind triaxis_runner triaxis_runner_sva u_shown_sva (
+    .clk_i,
+    .rst_ni,
+    .seen(seen_o),
+    .due({
+      run_tvalid_o,
+      aborting_o,
+      run_state_o,
+      run_mode_o,
+      run_margin_o,
+      run_trial_o,
+      pose_o,
+      run_pose_o,
+      run_number_o,
+      engine_status_o,
+      summary_o
+    })
+);
+
+bind nexys4ddr_top triaxis_runners_sva u_runners_sva (
+    .clk_i (clk_100mhz_i),
+    .rst_ni(rst_n),
+    .busy,
+    .trial,
+    .misread,
+    .trying_frame
+);
