@@ -50,9 +50,13 @@ def test_all_engines_say_the_same(check, report):
     (line,) = [line for line in said["rtl"] if "cycles" in line]
     said["rtl"].remove(line)
     assert any(line.endswith("exact distance 2") for line in said["rtl"])
+    certified = f"; clears certified: {rtl['pairs_tested'] - rtl['pairs_near']}"
+    assert said["golden"] == said["rtl"] and any(line.endswith(certified) for line in said["rtl"])
+    # The bulk checker has no certificates.
+    assert said["bulk"] == [line.removesuffix(certified) for line in said["rtl"]]
     for engine in ("bulk", "golden"):
-        assert said[engine] == said["rtl"]
         assert found[engine]["near"] == rtl["near"]
+    assert [found[engine]["clears_certified"] is None for engine in found] == [False, True, False]
 
 
 def test_a_pose(check):

@@ -31,7 +31,8 @@ def test_the_board_that_ships_is_simulated_also_at_its_own_times():
     assert of_its_sizes >= {"BoardSmokeTest", "BoardGoTest", "BoardMixedTest", "BoardDepthTest"}
     assert any(replace(parameters, build_id=0) == SIGNED_OFF for _, parameters in ran)
     # A bitstream takes them from the top itself.
-    named = re.findall(r"parameter int unsigned (\w+) = ([\d_]+)", (DUT / "board" / f"{TOP}.sv").read_text())
+    text = (DUT / "board" / f"{TOP}.sv").read_text()
+    named = re.findall(r"parameter (?:int unsigned|bit) (\w+) = (?:1'b)?([\d_]+)", text)
     assert {**{name: int(value) for name, value in named}, "BuildId": 0} == SIGNED_OFF.rtl
 
 
@@ -42,7 +43,7 @@ def test_the_testplan_is_clean_and_the_inventory_whole(capsys):
     known = inventory()
     assert all(known.names(kind) for kind in KINDS)
     assert len(known.bins) == 10 + 5 + 1 and core_model(Configuration()).name in known.bins
-    assert "mesh_w16_m16_d4096_g8_l8" in known.bins
+    assert "mesh_w16_m16_d4096_g8_l8_certified" in known.bins
     assert "answer.clear, wrongly" in known.illegal["core_w16_m0"]
     modules = {path.stem for path in (TESTPLAN.parents[1] / "dut").rglob("*.sv*")}
     assert known.heads("mutants") <= modules
