@@ -208,7 +208,9 @@ def _travel(words: list[list[str]], scale: Fraction) -> Box:
 
 def _simulated(scene: AdviceScene, row: WidthRow, offset: Vector) -> int:
     """Return the cycles of the simulated engine at a position, against all other meshes."""
-    configuration = MeshConfiguration(width=row.width, margin_bits=row.margin_bits or 0, **asdict(row.shape))
+    configuration = MeshConfiguration(
+        width=row.width, margin_bits=row.margin_bits or 0, **asdict(row.shape), certified=True
+    )
     a, *others = (integers(scene, row, place) for place in range(len(scene.meshes)))
     runs = (
         MeshEngineScene(a, b, configuration).run(translation(row, offset), row.margin or 0) for b in others
