@@ -25,7 +25,7 @@ FAULTS = {
         "MeshStallsTest", BURST, "before the last near pair was taken",
     ),
     "slower": (
-        "triaxis_mesh.sv", "QueueDepth = 16;", "QueueDepth = 2;",
+        "triaxis_walk.sv", "QueueDepth = 16;", "QueueDepth = 2;",
         "MeshClocksTest", BURST, "are kept; if that is as it should be",
     ),
     "status of the run before": (
