@@ -6,8 +6,8 @@
 #include "bulk_claims.cpp"
 #include "svdpi.h"
 
-extern "C" svBit triaxis_is_near(const svBitVecVal* pair, uint32_t margin) {
+extern "C" int triaxis_claim(const svBitVecVal* pair, uint32_t margin) {
   int8_t claim;
   triaxis_claims(reinterpret_cast<const int32_t*>(pair), &margin, 1, &claim);
-  return claim < 0;
+  return claim;
 }

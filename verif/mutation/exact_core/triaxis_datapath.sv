@@ -22,7 +22,8 @@ module triaxis_datapath
     output verdict_t verdict_o
 );
 
-  import "DPI-C" function bit triaxis_is_near(
+  // The lowest axis that separates; negative where none does.
+  import "DPI-C" function int triaxis_claim(
     input bit [18*32-1:0] pair,
     input int unsigned margin
   );
@@ -37,15 +38,16 @@ module triaxis_datapath
     end
   end
 
-  logic near_q[Latency];
+  int claim_q[Latency];
   always_ff @(posedge clk_i) begin
-    near_q[0] <= valid_i && triaxis_is_near(pair, 32'(margin_i));
-    for (int i = 1; i < int'(Latency); i++) near_q[i] <= near_q[i-1];
+    claim_q[0] <= valid_i ? triaxis_claim(pair, 32'(margin_i)) : 0;
+    for (int i = 1; i < int'(Latency); i++) claim_q[i] <= claim_q[i-1];
   end
 
   always_comb begin
     verdict_o = '0;
-    verdict_o.is_near = near_q[Latency-1];
+    verdict_o.is_near = claim_q[Latency-1] < 0;
+    if (!verdict_o.is_near) verdict_o.axis = axis_t'(claim_q[Latency-1]);
   end
 
 endmodule
