@@ -10,6 +10,7 @@ from pathlib import Path
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.build import built, content_hash, rtl_files, rtl_hash
+from triaxis.sim.configuration import CERTIFIED_TOP
 from triaxis.sim.models import board_build
 from triaxis.sim.paths import BUILD, DUT, SIM
 from triaxis.sim.verilate import Build
@@ -72,9 +73,9 @@ def _hierarchy() -> Hierarchy:
 
 
 def module_of(register: str) -> str:
-    """Return the module of a register, by its place from the top on."""
+    """Return the module of a register, by its place from the top on; of two cores the board has the certified."""
     _, top, path = register.split(".", 2)
-    return _hierarchy().register(top, path).module
+    return _hierarchy().register(top, path, CERTIFIED_TOP).module
 
 
 def _assigned(left: str) -> set[str]:

@@ -51,6 +51,9 @@ BROKEN = (
     ("FaultEndsGo", "safety", " || !alive_i || fault_i", " || !alive_i", "Trials"),
     ("FaultStands", "top", " || (board_fault_q && !hello)", "", "Trials"),
     ("NoFalseAlarm", "frame_rx", "{^data_i, data_i}", "{|data_i, data_i}", "Smoke"),
+    ("RunnerShowsAll", "runner", "    waiting_q,\n    aborting_q,", "    aborting_q,\n    waiting_q,", "Smoke"),
+    ("RunnerMisreadAsAsked", "top", "trying_runner && 5'(i % 31) == trial.which", "trying_runner", "Trials"),
+    ("FrameTriedAsAsked", "top", "TrialBoard && trial.which == '1", "TrialBoard && trial.which == '0", "Trials"),
     ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
 )  # fmt: skip
 
@@ -120,7 +123,7 @@ def test_what_breaks_a_rule_is_told_by_it(tmp_path, seed, rule, module, right, w
     result = run(settings, broken_rtl(tmp_path, (rtl_of(module), right, wrong)))
     assert not result.passed
     log = result.log.read_text()
-    assert f"u_sva.{rule}:" in log
+    assert f"sva.{rule}:" in log
     # One that fails at every clock does not fill the disk.
     assert log.count("Assertion failed") < 2000
 

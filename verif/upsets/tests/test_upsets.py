@@ -154,6 +154,9 @@ def test_a_register_is_of_the_module_that_assigns_it():
     place = "TOP.nexys4ddr_top.u_mesh.u_store_b.g_lane[0].u_boxes.u_words.memory_q"
     assert module_of(place) == "triaxis_ram"
     assert module_of("TOP.nexys4ddr_top.g_safety[0].u_safety.go_q") == "triaxis_safety"
+    core = "TOP.nexys4ddr_top.u_mesh.g_core.u_core"
+    assert module_of(f"{core}.valid_q") == "triaxis_certified_core"
+    assert module_of(f"{core}.u_core.valid_q") == "triaxis_core"
     named = registers()
     assert {"go_q", "armed_q"} <= set(named["triaxis_safety"])
     # By the macro of the data path's stages, from braces, and at outputs.
