@@ -73,7 +73,7 @@ def _hierarchy() -> Hierarchy:
 
 
 def module_of(register: str) -> str:
-    """Return the module of a register, by its place from the top on; of two cores the board has the certified."""
+    """Return the module of a register, by its place from the top on; the board has the certified core."""
     _, top, path = register.split(".", 2)
     return _hierarchy().register(top, path, CERTIFIED_TOP).module
 

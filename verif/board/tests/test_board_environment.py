@@ -51,9 +51,15 @@ BROKEN = (
     ("FaultEndsGo", "safety", " || !alive_i || fault_i", " || !alive_i", "Trials"),
     ("FaultStands", "top", " || (board_fault_q && !hello)", "", "Trials"),
     ("NoFalseAlarm", "frame_rx", "{^data_i, data_i}", "{|data_i, data_i}", "Smoke"),
-    ("RunnerShowsAll", "runner", "    waiting_q,\n    aborting_q,", "    aborting_q,\n    waiting_q,", "Smoke"),
+    (
+        "RunnerShowsAll", "runner", "    waiting_q,\n    aborting_q,", "    aborting_q,\n    waiting_q,",
+        "Smoke",
+    ),
     ("RunnerMisreadAsAsked", "top", "trying_runner && 5'(i % 31) == trial.which", "trying_runner", "Trials"),
-    ("FrameTriedAsAsked", "top", "TrialBoard && trial.which == '1", "TrialBoard && trial.which == '0", "Trials"),
+    (
+        "FrameTriedAsAsked", "top", "TrialBoard && trial.which == '1", "TrialBoard && trial.which == '0",
+        "Trials",
+    ),
     ("BeatOnlyWithGo", "beat", "    else if (!go_i) beat_q <= 1'b0;\n", "", "Go"),
 )  # fmt: skip
 
