@@ -20,6 +20,7 @@ module triaxis_shown_sva #(
 
 endmodule
 
+// verilog_lint: waive module-filename
 module triaxis_misread_sva #(
     parameter int unsigned Width = 1
 ) (
