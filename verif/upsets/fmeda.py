@@ -119,7 +119,8 @@ def plot(left: Mapping[str, int]) -> str:
     bars = axes.barh([titles[name] for name in left], values, height=0.65, color="#4477aa")
     axes.bar_label(bars, [f"{value}" for value in values], padding=3)
     axes.set_xlim(0, max(1, *values) * 1.12)
-    axes.set_xlabel("upsets that are dangerous, of the same ones each time")
+    axes.set_xlabel("dangerous, of the same upsets")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.invert_yaxis()
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
