@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from io import StringIO
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from triaxis.verif.upsets.builds import MEASURES
 
@@ -120,7 +121,7 @@ def plot(left: Mapping[str, int]) -> str:
     axes.bar_label(bars, [f"{value}" for value in values], padding=3)
     axes.set_xlim(0, max(1, *values) * 1.12)
     axes.set_xlabel("dangerous, of the same upsets")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.invert_yaxis()
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
