@@ -14,15 +14,14 @@
 //   m_axis_done   one summary a run, after its last near pair was taken. Its values stay until the
 //                 next run is accepted; during a run the status is none. A reset clears them, and
 //                 empties both meshes: a run of empty meshes is complete, and nothing in it is near.
-// What decides is checked while it does, so that no single wrong bit makes a run complete that is not: the walk
-// is done twice, and the intake of each mesh, and compared in each clock; all that is kept of a mesh has parity;
-// and where Certify is set each "clear" of the core is shown again, see triaxis_certified_core. A check that
-// fails is a fault, until it is acknowledged: the run, and all to come, end with StatusFault. Each check can be
-// tried on the running engine.
+// What decides is checked while it does, against single wrong bits: the walk of a run is done twice, and the
+// intake of each mesh, and compared in each clock; all that is kept of a mesh has parity; where Certify is set
+// each "clear" of the core is shown again, see triaxis_certified_core. A check that fails is a fault, until it
+// is acknowledged: the run, and all to come, end with StatusFault. Each check can be tried on the running engine.
 // A complete run accounts for all pairs: skipped and opened pairs of groups are all there are, and
 // the pairs within those opened are skipped by their boxes, or tested.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
-// Latency: cycles_o tells; where nothing can be skipped, one clock a pair and some 50 more.
+// Latency: cycles_o tells; where nothing can be skipped, one clock a pair and some 50 more, 70 with Certify.
 
 module triaxis_mesh
   import triaxis_pkg::*;
