@@ -202,6 +202,7 @@ def _trials(build: MeshBuild) -> list[Item]:
                 ("intake", "comparison of intakes, each 32nd bit from one on", every),
             )
         ),
+        Item("mesh_scrubbed", "trials of the scrub that were found after their run", (points.SCRUB,)),
         Item("mesh_fault_before", "what became of a fault until the next run", (points.BEFORE,)),
     ]
 

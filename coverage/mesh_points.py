@@ -13,6 +13,13 @@ _FAULT = 7
 TRIALS = ("nothing", "claim", "parity", "number", "memory", "walk", "intake", "board")
 MEMORIES = ("groups of A", "groups of B", "boxes of A", "boxes of B", "triangles of A", "triangles of B")
 WHICHES = 32
+# Of trials of memories, from number 8 on: those of the scrub.
+SCRUBBED = (
+    *(f"{memory}, scrubbed" for memory in MEMORIES),
+    *(f"signature, each eighth bit from {bit} on" for bit in range(8)),
+    *(f"{bounds}, axis {axis}" for bounds in ("within its box", "within its group's box") for axis in "xyz"),
+)
+_SCRUBBED_FROM = (*range(8, 14), *range(16, 30))
 SIZES = ("empty", "1", "group - 1", "group", "group + 1", "several groups", "depth", "overfull")
 AXES = "xyz"
 ENDS = ("low", "high")
@@ -159,6 +166,16 @@ BEFORE = Point(
     lambda v: np.where(v.before == Before.NO_FAULT, 3, v.before - 1).astype(np.uint8),
     partial=True,
 )
+
+
+def _scrubbed(view: MeshView) -> Codes:
+    codes = np.full(256, len(SCRUBBED), np.uint8)
+    codes[list(_SCRUBBED_FROM)] = range(len(SCRUBBED))
+    counts = (view.status == _FAULT) & (view.before == Before.STAYS) & (view.scrubbed >= 0)
+    return codes[np.where(counts, view.scrubbed, 255)]
+
+
+SCRUB = Point("which scrub", SCRUBBED, _scrubbed, partial=True)
 
 
 def which(kind: str, bins: tuple[str, ...]) -> Point:

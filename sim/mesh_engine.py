@@ -78,7 +78,7 @@ OF_B, CLEAR, WITH_RUN = 1, 2, 4
 # Of an accepted run: what was high since the run before.
 IDLE_ABORT, ACKNOWLEDGED = 1, 2
 # Numbers that come with a loaded triangle, with a run, with a summary; with others none.
-NUM_VALUES = np.array([9, 6, 0, 14, 0, 0, 0])
+NUM_VALUES = np.array([9, 6, 0, 16, 0, 0, 0])
 
 Runs = npt.NDArray[np.uint16]
 ALWAYS: Runs = np.zeros(0, np.uint16)

@@ -374,7 +374,8 @@ class Player {
       for (const uint64_t value : std::initializer_list<uint64_t>{
                engine_.status_o, engine_.cycles_o, engine_.group_pairs_skipped_o, engine_.group_pairs_opened_o,
                engine_.pairs_skipped_o, engine_.tested_o, engine_.near_o, seen_clocks_, done_wait_,
-               engine_.count_a_o, engine_.count_b_o, engine_.overfull_o, engine_.fault_o, static_cast<uint64_t>(clock_)}) {
+               engine_.count_a_o, engine_.count_b_o, engine_.signature_a_o, engine_.signature_b_o, engine_.overfull_o,
+               engine_.fault_o, static_cast<uint64_t>(clock_)}) {
         values.push_back(static_cast<int64_t>(value));
       }
     }

@@ -100,6 +100,7 @@ module nexys4ddr_top
   logic expired, busy, reply_valid, reply_ready;
   logic [1:0] alive;
   logic [IndexWidth:0] count_a, count_b;
+  logic [1:0][31:0] signatures;
   logic [31:0] ring_freed, ring_written;
   request_t request;
   code_e code;
@@ -294,6 +295,8 @@ module nexys4ddr_top
       .count_a_o(count_a),
       .count_b_o(count_b),
       .overfull_o({unused.overfull_b, unused.overfull_a}),
+      .signature_a_o(signatures[0]),
+      .signature_b_o(signatures[1]),
       .s_axis_run_tvalid_i(run_tvalid),
       .s_axis_run_tready_o(unused.ready),
       .s_axis_run_tdata_i(run_tdata),
@@ -398,6 +401,7 @@ module nexys4ddr_top
       .code_i(code),
       .expected_i(expected),
       .status_i(status),
+      .signatures_i(signatures),
       .pose_i(pose),
       .written_i(ring_written),
       .reply_o(reply),

@@ -13,6 +13,7 @@ module triaxis_answer
     input code_e code_i,
     input sequence_t expected_i,
     input status_block_t status_i,
+    input logic [1:0][31:0] signatures_i,
     input pose_t pose_i,
     input logic [31:0] written_i,
     output reply_t reply_o,
@@ -26,12 +27,13 @@ module triaxis_answer
   logic [31:0] from, held;
   near_pairs_t pairs;
   logic many;
-  logic [15:0] held_triangles;
+  load_block_t held_mesh;
   assign from = request_i.fields[31:0];
   assign held = written_i - from;
   assign many = held[31:PairBits] != '0;
   assign pairs = many ? near_pairs_t'(NearMax) : near_pairs_t'(held[PairBits-1:0]);
-  assign held_triangles = request_i.fields[0] ? status_i.count_b : status_i.count_a;
+  assign held_mesh.count = request_i.fields[0] ? status_i.count_b : status_i.count_a;
+  assign held_mesh.signature = signatures_i[request_i.fields[0]];
 
   // Only the bytes that are sent count. The number of a run is the first of a status.
   logic [BodyBits-1:0] body;
@@ -45,8 +47,8 @@ module triaxis_answer
         body_bytes = body_bytes_t'(HelloBytes);
       end
       CmdLoad: begin
-        body[0+:$bits(held_triangles)] = held_triangles;
-        body_bytes = body_bytes_t'(2);
+        body[0+:$bits(held_mesh)] = held_mesh;
+        body_bytes = body_bytes_t'(LoadBytes);
       end
       CmdMove: begin
         body[0+:$bits(pose_i)] = pose_i;

@@ -13,7 +13,7 @@
 // Frames are judged in this order: session (3), command (1), sequence number (4), length (2), a run
 // that is going on (5), values (6), place (7, 8, 9, 10). The sequence number counts commands that
 // were executed: one that is refused does not use it up. A refusal has no payload, but for code 4
-// (u32: the number expected) and code 7 (u16: triangles held).
+// (u32: the number expected) and code 7 (what LOAD answers: the mesh held).
 //
 // The error counter counts frames with a bad CRC, bad stuffing, fewer than 13 or more than 256
 // bytes; framing errors of the line; frames that arrive before the last one was taken; and frames
@@ -23,7 +23,7 @@ package triaxis_board_pkg;
 
   typedef logic [7:0] byte_t;
 
-  localparam byte_t ProtocolVersion = 8'd4;
+  localparam byte_t ProtocolVersion = 8'd5;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -36,8 +36,7 @@ package triaxis_board_pkg;
   localparam int unsigned HeaderBytes = 9;
   localparam int unsigned CrcBytes = 4;
 
-  // CRC-32 of IEEE 802.3, reflected: what the register holds after a frame and its own CRC.
-  localparam logic [31:0] CrcPolynomial = 32'hEDB8_8320;
+  // What the register of the CRC-32 holds after a frame and its own CRC.
   localparam logic [31:0] CrcResidue = 32'hDEBB_20E3;
 
   // --- Commands -------------------------------------------------------------------------------------
@@ -157,6 +156,12 @@ package triaxis_board_pkg;
     byte_t version;
   } hello_block_t;
 
+  // The mesh that is held: triangles, and its signature, see triaxis_mesh_scrub.
+  typedef struct packed {
+    logic [31:0] signature;
+    logic [15:0] count;
+  } load_block_t;
+
   // The watchdog's time as HELLO gives it, rounded up; of at least one clock.
   localparam int unsigned ClocksPerMs = 100_000;
   function automatic int unsigned watchdog_ms(int unsigned clocks);
@@ -165,6 +170,7 @@ package triaxis_board_pkg;
 
   localparam int unsigned StatusBytes = $bits(status_block_t) / 8;
   localparam int unsigned HelloBytes = $bits(hello_block_t) / 8;
+  localparam int unsigned LoadBytes = $bits(load_block_t) / 8;
   // Command, sequence number, session, code.
   localparam int unsigned ReplyHeadBytes = HeaderBytes + 1;
   localparam int unsigned BodyBytes = StatusBytes + 5;  // RESULTS: status, from, k; then the pairs

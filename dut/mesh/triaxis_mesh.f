@@ -7,6 +7,7 @@ triaxis_grow.sv
 triaxis_pick.sv
 triaxis_lane_mask.sv
 triaxis_mesh_intake.sv
+triaxis_mesh_scrub.sv
 triaxis_mesh_store.sv
 triaxis_group_rows.sv
 triaxis_group_words.sv

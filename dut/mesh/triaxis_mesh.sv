@@ -15,9 +15,10 @@
 //                 next run is accepted; during a run the status is none. A reset clears them, and
 //                 empties both meshes: a run of empty meshes is complete, and nothing in it is near.
 // What decides is checked while it does, against single wrong bits: the walk of a run is done twice, and the
-// intake of each mesh, and compared in each clock; all that is kept of a mesh has parity; where Certify is set
-// each "clear" of the core is shown again, see triaxis_certified_core. A check that fails is a fault, until it
-// is acknowledged: the run, and all to come, end with StatusFault. Each check can be tried on the running engine.
+// intake of each mesh, and compared in each clock; all that is kept of a mesh has parity, and between runs is
+// looked at again, see triaxis_mesh_scrub; where Certify is set each "clear" of the core is shown again, see
+// triaxis_certified_core. A check that fails is a fault, until it is acknowledged: the run, and all to come, end
+// with StatusFault. Each check can be tried on the running engine.
 // A complete run accounts for all pairs: skipped and opened pairs of groups are all there are, and
 // the pairs within those opened are skipped by their boxes, or tested.
 // Widths: see triaxis_mesh_pkg and triaxis_pkg; numbers of pairs 2 log2(Depth) + 1 bits.
@@ -51,6 +52,8 @@ module triaxis_mesh
     output logic [IndexWidth:0] count_a_o,
     output logic [IndexWidth:0] count_b_o,
     output logic [1:0] overfull_o,
+    output logic [31:0] signature_a_o,
+    output logic [31:0] signature_b_o,
 
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
@@ -109,10 +112,10 @@ module triaxis_mesh
   // --- The meshes ---------------------------------------------------------------------------------------
 
   trial_t trial_q;
-  logic trying_intake;
+  logic trying_intake, trying_scrub;
   logic [MemoryTrianglesB:0] broken_memory;
-  logic load, settled_a, settled_b, settled;
-  logic [1:0] clear, push, stores_differ;
+  logic load, scrub, settled_a, settled_b, settled;
+  logic [1:0] clear, push, stores_differ, stores_broken;
   coord_t object_a[2][3], object_b[2][3];
   coord_t row_box[1][2][3], word_boxes[Lanes][2][3], box_a[1][2][3], boxes_b[Lanes][2][3];
   logic [9*W-1:0] triangle_a, triangle_b;
@@ -129,6 +132,7 @@ module triaxis_mesh
   // The meshes can be loaded where a run could start.
   assign s_axis_load_tready_o = s_axis_run_tready_o;
   assign load = s_axis_load_tvalid_i && s_axis_run_tready_o;
+  assign scrub = s_axis_run_tready_o && !s_axis_run_tvalid_i;
   for (genvar mesh = 0; mesh < 2; mesh++) begin : g_load
     assign clear[mesh] = load && s_axis_load_tuser_i == {1'b1, 1'(mesh)};
     assign push[mesh]  = load && s_axis_load_tuser_i == {1'b0, 1'(mesh)};
@@ -149,6 +153,9 @@ module triaxis_mesh
       .overfull_o(overfull_o[0]),
       .settled_o(settled_a),
       .object_o(object_a),
+      .signature_o(signature_a_o),
+      .scrub_i(scrub),
+      .broken_o(stores_broken[0]),
       .triangle_read_i(triangle_read[0]),
       .triangle_index_i(fetch_a[0]),
       .triangle_o(triangle_a),
@@ -165,6 +172,7 @@ module triaxis_mesh
       .trial_boxes_i(broken_memory[MemoryBoxesA]),
       .trial_groups_i(broken_memory[MemoryGroupsA]),
       .trial_intake_i(trying_intake),
+      .trial_scrub_i(trying_scrub),
       .which_i(trial_q.which),
       .differ_o(stores_differ[0])
   );
@@ -184,6 +192,9 @@ module triaxis_mesh
       .overfull_o(overfull_o[1]),
       .settled_o(settled_b),
       .object_o(object_b),
+      .signature_o(signature_b_o),
+      .scrub_i(scrub),
+      .broken_o(stores_broken[1]),
       .triangle_read_i(triangle_read[0]),
       .triangle_index_i(fetch_b[0]),
       .triangle_o(triangle_b),
@@ -200,6 +211,7 @@ module triaxis_mesh
       .trial_boxes_i(broken_memory[MemoryBoxesB]),
       .trial_groups_i(broken_memory[MemoryGroupsB]),
       .trial_intake_i(trying_intake),
+      .trial_scrub_i(trying_scrub),
       .which_i(trial_q.which),
       .differ_o(stores_differ[1])
   );
@@ -428,12 +440,16 @@ module triaxis_mesh
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) trial_q <= '0;
     else if (accept) trial_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)];
+    // What was to be found is; else the next meshes would be in doubt as well.
+    else if (acknowledge_i || stores_broken != '0) trial_q <= '0;
   end
   for (genvar i = 0; i <= MemoryTrianglesB; i++) begin : g_trying_memory
-    assign broken_memory[i] = trial_q.kind == TrialMemory && trial_q.which == 5'(i);
+    assign broken_memory[i] = trial_q.kind == TrialMemory &&
+        trial_q.which == (busy_o ? 5'(i) : 5'(WhichScrub + i));
   end
   assign trying_walk = trial_q.kind == TrialWalk && busy_o;
   assign trying_intake = trial_q.kind == TrialIntake && busy_o;
+  assign trying_scrub = trial_q.kind == TrialMemory && trial_q.which >= 5'(WhichScrubbed) && !busy_o;
 
   // Words that something rests on, by either walk.
   assign row_broken = row_used != '0 && !row_intact;
@@ -442,7 +458,7 @@ module triaxis_mesh
   assign boxes_b_broken = (boxes_b_used[0] | boxes_b_used[1]) & ~boxes_b_intact;
   assign triangles_broken = triangles_used != '0 && !(triangle_a_intact && triangle_b_intact);
   assign broken = row_broken || words_broken != '0 || box_a_broken || boxes_b_broken != '0 ||
-      triangles_broken;
+      triangles_broken || stores_broken != '0;
 
   for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
     assign misread[i] = trying_walk && 5'(i) == trial_q.which;
@@ -459,21 +475,21 @@ module triaxis_mesh
   assign differ = seen_q[0] != seen_q[1] || stores_differ != '0;
   assign fault  = broken || differ || verdict_fault || (fault_q && !acknowledge_i);
 
-  // A run that meets a fault ends in one, though it be acknowledged.
+  // A run that meets a fault ends in one, though it be acknowledged; what comes after it changes it no more.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       fault_q <= 1'b0;
       ends_in_fault_q <= 1'b0;
     end else begin
       fault_q <= fault;
-      ends_in_fault_q <= fault || (ends_in_fault_q && !accept);
+      ends_in_fault_q <= ((fault || unlike) && (busy_o || accept)) || (ends_in_fault_q && !accept);
     end
   end
   assign fault_o = fault_q;
 
   // What decides is compared in the very clock of the summary.
-  assign unlike = done[0] && seen[0][SummaryWidth-1:0] != second[SummaryWidth-1:0];
-  assign status_o = (status[0] != StatusNone && (differ || unlike || ends_in_fault_q)) ?
-      StatusFault : status[0];
+  assign unlike = done[0] && (differ || seen[0][SummaryWidth-1:0] != second[SummaryWidth-1:0]);
+  assign status_o =
+      (status[0] != StatusNone && (unlike || ends_in_fault_q)) ? StatusFault : status[0];
 
 endmodule

@@ -45,7 +45,9 @@ package triaxis_mesh_pkg;
     TrialBoard  // of the board around the engine, which does nothing with it
   } trial_kind_e;
 
-  // which: of an attempt see triaxis_pkg; of memories one of memory_e; else each 32nd bit, from this one on.
+  // which: of an attempt see triaxis_pkg; of the walk and the intake each 32nd bit, from this one on. Of memories
+  // one of memory_e, during the run; from WhichScrub on one of them, where it is scrubbed after the run; from
+  // WhichScrubbed on a comparison of triaxis_mesh_scrub, of both meshes.
   typedef struct packed {
     trial_kind_e kind;
     logic [4:0]  which;
@@ -59,6 +61,20 @@ package triaxis_mesh_pkg;
     MemoryTrianglesA,
     MemoryTrianglesB
   } memory_e;
+
+  localparam int unsigned WhichScrub = 8;
+  localparam int unsigned WhichScrubbed = 16;
+
+  // CRC-32 of IEEE 802.3, reflected.
+  localparam logic [31:0] CrcPolynomial = 32'hEDB8_8320;
+  function automatic logic [31:0] crc_after_byte(logic [31:0] crc, logic [7:0] data);
+    logic [31:0] value;
+    value = crc ^ {24'd0, data};
+    for (int unsigned i = 0; i < 8; i++) begin
+      value = {1'b0, value[31:1]} ^ (value[0] ? CrcPolynomial : 32'd0);
+    end
+    return value;
+  endfunction
 
   function automatic int unsigned move_width(int unsigned w);
     return w + 1;

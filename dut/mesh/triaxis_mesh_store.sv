@@ -4,8 +4,8 @@
 // Computes: one mesh in memory: its triangles, their boxes, the boxes of groups of Group consecutive
 // triangles and the box of the whole, see triaxis_mesh_intake. Boxes are kept in Lanes banks, so that one
 // read yields a word of Lanes boxes: number i lies in lane i mod Lanes of word i / Lanes. All that is kept
-// has parity; what is to be kept is made twice, by two intakes, and differ_o says that they do, or did in the
-// last clock.
+// has parity, and is looked at again while scrub_i, see triaxis_mesh_scrub; what is to be kept is made twice, by
+// two intakes, and differ_o says that they do, or did in the last clock.
 // Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself.
 // Latency: 4 from push_i until the triangle and its boxes can be read; settled_o says so. 1 from a
 // read to its data.
@@ -31,6 +31,10 @@ module triaxis_mesh_store
     output logic overfull_o,
     output logic settled_o,
     output logic signed [W-1:0] object_o[2][3],
+    output logic [31:0] signature_o,
+
+    input  logic scrub_i,  // no run is going on: none of the reads below comes
+    output logic broken_o,
 
     input logic triangle_read_i,
     input logic [IndexWidth-1:0] triangle_index_i,
@@ -52,6 +56,7 @@ module triaxis_mesh_store
     input logic trial_boxes_i,
     input logic trial_groups_i,
     input logic trial_intake_i,
+    input logic trial_scrub_i,
     input logic [4:0] which_i,
     output logic differ_o
 );
@@ -132,7 +137,50 @@ module triaxis_mesh_store
   assign write = writes[0];
   assign index = indices[0];
 
+  // --- What is there, again ---------------------------------------------------------------------------
+
+  logic scrub, scrub_read, scrub_intact;
+  index_t scrub_index, scrubbed;
+  coord_t scrub_box[2][3], scrub_group[2][3];
+  assign scrub = scrub_i && settled_o;
+
+  triaxis_mesh_scrub #(
+      .W(W),
+      .Depth(Depth)
+  ) u_scrub (
+      .clk_i,
+      .rst_ni,
+      .clear_i,
+      .push_i,
+      .triangle_i,
+      .count_i(count_o),
+      .signature_o,
+      .scrub_i(scrub),
+      .read_o(scrub_read),
+      .index_o(scrub_index),
+      .index_read_o(scrubbed),
+      .triangle_read_i(triangle_o),
+      .box_i(scrub_box),
+      .group_i(scrub_group),
+      .intact_i(scrub_intact),
+      .broken_o,
+      .trial_i(trial_scrub_i),
+      .which_i(which_i[3:0])
+  );
+
   // --- Memories -------------------------------------------------------------------------------------
+
+  logic read_triangle, read_box, read_group;
+  index_t triangle_index;
+  logic [WordWidth-1:0] box_word;
+  logic [GroupWordWidth-1:0] group_word;
+  assign read_triangle = scrub_read || triangle_read_i;
+  assign read_box = scrub_read || box_read_i;
+  assign read_group = scrub_read || group_read_i;
+  assign triangle_index = scrub_read ? scrub_index : triangle_index_i;
+  assign box_word = scrub_read ? WordWidth'(scrub_index >> LaneBits) : box_word_i;
+  assign group_word =
+      scrub_read ? GroupWordWidth'(scrub_index >> (GroupBits + LaneBits)) : group_word_i;
 
   triaxis_parity_ram #(
       .Pieces(9),
@@ -143,8 +191,8 @@ module triaxis_mesh_store
       .write_i(write),
       .write_address_i(index),
       .write_data_i(triangles[0]),
-      .read_i(triangle_read_i),
-      .read_address_i(triangle_index_i),
+      .read_i(read_triangle),
+      .read_address_i(triangle_index),
       .trial_i(trial_triangles_i),
       .read_data_o(triangle_o),
       .intact_o(triangle_intact_o)
@@ -178,8 +226,8 @@ module triaxis_mesh_store
         .write_i(write_box),
         .write_address_i(box_write_word),
         .write_data_i(box_flat),
-        .read_i(box_read_i),
-        .read_address_i(box_word_i),
+        .read_i(read_box),
+        .read_address_i(box_word),
         .trial_i(trial_boxes_i),
         .read_data_o(box_read),
         .intact_o(boxes_intact_o[l])
@@ -194,8 +242,8 @@ module triaxis_mesh_store
         .write_i(write_group),
         .write_address_i(group_write_word),
         .write_data_i(group_flat),
-        .read_i(group_read_i),
-        .read_address_i(group_word_i),
+        .read_i(read_group),
+        .read_address_i(group_word),
         .trial_i(trial_groups_i),
         .read_data_o(group_read),
         .intact_o(groups_intact_o[l])
@@ -206,6 +254,26 @@ module triaxis_mesh_store
         assign boxes_o[l][c][k] = box_read[3*c+k];
         assign group_boxes_o[l][c][k] = group_read[3*c+k];
       end
+    end
+  end
+
+  if (Lanes == 1) begin : g_scrub_lane
+    assign scrub_box = boxes_o[0];
+    assign scrub_group = group_boxes_o[0];
+    assign scrub_intact = triangle_intact_o && boxes_intact_o[0] && groups_intact_o[0];
+    logic unused_scrubbed;
+    assign unused_scrubbed = ^scrubbed;
+  end else begin : g_scrub_lane
+    logic [LaneBits-1:0] box_lane, group_lane;
+    assign box_lane = scrubbed[LaneBits-1:0];
+    assign group_lane = scrubbed[GroupBits+:LaneBits];
+    assign scrub_box = boxes_o[box_lane];
+    assign scrub_group = group_boxes_o[group_lane];
+    assign scrub_intact =
+        triangle_intact_o && boxes_intact_o[box_lane] && groups_intact_o[group_lane];
+    if (IndexWidth > GroupBits + LaneBits) begin : g_unused
+      logic unused_scrubbed;
+      assign unused_scrubbed = ^scrubbed[IndexWidth-1:GroupBits+LaneBits];
     end
   end
 

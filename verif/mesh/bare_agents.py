@@ -154,9 +154,12 @@ class BareBfm(FastModel[MeshPlayer]):
         elif kind == ABORTED:
             self.publish[RunMonitor](AbortAsked(number))
         elif kind == SUMMARY:
-            *numbers, held_a, held_b, overfull, fault, clock = values.tolist()
+            *numbers, held_a, held_b, signature_a, signature_b, overfull, fault, clock = values.tolist()
             self.publish[SummaryMonitor](
-                Summary(*numbers, held=(held_a, held_b), overfull=overfull, fault=fault, clock=clock)
+                Summary(
+                    *numbers, held=(held_a, held_b), signatures=(signature_a, signature_b),
+                    overfull=overfull, fault=fault, clock=clock,
+                )  # fmt: skip
             )
         elif kind == RESET:
             self.publish[SummaryMonitor](ResetSeen())

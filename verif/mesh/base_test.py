@@ -17,7 +17,8 @@ class MeshEngineTest(EnvironmentTest):
     outputs = {  # noqa: RUF012 (never changed)
         **dict.fromkeys(
             (
-                "s_axis_load_tready_o", "count_a_o", "count_b_o", "overfull_o", "s_axis_run_tready_o",
+                "s_axis_load_tready_o", "count_a_o", "count_b_o", "overfull_o", "signature_a_o",
+                "signature_b_o", "s_axis_run_tready_o",
                 "busy_o", "m_axis_near_tvalid_o", "m_axis_done_tvalid_o",
             )
         ),

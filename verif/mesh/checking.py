@@ -11,12 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from triaxis.coverage.mesh_sample import Before, MeshRow
+from triaxis.coverage.mesh_sample import UNKNOWN, Before, MeshRow
 from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
 from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Status
-from triaxis.verif.mesh.expectation import Tried, begins, difference, expected_status, first_of, moved, tried
+from triaxis.verif.mesh.expectation import (
+    Tried,
+    begins,
+    difference,
+    expected_signature,
+    expected_status,
+    first_of,
+    moved,
+    scrub_finds,
+    tried,
+)
 from triaxis.verif.mesh.items import Integers, ObservedRun, Summary
 from triaxis.verif.mesh.sampling import row_of
 from triaxis.verif.testbench.failures import Blame, ends_at_first, found
@@ -71,6 +81,8 @@ class SceneChecker:
         self._on_checked = on_checked
         # Whether the engine has met a fault that was not acknowledged.
         self._faulted = False
+        # What the run before tried, where that is found by scrubbing: time enough has been for it.
+        self._scrubbed = UNKNOWN
         self._known: tuple[Integers, Integers, int, SceneAnswer | None] = _NO_MESH, _NO_MESH, 0, None
         # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
         default_solver()
@@ -82,6 +94,9 @@ class SceneChecker:
         outcome, before = tried(run, answer, self.configuration), self._before(run)
         if before is Before.STAYS:
             outcome = replace(outcome, fails=True, may_fail=True)
+        scrubbed, self._scrubbed = self._scrubbed, UNKNOWN
+        if scrub_finds(run):
+            self._scrubbed = run.request.tries[1]
         self._faulted = summary.status == Status.FAULT
         wrong = [(message, Blame.DESIGN) for message in self._problems(run, summary, due, outcome)]
         if answer is not None:
@@ -101,11 +116,11 @@ class SceneChecker:
             self.near += summary.near
         # What else is not a status has no place in the coverage model.
         if summary.status in list(Status) and not ends_at_first():
-            self._on_checked(row_of(self.configuration, run, summary, answer, before))
+            self._on_checked(row_of(self.configuration, run, summary, answer, before, scrubbed))
 
     def _before(self, run: ObservedRun) -> Before:
         """Return what became of a fault of the run before."""
-        if not self._faulted:
+        if not self._faulted and self._scrubbed == UNKNOWN:
             return Before.NO_FAULT
         if run.after_reset:
             return Before.RESET
@@ -163,6 +178,9 @@ class SceneChecker:
         held = (len(run.a), len(run.b))
         if summary.held is not None and summary.held != held:
             found.append(f"{summary.held} triangles held, {held} were given")
+        signatures = tuple(expected_signature(mesh, self.configuration.width) for mesh in (run.a, run.b))
+        if summary.signatures is not None and summary.signatures != signatures:
+            found.append(f"signatures {summary.signatures}, {signatures} are due")
         overfull = run.overfull[0] | run.overfull[1] << 1
         if summary.overfull is not None and summary.overfull != overfull:
             found.append(f"overfull {summary.overfull}, {overfull} is due")

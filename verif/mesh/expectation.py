@@ -1,5 +1,6 @@
 """How a run must end, if nothing aborts it, and what it tries; whether lists of pairs are what is due."""
 
+import zlib
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -40,6 +41,12 @@ def expected_status(run: ObservedRun, configuration: MeshConfiguration) -> Statu
     return Status.COMPLETE
 
 
+def expected_signature(triangles: Integers, width: int) -> int:
+    """Return the CRC-32 of triangles (N, 3, 3) as the line carries them, coordinates of whole bytes."""
+    octets = triangles.astype("<i8").reshape(-1, 1).view(np.uint8)[:, : (width + 7) // 8]
+    return zlib.crc32(octets.tobytes())
+
+
 class Memory(IntEnum):
     """Memories of which a trial takes the words as broken; memory_e of triaxis_mesh_pkg."""
 
@@ -49,6 +56,23 @@ class Memory(IntEnum):
     BOXES_B = 3
     TRIANGLES_A = 4
     TRIANGLES_B = 5
+
+
+# Of trials of memories: from the one on they are tried where they are scrubbed, from the other on the
+# comparisons of the scrub itself, of both meshes: triaxis_mesh_pkg, triaxis_mesh_scrub.
+SCRUB, SCRUBBED, SCRUB_COMPARISONS = 8, 16, 14
+
+
+def scrub_finds(run: ObservedRun) -> bool:
+    """Return whether what a run tries is found after it, where meshes are scrubbed: none is of an empty one."""
+    kind, which = run.request.tries
+    if kind != Trial.MEMORY:
+        return False
+    if which >= SCRUBBED:
+        return which < SCRUBBED + SCRUB_COMPARISONS and bool(len(run.a) or len(run.b))
+    of_b = (Memory.GROUPS_B, Memory.BOXES_B, Memory.TRIANGLES_B)
+    memory = which - SCRUB
+    return memory in list(Memory) and bool(len(run.b if memory in of_b else run.a))
 
 
 _ATTEMPTS = (Trial.CLAIM, Trial.PARITY, Trial.NUMBER)

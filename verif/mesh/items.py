@@ -198,7 +198,7 @@ class Summary:
     """A summary that was taken. ``status`` as on the pins.
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
-    ``held``: triangles held in A and B; ``overfull``, ``fault``: on the pins; ``clock``: at which it was
+    ``held``: triangles held in A and B; ``signatures``: of these; ``overfull``, ``fault``: on the pins; ``clock``: at which it was
     taken, the first of the run of the test being 0. None: not measured.
     """
 
@@ -212,6 +212,7 @@ class Summary:
     offered_after: int | None = None
     wait: int | None = None
     held: tuple[int, int] | None = None
+    signatures: tuple[int, int] | None = None
     overfull: int | None = None
     fault: int | None = None
     clock: int | None = None

@@ -355,6 +355,7 @@ class SummaryMonitor(PinMonitor):
                 offered_after=self.clocks,
                 wait=self.wait,
                 held=held,
+                signatures=(int(dut.signature_a_o.value), int(dut.signature_b_o.value)),
                 overfull=overfull,
                 fault=int(dut.fault_o.value),
                 clock=clock_now(),

@@ -38,7 +38,7 @@ def mesh_build(configuration: MeshConfiguration) -> MeshBuild:
 
 def row_of(
     configuration: MeshConfiguration, run: ObservedRun, summary: Summary, answer: SceneAnswer | None,
-    before: Before = Before.NO_FAULT,
+    before: Before = Before.NO_FAULT, scrubbed: int = UNKNOWN,
 ) -> MeshRow:  # fmt: skip
     """Return the row of a run; ``answer`` is None where nothing was to be run."""
     request = run.request
@@ -81,6 +81,7 @@ def row_of(
         tried=request.tries[0],
         which=request.tries[1],
         before=before,
+        scrubbed=scrubbed,
     )
 
 

@@ -13,7 +13,7 @@ from triaxis.sim.clocking import PERIOD_NS
 from triaxis.sim.mesh_engine import Mode, Trial
 from triaxis.verif.core.items import FULL_SPEED, Pace
 from triaxis.verif.mesh.base_test import MeshEngineTest
-from triaxis.verif.mesh.expectation import Memory
+from triaxis.verif.mesh.expectation import SCRUB, Memory
 from triaxis.verif.mesh.items import WHICHES, RunRequest, RunTraffic, Scene
 from triaxis.verif.mesh.kept_clocks import FoundClocks
 from triaxis.verif.mesh.scenes import (
@@ -54,9 +54,9 @@ _LAST_RESET = 8.7
 _LEAST_SCENES = 40
 # A run of mode all is complete; what is none of them is refused.
 _EVERY_MODE = (Mode.ALL, Mode.COUNT, Mode.FIRST, 3)
-# Of the attempts of the core, which has a test of its own, one in so many; memories, whose words have lanes,
-# so many times; a reset in place of an acknowledgement. Scenes in which much is tested.
-_SOME_OF, _MEMORIES_TIMES, _RESET_ONE_IN = 5, 4, 6
+# Of the attempts of the core, which has a test of its own, one in so many; a reset in place of an
+# acknowledgement. Clocks that scrubbing takes, besides one a triangle. Scenes in which much is tested.
+_SOME_OF, _RESET_ONE_IN, _SCRUB_LATENCY = 5, 6, 8
 _MIXED = ("in_one_place", "clusters", "cloud", "one_contact")
 
 
@@ -332,7 +332,7 @@ class MeshTrialsTest(MeshEngineTest):
         """Try everything in turn; see the fault stay, and end."""
         every = [
             *product((Trial.WALK, Trial.INTAKE), range(WHICHES)),
-            *product((Trial.MEMORY,), (*Memory, len(Memory), WHICHES - 1) * _MEMORIES_TIMES),
+            *product((Trial.MEMORY,), (*range(WHICHES), *Memory, *Memory, *Memory)),
             *product((Trial.CLAIM, Trial.PARITY, Trial.NUMBER), range(0, WHICHES, _SOME_OF)),
             (Trial.BOARD, 0),
             (Trial.NOTHING, WHICHES - 1),
@@ -350,14 +350,17 @@ class MeshTrialsTest(MeshEngineTest):
         plain = replace(scene.runs[0][0], mode=mode)
         aborts = (int(self.rng.integers(0, 40)),) if self.rng.integers(4) == 0 else ()
         asked = replace(plain, tries=tries)
-        runs = ((asked, RunTraffic(aborts=aborts)), (plain, RunTraffic()))
-        await self.send(replace(scene, runs=runs))
+        await self.send(replace(scene, runs=((asked, RunTraffic(aborts=aborts)),)))
+        if tries[0] == Trial.MEMORY and tries[1] >= SCRUB:
+            await self.clocks(self.configuration.depth + _SCRUB_LATENCY)
+            await self.between_edges()
+        there = replace(scene, a=None, b=None) if self.rng.integers(2) else scene
+        await self.send(replace(there, runs=((plain, RunTraffic()),)))
         after = RunTraffic(acknowledge=True)
         if self.rng.integers(_RESET_ONE_IN) == 0:
             await self.between_edges()
             await self.reset(1, 0)
             after = RunTraffic()
-        # On other meshes: a reset has emptied them.
         await self.send(replace(scene, runs=((plain, after), (plain, RunTraffic()))))
 
 

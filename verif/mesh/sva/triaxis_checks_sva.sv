@@ -44,6 +44,78 @@ module triaxis_misread_sva #(
 
 endmodule
 
+// verilog_lint: waive module-filename
+module triaxis_scrub_sva #(
+    parameter int unsigned W = 16,
+    parameter int unsigned Depth = 4096
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic scrub_i,
+    input logic load,
+    input logic [$clog2(Depth):0] count_i,
+    input logic read_o,
+    input logic [$clog2(Depth)-1:0] index_o,
+    input logic tries,
+    input logic [3:0] which,
+    input logic looks,
+    input logic signed [W-1:0] vertices[3][3],
+    input logic signed [W-1:0] box[2][3],
+    input logic signed [W-1:0] group[2][3],
+    input logic [23:0] outside,
+    input logic [31:0] misread,
+    input logic broken_o,
+    input logic wrong
+);
+
+  // One after the other, all of them.
+  logic [$clog2(Depth):0] due_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) due_q <= '0;
+    else if (load) due_q <= '0;
+    else if (read_o) due_q <= (32'(due_q) + 1) % 32'(count_i);
+  end
+
+  ReadsInOrder :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      read_o == (scrub_i && count_i != '0) && (!read_o || 32'(index_o) == 32'(due_q)))
+  else $error("the scrub reads another triangle than is due");
+
+  logic [23:0] beyond;
+  logic [31:0] wrong_bits;
+  always_comb begin
+    for (int k = 0; k < 3; k++) begin
+      for (int v = 0; v < 3; v++) begin
+        // All bits inverted: -1 less the number.
+        beyond[8*k+2*v] =
+            vertices[v][k] < (tries && 32'(which) == 8 + k ? -1 - box[0][k] : box[0][k]);
+        beyond[8*k+2*v+1] =
+            vertices[v][k] > (tries && 32'(which) == 8 + k ? -1 - box[1][k] : box[1][k]);
+      end
+      beyond[8*k+6] = box[0][k] < (tries && 32'(which) == 11 + k ? -1 - group[0][k] : group[0][k]);
+      beyond[8*k+7] = box[1][k] > (tries && 32'(which) == 11 + k ? -1 - group[1][k] : group[1][k]);
+    end
+    wrong_bits = '0;
+    if (tries && 32'(which) < 8) wrong_bits = 32'h01010101 << which;
+  end
+
+  Bounds :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      looks |-> outside == beyond && misread == wrong_bits)
+  else $error("the scrub compares other bounds, or misreads other bits, than it is to");
+
+  Told :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) broken_o == ($past(
+      read_o
+  ) && $past(
+      rst_ni
+  ) && !$past(
+      load
+  ) && !load && wrong))
+  else $error("what the scrub finds is not what it says");
+
+endmodule
+
 bind triaxis_walk triaxis_shown_sva #(
     .Width(SeenWidth)
 ) u_shown_sva (
@@ -131,4 +203,34 @@ bind triaxis_mesh_store triaxis_misread_sva #(
     .which(which_i),
     .seen (seen[1]),
     .second
+);
+
+bind triaxis_mesh_scrub triaxis_scrub_sva #(
+    .W(W),
+    .Depth(Depth)
+) u_scrub_sva (
+    .clk_i,
+    .rst_ni,
+    .scrub_i,
+    .load(clear_i || push_i),
+    .count_i,
+    .read_o,
+    .index_o,
+    .tries(trial_i),
+    .which(which_i),
+    .looks(reading_q),
+    .vertices(
+    '{
+        '{triangle_read_i[0+:W], triangle_read_i[W+:W], triangle_read_i[2*W+:W]},
+        '{triangle_read_i[3*W+:W], triangle_read_i[4*W+:W], triangle_read_i[5*W+:W]},
+        '{triangle_read_i[6*W+:W], triangle_read_i[7*W+:W], triangle_read_i[8*W+:W]}
+    }
+    ),
+    .box(box_i),
+    .group(group_i),
+    .outside,
+    .misread,
+    .broken_o,
+    .wrong(!intact_i || outside != '0 || (index_read_o == IndexWidth'(count_i - 1'b1) &&
+        (crc_d ^ misread) != came_q))
 );

@@ -12,6 +12,7 @@ module triaxis_mesh_rest_sva (
     input logic first,
     input logic summary,
     input logic reads,
+    input logic scrubs,
     input logic answers,
     input logic core_as_asked
 );
@@ -19,6 +20,10 @@ module triaxis_mesh_rest_sva (
   NoReadAtRest :
   assert property (@(posedge clk_i) disable iff (!rst_ni) !busy_o |-> !reads)
   else $error("a memory was read although no run is under way");
+
+  NoScrubInRun :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) scrubs |-> !busy_o)
+  else $error("a memory was scrubbed during a run");
 
   IdleAtRest :
   assert property (@(posedge clk_i) disable iff (!rst_ni) !busy_o |-> idle)
@@ -50,6 +55,7 @@ bind triaxis_mesh triaxis_mesh_rest_sva u_rest_sva (
       cycles_o, group_pairs_skipped_o, group_pairs_opened_o, pairs_skipped_o, tested_o, near_o
     } != '0),
     .reads({row_read, word_read, box_a_read, box_b_read, triangle_read} != '0),
+    .scrubs(u_store_a.scrub_read || u_store_b.scrub_read),
     .answers({
       s_axis_load_tready_o,
       s_axis_run_tready_o,

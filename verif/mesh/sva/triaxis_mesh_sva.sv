@@ -129,7 +129,7 @@ module triaxis_mesh_sva
   else $error("a status during a run");
 
   NoFalseAlarm :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) $rose(fault_o) |-> tries)
+  assert property (@(posedge clk_i) disable iff (!rst_ni) $rose(fault_o) |-> tries || $past(tries))
   else $error("a fault, although nothing was tried");
 
   FaultEndsRuns :
