@@ -49,10 +49,8 @@ def _refused(width: int) -> Iterator[str]:
 
 
 def _ends() -> Iterator[str]:
-    what = ("HELLO", "LOAD", "MOVE", "RUN", "ABORT", "refusal", "line", "watchdog")
+    what = ("HELLO", "LOAD", "MOVE", "RUN", "ABORT", "refusal", "line", "watchdog", "fault")
     yield from (f"{one} ends {state}" for one, state in product(what, ("go", "a promise of go")))
-    # Checks fail in runs, before there can be go.
-    yield "fault ends a promise of go"
 
 
 def _moments() -> Iterator[str]:
@@ -82,6 +80,7 @@ def _tried() -> Iterator[str]:
 
 _FAULTS = (
     "a run while it stands",
+    "found between runs",
     "HELLO acknowledges it",
     "HELLO while it goes on",
     "go after it was acknowledged",

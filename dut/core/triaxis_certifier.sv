@@ -58,35 +58,42 @@ module triaxis_certifier
   `TRIAXIS_STAGE(edges_b_q, edges_b_d)
   `TRIAXIS_STAGE(points_q, points_d)
 
-  select_t first_d, first_q, second_d, second_q, offset;
-  logic [1:0] row, column;
-  always_comb begin
-    if (axis_i >= axis_t'(AxisEdgeBoxB)) offset = select_t'(axis_i - axis_t'(AxisEdgeBoxB));
-    else if (axis_i >= axis_t'(AxisEdgeBoxA)) offset = select_t'(axis_i - axis_t'(AxisEdgeBoxA));
-    else offset = select_t'(axis_i - axis_t'(AxisEdgeEdge));
-    row = 2'(offset / 3);
-    column = 2'(offset % 3);
-    if (axis_i >= axis_t'(AxisEdgeBoxB)) begin
-      first_d  = EdgeB + select_t'(row);
-      second_d = Unit + select_t'(column);
-    end else if (axis_i >= axis_t'(AxisEdgeBoxA)) begin
-      first_d  = EdgeA + select_t'(row);
-      second_d = Unit + select_t'(column);
-    end else if (axis_i >= axis_t'(AxisEdgeEdge)) begin
-      first_d  = EdgeA + select_t'(row);
-      second_d = EdgeB + select_t'(column);
-    end else if (axis_i == axis_t'(AxisNormalB)) begin
-      first_d  = EdgeB;
-      second_d = EdgeB + 1;
-    end else if (axis_i == axis_t'(AxisNormalA)) begin
-      first_d  = EdgeA;
-      second_d = EdgeA + 1;
-    end else begin
-      // A coordinate's own axis is the product of the other two, up to its sign.
-      first_d  = (axis_i == axis_t'(AxisBox)) ? Unit + 1 : Unit;
-      second_d = (axis_i == axis_t'(AxisNormalA - 1)) ? Unit + 1 : Unit + 2;
+  // By number, each known at elaboration: so a choice is a table, and no arithmetic on the claim.
+  select_t firsts[2**$bits(axis_t)], seconds[2**$bits(axis_t)];
+  for (genvar i = 0; i < 2 ** $bits(axis_t); i++) begin : g_choice
+    select_t offset, row, column;
+    always_comb begin
+      if (i >= AxisEdgeBoxB) offset = select_t'(i - AxisEdgeBoxB);
+      else if (i >= AxisEdgeBoxA) offset = select_t'(i - AxisEdgeBoxA);
+      else offset = select_t'(i - AxisEdgeEdge);
+      row = offset / 3;
+      column = offset % 3;
+      if (i >= AxisEdgeBoxB) begin
+        firsts[i]  = EdgeB + row;
+        seconds[i] = Unit + column;
+      end else if (i >= AxisEdgeBoxA) begin
+        firsts[i]  = EdgeA + row;
+        seconds[i] = Unit + column;
+      end else if (i >= AxisEdgeEdge) begin
+        firsts[i]  = EdgeA + row;
+        seconds[i] = EdgeB + column;
+      end else if (i == AxisNormalB) begin
+        firsts[i]  = EdgeB;
+        seconds[i] = EdgeB + 1;
+      end else if (i == AxisNormalA) begin
+        firsts[i]  = EdgeA;
+        seconds[i] = EdgeA + 1;
+      end else begin
+        // A coordinate's own axis is the product of the other two, up to its sign.
+        firsts[i]  = (i == AxisBox) ? Unit + 1 : Unit;
+        seconds[i] = (i == AxisNormalA - 1) ? Unit + 1 : Unit + 2;
+      end
     end
   end
+
+  select_t first_d, first_q, second_d, second_q;
+  assign first_d  = firsts[axis_i];
+  assign second_d = seconds[axis_i];
   `TRIAXIS_STAGE(first_q, first_d)
   `TRIAXIS_STAGE(second_q, second_d)
 

@@ -449,7 +449,8 @@ module triaxis_mesh
   end
   assign trying_walk = trial_q.kind == TrialWalk && busy_o;
   assign trying_intake = trial_q.kind == TrialIntake && busy_o;
-  assign trying_scrub = trial_q.kind == TrialMemory && trial_q.which >= 5'(WhichScrubbed) && !busy_o;
+  assign trying_scrub =
+      trial_q.kind == TrialMemory && trial_q.which >= 5'(WhichScrubbed) && !busy_o;
 
   // Words that something rests on, by either walk.
   assign row_broken = row_used != '0 && !row_intact;

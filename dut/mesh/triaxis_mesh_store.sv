@@ -62,6 +62,7 @@ module triaxis_mesh_store
 );
 
   localparam int unsigned LaneBits = $clog2(Lanes);
+  localparam int unsigned LaneWidth = address_width(Lanes);
   localparam int unsigned GroupBits = $clog2(Group);
   localparam int unsigned SeenWidth = intake_seen_width(W, Depth);
 
@@ -257,24 +258,12 @@ module triaxis_mesh_store
     end
   end
 
-  if (Lanes == 1) begin : g_scrub_lane
-    assign scrub_box = boxes_o[0];
-    assign scrub_group = group_boxes_o[0];
-    assign scrub_intact = triangle_intact_o && boxes_intact_o[0] && groups_intact_o[0];
-    logic unused_scrubbed;
-    assign unused_scrubbed = ^scrubbed;
-  end else begin : g_scrub_lane
-    logic [LaneBits-1:0] box_lane, group_lane;
-    assign box_lane = scrubbed[LaneBits-1:0];
-    assign group_lane = scrubbed[GroupBits+:LaneBits];
-    assign scrub_box = boxes_o[box_lane];
-    assign scrub_group = group_boxes_o[group_lane];
-    assign scrub_intact =
-        triangle_intact_o && boxes_intact_o[box_lane] && groups_intact_o[group_lane];
-    if (IndexWidth > GroupBits + LaneBits) begin : g_unused
-      logic unused_scrubbed;
-      assign unused_scrubbed = ^scrubbed[IndexWidth-1:GroupBits+LaneBits];
-    end
-  end
+  logic [LaneWidth-1:0] box_lane, group_lane;
+  assign box_lane = LaneWidth'(scrubbed & LastLane);
+  assign group_lane = LaneWidth'((scrubbed >> GroupBits) & LastLane);
+  assign scrub_box = boxes_o[box_lane];
+  assign scrub_group = group_boxes_o[group_lane];
+  assign scrub_intact =
+      triangle_intact_o && boxes_intact_o[box_lane] && groups_intact_o[group_lane];
 
 endmodule

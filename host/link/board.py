@@ -1,5 +1,6 @@
 """The board as an object: each method is one command, checked to have been done."""
 
+import zlib
 from typing import Self, TypeVar
 
 import numpy as np
@@ -111,12 +112,15 @@ class Board:
         limit, width = self.description.depth, self.description.width
         if not 1 <= len(triangles) <= limit:
             raise LinkError(f"mesh {mesh.name}: {len(triangles)} triangles: the board holds 1..{limit}")
-        step = triangles_per_load(width)
+        step, signature = triangles_per_load(width), 0
         for first in range(0, len(triangles), step):
             some = triangles[first : first + step]
             head = LoadHead(mesh, first, len(some))
-            loaded = self._ask(Command.LOAD, Loaded, head.pack() + pack_triangles(some, width))
+            packed = pack_triangles(some, width)
+            signature = zlib.crc32(packed, signature)
+            loaded = self._ask(Command.LOAD, Loaded, head.pack() + packed)
             self._expect("triangles loaded", loaded.count, first + len(some))
+            self._expect("signature of the mesh loaded", loaded.signature, signature)
             progress(len(some))
         self._counts[mesh] = len(triangles)
 

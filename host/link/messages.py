@@ -10,7 +10,7 @@ import numpy.typing as npt
 from triaxis.host.link.wire import CRC_BYTES, I32, LONGEST, U8, U16, U32, LayoutError, Record
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 4
+PROTOCOL = 5
 REPLY = 0x80
 
 
@@ -32,6 +32,9 @@ RunEnd = IntEnum("RunEnd", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MO
 TrialKind = IntEnum("TrialKind", "NOTHING CLAIM PARITY NUMBER MEMORY WALK INTAKE BOARD", start=0)
 Memory = IntEnum("Memory", "GROUPS_A GROUPS_B BOXES_A BOXES_B TRIANGLES", start=0)
 WHICHES = 32
+# Of TrialKind.MEMORY from the one on: a memory where it is scrubbed, after the run; from the other on a
+# comparison of the scrub itself.
+SCRUB, SCRUBBED, SCRUB_COMPARISONS = 8, 16, 14
 
 
 class Flag(IntFlag):
@@ -83,9 +86,10 @@ class LoadHead(Record):
 
 
 class Loaded(Record):
-    """How many triangles the mesh holds: the answer to LOAD."""
+    """How many triangles the mesh holds, and the CRC-32 of their bytes: the answer to LOAD."""
 
     count: U16
+    signature: U32
 
 
 class Pose(Record):

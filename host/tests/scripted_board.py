@@ -1,5 +1,6 @@
 """A board of a few lines that says what it is told to say: for what no real board may answer."""
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -46,6 +47,7 @@ class ScriptedLine:
     time: float = 0.0
     heard: bytearray = field(default_factory=bytearray)
     frames: list[bytes] = field(default_factory=list)
+    signature: int = 0
 
     def lie(self, **fields: Any) -> "ScriptedLine":
         """Say other numbers in the status, and stop where they are not of a clear run."""
@@ -68,8 +70,9 @@ class ScriptedLine:
         if command == Command.HELLO:
             return Code.OK, twice(self.board.pack())
         if command == Command.LOAD:
-            head, _ = LoadHead.split(payload)
-            return Code.OK, twice(Loaded(head.first + head.count).pack())
+            head, triangles = LoadHead.split(payload)
+            self.signature = zlib.crc32(triangles, self.signature if head.first else 0)
+            return Code.OK, twice(Loaded(head.first + head.count, self.signature).pack())
         if command == Command.MOVE:
             pose = Pose.unpack(payload)
             return Code.OK, twice(pose.pack())

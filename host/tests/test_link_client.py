@@ -172,12 +172,13 @@ SAID = [
     (Command.MOVE, Code.BAD_VALUE, b"", "MOVE was refused: BAD_VALUE; verdict unknown"),
     (Command.HELLO, Code.OTHER_SESSION, b"", "belongs to another master: end that program, then repeat"),
     # Answers to another question.
-    (Command.LOAD, Code.OK, twice(b"\x05\x00"), "triangles loaded: 5, expected 6"),
-    (Command.LOAD, Code.OK, b"\x06\x00", "a payload and its inverted copy differ: not this protocol"),
+    (Command.LOAD, Code.OK, twice(bytes([5, 0, 0, 0, 0, 0])), "triangles loaded: 5, expected 6"),
+    (Command.LOAD, Code.OK, twice(bytes([6, 0, 0, 0, 0, 0])), "signature of the mesh loaded: 0, expected"),
+    (Command.LOAD, Code.OK, bytes([6, 0, 0, 0, 0, 0]), "a payload and its inverted copy differ: not this protocol"),
     (Command.MOVE, Code.OK, twice(bytes(11) + b"\x01"), "pose: Pose(x=0, y=0, z=16777216), expected Pose("),
     (Command.RUN, Code.OK, twice(b"\x02"), "run number: 2, expected 1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
-    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 04: load the bitstream"),
+    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 05: load the bitstream"),
 ]
 
 

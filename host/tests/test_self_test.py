@@ -9,21 +9,26 @@ from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.messages import (
+    SCRUB,
     WHICHES,
     Code,
     Command,
     Flag,
+    LoadHead,
     Memory,
     RunEnd,
     RunRequest,
     Status,
     TrialKind,
+    pack_triangles,
 )
-from triaxis.host.link.self_test import self_test, trials
+from triaxis.host.link.self_test import TRIANGLE, self_test, trials
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
+# The payload of the only LOAD that a self-test sends, of mesh A.
+LOADS = LoadHead(0, 0, 1).pack() + pack_triangles(TRIANGLE, BOARD.width)
 NEAR = Status(1, 2, 1, 0, 2, 0, 0, 0, 0, 60, 0, 1, 0, 1, 1, 0, 1, 1)
 
 
@@ -61,9 +66,11 @@ def test_every_kind_is_tried_and_what_is_one_of_many_changes():
     for tried in found:
         assert tried[0] == (TrialKind.NOTHING, 0)
         count = Counter(kind for kind, _ in tried[1:])
-        assert count == {**dict.fromkeys(list(TrialKind)[1:], 1), TrialKind.MEMORY: 5, TrialKind.BOARD: 2}
-        assert {(TrialKind.MEMORY, memory) for memory in Memory} < set(tried)
+        assert count == {**dict.fromkeys(list(TrialKind)[1:], 1), TrialKind.MEMORY: 11, TrialKind.BOARD: 2}
+        assert {(TrialKind.MEMORY, first + memory) for first in (0, SCRUB) for memory in Memory} < set(tried)
         assert (TrialKind.BOARD, WHICHES - 1) in tried
+    memories = {one for tried in found for one in tried if one[0] == TrialKind.MEMORY}
+    assert len(memories) > 2 * len(Memory) + 5
     for kind in (TrialKind.CLAIM, TrialKind.PARITY, TrialKind.WALK, TrialKind.INTAKE, TrialKind.BOARD):
         assert len({one for tried in found for one in tried if one[0] == kind}) > 5
 
@@ -97,7 +104,7 @@ def test_a_fault_without_a_trial_or_that_stays_ends_the_use():
 def test_a_lost_session_is_begun_again_but_not_for_ever():
     line = TriedLine()
     lost = iter([(Code.BAD_SEQUENCE, b"\x07")])
-    line.answers[Command.LOAD] = lambda: next(lost, None) or line.answer(Command.LOAD, bytes(3) + b"\1")
+    line.answers[Command.LOAD] = lambda: next(lost, None) or line.answer(Command.LOAD, LOADS)
     assert len(self_tested(line)) == 1 + len(list(trials(BOARD)))
     line.answers[Command.LOAD] = lambda: (Code.BAD_SEQUENCE, b"\x07")
     with pytest.raises(LinkError, match="BAD_SEQUENCE: state lost"):

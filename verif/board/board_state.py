@@ -75,6 +75,7 @@ class Run:
 
     ``fails``: a check fails in it, by its end, where nothing ends it before; ``may_fail``: one may, at any
     clock of it. ``persists``: it fails for as long as it goes on.
+    ``scrub_finds``: one fails after it.
     """
 
     number: int = 0
@@ -90,6 +91,7 @@ class Run:
     fails: bool = False
     may_fail: bool = False
     persists: bool = False
+    scrub_finds: bool = False
     # It began while a fault stood.
     spoiled: bool = False
     answer: SceneAnswer | None = None

@@ -21,7 +21,7 @@ State = IntEnum("State", "NEVER RUNNING DONE", start=0)
 End = IntEnum("End", "NONE COMPLETE FIRST ABORTED OVERFLOW OVERFULL BAD_MODE FAULT", start=0)
 Flag = IntEnum("Flag", "GO WAITING EXPIRED FAULT", start=0)
 
-VERSION = 4
+VERSION = 5
 REPLY = 0x80
 END, ESC, ESC_END, ESC_ESC = 0xC0, 0xDB, 0xDC, 0xDD
 SHORTEST, LONGEST = 13, 256
@@ -33,6 +33,8 @@ COUNTERS = ("cycles", "groups_skipped", "groups_opened", "pairs_skipped", "teste
 
 # RUN's payload: mode, margin, counts, and what it tries.
 RUN = struct.Struct("<BIHHB")
+# LOAD's answer: triangles held, and their signature.
+LOADED = struct.Struct("<HI")
 _STATUS = struct.Struct("<5B3i7I3H")
 
 
@@ -56,11 +58,15 @@ def coordinate_bytes(width: int) -> int:
     return -(-width // 8)
 
 
+def triangle_bytes(triangles: Integers, width: int) -> bytes:
+    """Return triangles (N, 3, 3) as LOAD has them."""
+    size = coordinate_bytes(width)
+    return b"".join(int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
+
+
 def load_payload(mesh: int, first: int, triangles: Integers, width: int) -> bytes:
     """Return the payload of a LOAD of triangles (N, 3, 3)."""
-    size = coordinate_bytes(width)
-    values = (int(value).to_bytes(size, "little", signed=True) for value in triangles.reshape(-1))
-    return struct.pack("<BHB", mesh, first, len(triangles)) + b"".join(values)
+    return struct.pack("<BHB", mesh, first, len(triangles)) + triangle_bytes(triangles, width)
 
 
 def loaded_triangles(payload: bytes, width: int) -> Integers:

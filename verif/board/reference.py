@@ -7,6 +7,7 @@ they pin today's timing, and are no word on whether it is right.
 """
 
 import struct
+import zlib
 from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
@@ -23,6 +24,7 @@ from triaxis.verif.board.protocol import (
     COUNTERS,
     END,
     HEAD,
+    LOADED,
     MOST_ERRORS,
     MOST_TRIANGLES,
     RING,
@@ -37,10 +39,11 @@ from triaxis.verif.board.protocol import (
     Status,
     coordinate_bytes,
     loaded_triangles,
+    triangle_bytes,
 )
 from triaxis.verif.board.protocol import End as RunEnd
 from triaxis.verif.board.reply_check import ReplyCheck, faulty
-from triaxis.verif.mesh.expectation import tried
+from triaxis.verif.mesh.expectation import scrub_finds, tried
 from triaxis.verif.mesh.items import WHICHES, ObservedRun, RunAccepted, RunRequest
 
 # A frame is answered, and a run ends, within so many clocks; a run, for each of its pairs.
@@ -60,6 +63,8 @@ REPLIED = 2
 # Clocks from the beginning of a run until a check fails, where it fails at once: in the engine two walks, or
 # two intakes, are seen, compared and told of; on the board a frame is, or two runners are.
 _FAILS_AFTER = {Trial.WALK: 3, Trial.INTAKE: 3, Trial.BOARD: 1}
+# Clocks from the end of a run until a scrub tells of what it tries, in meshes of one triangle.
+_SCRUBBED_AFTER = 2
 
 _NO_MESH = np.empty((0, 3, 3), np.int64)
 _CLOCKS_PER_MS = 100_000
@@ -220,6 +225,8 @@ class BoardReference:
         run.maybe_aborted = bool(self.held and self.held.command in (Command.ABORT, Command.HELLO))
         if run.fails and not run.maybe_aborted:
             self._fail()
+        if run.scrub_finds and not run.maybe_aborted:
+            self._at(self.clock + _SCRUBBED_AFTER, lambda _: self._scrub(run))
         self._tell_trial()
         clear = run.end == RunEnd.COMPLETE and not run.near
         said = (
@@ -248,6 +255,12 @@ class BoardReference:
             # An error that nobody took back hides it.
             if not self.in_doubt:
                 self._happened("board_tried", f"{kind.name}, {'fault' if self.fault else 'no fault'}")
+
+    def _scrub(self, run: Run) -> None:
+        """Let a scrub find what the last run tries."""
+        if self.run is run and not self.fault:
+            self._happened("board_faults", "found between runs")
+            self._fail()
 
     def _say_go(self) -> None:
         """Say go from this clock on; the beat begins with it."""
@@ -568,6 +581,7 @@ class BoardReference:
             observed = ObservedRun(RunAccepted(request), a, b, no, no)
             outcome = tried(observed, run.answer, self.parameters.engine)
             run.answer, run.fails, run.may_fail = outcome.answer, outcome.fails, outcome.may_fail
+            run.scrub_finds = scrub_finds(observed)
 
     def _expect_end(self, run: Run) -> None:
         """A run ends in time, but where it waits for near pairs to be taken."""
@@ -594,7 +608,8 @@ class BoardReference:
         command, status, payload = frame.command, None, b""
         self._look_for_fault()
         if code == Code.PLACE or (code == Code.OK and command == Command.LOAD):
-            payload = struct.pack("<H", len(self.meshes[frame.payload[0] & 1]))
+            mesh = self.meshes[frame.payload[0] & 1]
+            payload = LOADED.pack(len(mesh), zlib.crc32(triangle_bytes(mesh, self.parameters.width)))
         elif code == Code.SEQUENCE:
             payload = struct.pack("<I", (self.sequence + 1) % 2**32)
         elif code == Code.OK:

@@ -8,6 +8,7 @@ the environment, as all others are.
 import json
 import os
 import traceback
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import partial
@@ -23,7 +24,7 @@ from triaxis.sim.player import Register
 from triaxis.sim.simulated_board import EVENT, NEVER, BoardPlayer
 from triaxis.verif.board.base_test import BoardTest
 from triaxis.verif.board.line_agent import Until
-from triaxis.verif.board.protocol import REPLY, Command, Integers, framed, load_payload
+from triaxis.verif.board.protocol import REPLY, Command, Integers, framed, load_payload, triangle_bytes
 from triaxis.verif.upsets.verdict import (
     Asked,
     AskedRun,
@@ -217,7 +218,9 @@ class BoardUpsetsTest(BoardTest):
 
         def load(near: bool) -> None:
             second = self.meshes(near)[1]
-            ask(Command.LOAD, load_payload(1, 0, second, self.parameters.width), Loaded(_TRIANGLES))
+            payload = load_payload(1, 0, second, self.parameters.width)
+            held = triangle_bytes(second, self.parameters.width)
+            ask(Command.LOAD, payload, Loaded(_TRIANGLES, zlib.crc32(held)))
 
         run(_CLEAR, near=False)
         ask(Command.MOVE, _NEAR.pack(), _NEAR)
