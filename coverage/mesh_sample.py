@@ -80,8 +80,7 @@ class MeshRow:
     high end of the range on axis k, or one step beyond it, on that axis and side alone. ``row_gaps``,
     ``group_gaps``, ``pair_gaps``: bit 4k+2s+e, an axis k alone separates boxes by the margin (e = 0) or the
     smallest step more, B below (s = 0) or above. ``first_at``: number among the pairs tested. ``tried``,
-    ``which``: what it tries, and which. ``scrubbed``: which of the memories the run before tried where they are
-    scrubbed, so that it was found after it.
+    ``which``: what it tries, and which. ``scrubbed``: which the run before tried that only scrubbing finds.
     """
 
     mode: int

@@ -465,13 +465,10 @@ module triaxis_mesh
     assign misread[i] = trying_walk && 5'(i) == trial_q.which;
   end
   assign second = seen[1] ^ misread;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      seen_q <= '{default: '0};
-    end else begin
-      seen_q[0] <= seen[0];
-      seen_q[1] <= second;
-    end
+  // In a reset they are alike.
+  always_ff @(posedge clk_i) begin
+    seen_q[0] <= seen[0];
+    seen_q[1] <= second;
   end
   assign differ = seen_q[0] != seen_q[1] || stores_differ != '0;
   assign fault  = broken || differ || verdict_fault || (fault_q && !acknowledge_i);

@@ -174,7 +174,7 @@ SAID = [
     # Answers to another question.
     (Command.LOAD, Code.OK, twice(bytes([5, 0, 0, 0, 0, 0])), "triangles loaded: 5, expected 6"),
     (Command.LOAD, Code.OK, twice(bytes([6, 0, 0, 0, 0, 0])), "signature of the mesh loaded: 0, expected"),
-    (Command.LOAD, Code.OK, bytes([6, 0, 0, 0, 0, 0]), "a payload and its inverted copy differ: not this protocol"),
+    (Command.LOAD, Code.OK, bytes(6), "a payload and its inverted copy differ: not this protocol"),
     (Command.MOVE, Code.OK, twice(bytes(11) + b"\x01"), "pose: Pose(x=0, y=0, z=16777216), expected Pose("),
     (Command.RUN, Code.OK, twice(b"\x02"), "run number: 2, expected 1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),

@@ -157,9 +157,13 @@ class BareBfm(FastModel[MeshPlayer]):
             *numbers, held_a, held_b, signature_a, signature_b, overfull, fault, clock = values.tolist()
             self.publish[SummaryMonitor](
                 Summary(
-                    *numbers, held=(held_a, held_b), signatures=(signature_a, signature_b),
-                    overfull=overfull, fault=fault, clock=clock,
-                )  # fmt: skip
+                    *numbers,
+                    held=(held_a, held_b),
+                    signatures=(signature_a, signature_b),
+                    overfull=overfull,
+                    fault=fault,
+                    clock=clock,
+                )
             )
         elif kind == RESET:
             self.publish[SummaryMonitor](ResetSeen())

@@ -64,7 +64,7 @@ SCRUB, SCRUBBED, SCRUB_COMPARISONS = 8, 16, 14
 
 
 def scrub_finds(run: ObservedRun) -> bool:
-    """Return whether what a run tries is found after it, where meshes are scrubbed: none is of an empty one."""
+    """Return whether what a run tries is found after it, by scrubbing: nothing is in an empty mesh."""
     kind, which = run.request.tries
     if kind != Trial.MEMORY:
         return False

@@ -198,8 +198,8 @@ class Summary:
     """A summary that was taken. ``status`` as on the pins.
 
     ``offered_after``: clocks from the run's acceptance until it was offered; ``wait``: clocks that it waited;
-    ``held``: triangles held in A and B; ``signatures``: of these; ``overfull``, ``fault``: on the pins; ``clock``: at which it was
-    taken, the first of the run of the test being 0. None: not measured.
+    ``held``: triangles held in A and B; ``signatures``: of these; ``overfull``, ``fault``: on the pins;
+    ``clock``: at which it was taken, the first of the run of the test being 0. None: not measured.
     """
 
     status: int

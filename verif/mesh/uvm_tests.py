@@ -352,6 +352,12 @@ class MeshTrialsTest(MeshEngineTest):
         asked = replace(plain, tries=tries)
         await self.send(replace(scene, runs=((asked, RunTraffic(aborts=aborts)),)))
         if tries[0] == Trial.MEMORY and tries[1] >= SCRUB:
+            if self.rng.integers(_RESET_ONE_IN) == 0:
+                # What was to be found is forgotten with all the rest.
+                await self.between_edges()
+                await self.reset(1, 0)
+                await self.send(replace(scene, runs=((plain, RunTraffic()),)))
+                return
             await self.clocks(self.configuration.depth + _SCRUB_LATENCY)
             await self.between_edges()
         there = replace(scene, a=None, b=None) if self.rng.integers(2) else scene

@@ -43,6 +43,7 @@ MEASURES = (
     Measure("runners", "what a run is asked for and answers is kept twice"),
     Measure("walks", "each run is walked twice"),
     Measure("parity", "all that is kept of a mesh has parity"),
+    Measure("scrub", "meshes are looked at again between runs"),
     Measure("intakes", "boxes are computed twice"),
     Measure("certificates", "each clear of the core is shown again"),
     Measure("frames", "frames have parity until they are executed"),

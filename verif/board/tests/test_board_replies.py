@@ -6,12 +6,13 @@ The CRC is left out, since it would find most: what is shown is that the verdict
 import struct
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 from typing import Any
 from unittest.mock import Mock
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from triaxis.host.cli.board import simulated_parameters
@@ -133,6 +134,7 @@ class Recorded:
 
     mode: Mode
     replies: list[Reply]
+    b: npt.NDArray[np.int64] = field(default_factory=lambda: CLEAR_B)
 
     def heard(self, exchange):
         """Return whether it is clear, None for unknown, and whether the output is then taken for go."""
@@ -141,7 +143,7 @@ class Recorded:
         clear = None
         try:
             board.hello()
-            engine = BoardEngine(board, A, CLEAR_B, self.mode)
+            engine = BoardEngine(board, A, self.b, self.mode)
             clear = engine.run((HERE.x, HERE.y, HERE.z), MARGIN).near_count == 0
             return clear, bool(board.still(engine.status).flags & Flag.GO)
         except LinkError:
@@ -239,7 +241,7 @@ def dangerous(rng, run: Recorded, clear, numbers, every=False) -> Counter[str]:
 def test_no_altered_reply_makes_clear_of_near(mode, top, rng):
     clear = record(top, mode, CLEAR_B)
     assert Recorded(mode, clear).heard(Replaying(clear)) == (True, True)
-    run = Recorded(mode, record(top, mode, NEAR_B))
+    run = Recorded(mode, record(top, mode, NEAR_B), NEAR_B)
     assert run.heard(Replaying(run.replies)) == (False, False)
     # Where the pairs are only counted, one number alone says near.
     total = dangerous(rng, run, clear, range(len(run.replies)), every=mode == Mode.COUNT)
