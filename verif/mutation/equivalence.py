@@ -1,11 +1,12 @@
 """Mutants that no test can kill, each with evidence that a machine checks again.
 
-`equivalents.toml` lists them, with one of six kinds of evidence.
+`equivalents.toml` lists them, with one of seven kinds of evidence.
 
 - "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
   by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
 - "registers": a module and the same with the mutant, where their registers are equal, make equal outputs of
   any inputs, reset among them, and registers that are equal a clock later. By induction.
+- "twins": as "registers", of a module in which instances are there twice, and one of each two is left.
 - "exhaustive": the core with the mutant, at the smallest widths, gives the right result for all its inputs.
 - "corners": for a mutant that drops the top bit of a cast: the value never needs that bit. It is affine in
   each coordinate, so it is largest at corners of the coordinate box: all 2^18 are enumerated, and the bound
@@ -53,10 +54,11 @@ from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
 from triaxis.verif.mutation.targets import EngineTarget, Target
+from triaxis.verif.mutation.twins import paired, split
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
-CONTRACT, MODEL = "contract", "model"
+CONTRACT, MODEL, TWINS = "contract", "model", "twins"
 
 # Bits of input of which all values can be played.
 _EXHAUSTIBLE = 22
@@ -116,14 +118,18 @@ def _entry(path: Path, number: int, entry: Mapping[str, Any]) -> Equivalent:
     )  # fmt: skip
 
 
-def _read(folder: Path, entry: Equivalent, name: str) -> str:
+def _slang(folder: Path, entry: Equivalent, *options: str) -> str:
     parameters = " ".join(f"-G {key}={value}" for key, value in entry.parameters.items())
     files = [path for path in rtl_files(folder) if path.suffix == ".sv"]
-    sources = " ".join(map(str, files if entry.evidence == REGISTERS else rtl_sources(folder)))
+    sources = " ".join(map(str, rtl_sources(folder) if entry.evidence == PROOF else files))
+    given = " ".join((*options, parameters))
+    return f"read_slang --threads 1 -I {folder / 'core'} {given} --top {entry.module} {sources}"
+
+
+def _read(folder: Path, entry: Equivalent, name: str) -> str:
     return (
-        f"read_slang --threads 1 -I {folder / 'core'} {parameters} --top {entry.module} {sources}; "
-        f"hierarchy -top {entry.module}; proc; flatten; opt_clean; rename {entry.module} {name}; "
-        f"design -stash {name}"
+        f"{_slang(folder, entry)}; hierarchy -top {entry.module}; proc; flatten; opt_clean; "
+        f"rename {entry.module} {name}; design -stash {name}"
     )
 
 
@@ -164,7 +170,34 @@ def prove(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str 
         return _run("; ".join(script), folder, entry, mutants)
 
 
+def prove_twins(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
+    """Check an entry's evidence for its mutants where what is there twice is left once; see `prove`."""
+    names = ["gold", *map(str, range(len(mutants)))]
+    with temporary() as folder:
+        for name, mutant in zip(names, (None, *mutants), strict=True):
+            _copy(dut, folder / name, mutant)
+        read = [_slang(folder / name, entry, "--keep-hierarchy") for name in names]
+        _yosys(split(read, names, entry.module), folder, entry)
+        if missing := [name for name in names if not (folder / f"{name}.json").exists()]:
+            raise InputError(f"{entry.mutants[0]}: {entry.module}: not elaborated: {missing[0]}")
+        script = paired(folder, names, entry.module).replace("INDUCTION", _INDUCTION)
+        return _run(script, folder, entry, mutants)
+
+
 def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]) -> str | None:
+    status, log = _yosys(script, folder, entry)
+    proved = [f"PROVED-{number}-." in log for number in range(len(mutants))]
+    if status == 0 and all(proved):
+        return None
+    index = proved.index(False) if False in proved else len(mutants) - 1
+    errors = [line for line in log.splitlines() if "ERROR" in line]
+    said = errors[-1].strip() if errors else f"the solver ends with {status}"
+    parameters = ", ".join(f"{key} = {value}" for key, value in entry.parameters.items())
+    return f"{mutants[index].id}: not proved equivalent in {entry.module} ({parameters}): {said}"
+
+
+def _yosys(script: str, folder: Path, entry: Equivalent) -> tuple[int, str]:
+    """Run a script in the folder; return the exit code, and what was said."""
     # In a file: the command line would come back in the output. By relative names: the solver sees files
     # through a sandbox, which has a /tmp of its own.
     (folder / "script.ys").write_text(script.replace("; ", "\n").replace(f"{folder}/", ""))
@@ -175,15 +208,7 @@ def _run(script: str, folder: Path, entry: Equivalent, mutants: Sequence[Mutant]
     except EndedError as error:
         raise EndedError(f"{entry.mutants[0]}: {error}") from error
     texts = [path for path in (folder / "log", folder / "messages") if path.exists()]
-    log = "".join(path.read_text(errors="replace") for path in texts)
-    proved = [f"PROVED-{number}-." in log for number in range(len(mutants))]
-    if status == 0 and all(proved):
-        return None
-    index = proved.index(False) if False in proved else len(mutants) - 1
-    errors = [line for line in log.splitlines() if "ERROR" in line]
-    said = errors[-1].strip() if errors else f"the solver ends with {status}"
-    parameters = ", ".join(f"{key} = {value}" for key, value in entry.parameters.items())
-    return f"{mutants[index].id}: not proved equivalent in {entry.module} ({parameters}): {said}"
+    return status, "".join(path.read_text(errors="replace") for path in texts)
 
 
 @dataclass(frozen=True)
@@ -317,6 +342,7 @@ def same_model(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) ->
 _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] = {
     PROOF: prove,
     REGISTERS: prove,
+    TWINS: prove_twins,
     EXHAUSTIVE: exhaust,
     CORNERS: bound,
     CONTRACT: keep_contract,
@@ -366,7 +392,7 @@ def check_equivalents(
 def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
     """Prove an entry, or find that it was proved before."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
-    solver = _solver() if entry.evidence in (PROOF, REGISTERS, CONTRACT) else ""
+    solver = _solver() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT) else ""
     # The board, which changes more often, is part of few.
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
     files = rtl_files(dut) if of_board else mesh_files(dut)

@@ -39,7 +39,7 @@ _DESCRIBED = 50
 _CONFIDENCE = 0.95
 _POLL_SECONDS = 1.0
 # Of so many upsets one is tried again without the measures.
-_WITHOUT_ONE_IN = 2
+_WITHOUT_ONE_IN = 5
 # Of the watchdog, which each upset is to outlive.
 _LONGEST = 1_000_000
 STUCK = (Kind.STUCK_AT_0, Kind.STUCK_AT_1)
