@@ -1,7 +1,7 @@
 """Mutants of a module in which something is there twice, held against it with one of each two left.
 
-From which of two instances that never differ an answer is taken changes nothing, and no test can tell. Evidence
-of that:
+From which of two instances that never differ an answer is taken changes nothing, and no test can tell.
+Evidence of that:
 
 1. the module is elaborated, with the mutant and without, its instances left closed;
 2. two instances of one generate loop are twins where the same bits reach all their inputs, and each register
@@ -31,7 +31,7 @@ Module = dict[str, Any]
 def split(read: Sequence[str], names: Sequence[str], module: str) -> str:
     """Return the script that elaborates a module in some ways, ``read``, to ``names``.json."""
     return "; ".join(
-        f"{command}; hierarchy -top {module}; proc; opt_clean; memory_map; opt_clean; "
+        f"{command}; hierarchy -top {module}; proc; opt_clean; memory_map; opt_merge; opt_clean; "
         f"write_json {name}.json; design -reset"
         for command, name in zip(read, names, strict=True)
     )
