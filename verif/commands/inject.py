@@ -254,13 +254,15 @@ def _print_one(fate: Fate) -> None:
 
 
 def _fates(title: str, rows: Mapping[str, Tally], total: Tally) -> Table:
-    headings = (title, "mutants", "run", "assertion", "elaboration", "equivalent", "surviving", "score")
+    by = ("run", "assertion", "elaboration", "proof")
+    headings = (title, "mutants", *by, "equivalent", "surviving", "score")
     fates = table(f"mutants by {title}", headings)
     for name, row in (*rows.items(), ("all", total)):
         # Rounded down: 100 means all.
         score = "" if row.score is None else f"{int(row.score * 100) / 100:.2f} %"
         fates.add_row(
             name, str(row.mutants), str(row.by_run), str(row.by_assertion), str(row.by_elaboration),
-            str(row.equivalent), str(row.surviving + row.absent), score, end_section=name != "all",
+            str(row.by_proof), str(row.equivalent), str(row.surviving + row.absent), score,
+            end_section=name != "all",
         )  # fmt: skip
     return fates

@@ -1,6 +1,6 @@
 """Mutants that no test can kill, each with evidence that a machine checks again.
 
-`equivalents.toml` lists them, with one of seven kinds of evidence.
+`equivalents.toml` lists them, with one of eight kinds of evidence, of which the last is that of a kill.
 
 - "proof": the smallest module in which a mutant changes nothing, and the same module with the mutant, side
   by side, at small widths; a SAT solver shows that no inputs whatever make their outputs differ.
@@ -15,6 +15,8 @@
   all time, by the proofs of verif/formal/ that are named for it, and holds of the mutant as well.
 - "model": of the mesh engine with these parameters, and in every target, Verilator makes the same model of
   the mutant as of the original: what differs in the text is folded away.
+- "noticed": a proof of verif/formal/ holds of the original and fails of the mutant. For what is there against
+  upsets alone: without one nothing shows, in no test. Such a mutant is killed, by that proof.
 """
 
 import shutil
@@ -42,6 +44,7 @@ from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
 from triaxis.verif.formal.netlist import Package
+from triaxis.verif.formal.proof import SbyProof
 from triaxis.verif.formal.proofs import board_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
@@ -58,7 +61,7 @@ from triaxis.verif.mutation.twins import paired, split
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
-CONTRACT, MODEL, TWINS = "contract", "model", "twins"
+CONTRACT, MODEL, TWINS, NOTICED = "contract", "model", "twins", "noticed"
 
 # Bits of input of which all values can be played.
 _EXHAUSTIBLE = 22
@@ -297,21 +300,37 @@ def _largest(entry: Equivalent) -> int | None:
 
 
 def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT) -> str | None:
-    """Prove the contract of the entry's module of each mutant; return what is wrong, None where it holds."""
+    """Prove the contract of the entry's module of each mutant; return what is wrong, None where it holds.
+
+    Of those that are noticed it must not hold.
+    """
     proofs = [proof for proof in (*engine_proofs(), *board_proofs()) if proof.top == f"{entry.module}_formal"]
     if not proofs:
-        return f"{entry.mutants[0]}: contract: there is no proof of {entry.module} in verif/formal/"
+        return f"{entry.mutants[0]}: {entry.evidence}: there is no proof of {entry.module} in verif/formal/"
+    if entry.evidence == NOTICED and (wrong := _broken(proofs, None, dut)):
+        return f"{entry.mutants[0]}: not noticed: without it, too, {wrong}"
     for mutant in mutants:
         if not any(mutant.file in proof.dut_files for proof in proofs):
-            return f"{mutant.id}: contract: the proofs of {entry.module} are not of {mutant.file}"
-        with temporary() as folder:
-            _copy(dut, folder / "dut", mutant)
-            for proof in proofs:
-                finding = proof.prove(folder / "dut", folder / proof.name)
-                if finding.problems:
-                    return f"{mutant.id}: not equivalent by its contract: {finding.problems[0]}"
-                if finding.undecided:
-                    raise EndedError(f"{mutant.id}: contract not decided: {finding.undecided[0]}")
+            return f"{mutant.id}: {entry.evidence}: the proofs of {entry.module} are not of {mutant.file}"
+        broken = _broken(proofs, mutant, dut)
+        if broken and entry.evidence == CONTRACT:
+            return f"{mutant.id}: not equivalent by its contract: {broken}"
+        if not broken and entry.evidence == NOTICED:
+            return f"{mutant.id}: not noticed: the proofs of {entry.module} hold of it as well"
+    return None
+
+
+def _broken(proofs: Iterable[SbyProof], mutant: Mutant | None, dut: Path) -> str | None:
+    """Return what the first of the proofs that fails says of a mutant, or of none; None where all hold."""
+    with temporary() as folder:
+        _copy(dut, folder / "dut", mutant)
+        for proof in proofs:
+            finding = proof.prove(folder / "dut", folder / proof.name)
+            if finding.problems:
+                return finding.problems[0]
+            if finding.undecided:
+                name = mutant.id if mutant else "the original"
+                raise EndedError(f"{name}: not decided: {finding.undecided[0]}")
     return None
 
 
@@ -346,6 +365,7 @@ _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] =
     EXHAUSTIVE: exhaust,
     CORNERS: bound,
     CONTRACT: keep_contract,
+    NOTICED: keep_contract,
     MODEL: same_model,
 }
 
@@ -392,7 +412,7 @@ def check_equivalents(
 def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
     """Prove an entry, or find that it was proved before."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
-    solver = _solver() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT) else ""
+    solver = _solver() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT, NOTICED) else ""
     # The board, which changes more often, is part of few.
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
     files = rtl_files(dut) if of_board else mesh_files(dut)

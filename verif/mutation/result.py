@@ -22,7 +22,7 @@ from triaxis.verif.mutation.outcomes import Outcome
 
 EVIDENCE = FOLDER / "mutation.json"
 
-RUN, BY_ASSERTION, BY_ELABORATION = "run", "assertion", "elaboration"
+RUN, BY_ASSERTION, BY_ELABORATION, BY_PROOF = "run", "assertion", "elaboration", "proof"
 KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "not elaborated"
 
 
@@ -67,6 +67,7 @@ class Tally:
     by_run: int
     by_assertion: int
     by_elaboration: int
+    by_proof: int
     equivalent: int
     surviving: int
     absent: int
@@ -74,7 +75,7 @@ class Tally:
     @property
     def killed(self) -> int:
         """Return how many were killed."""
-        return self.by_run + self.by_assertion + self.by_elaboration
+        return self.by_run + self.by_assertion + self.by_elaboration + self.by_proof
 
     @property
     def score(self) -> float | None:
@@ -90,6 +91,7 @@ def tally(fates: Iterable[Fate]) -> Tally:
         counts[fate.by if fate.fate == KILLED else fate.fate] += 1
     return Tally(
         sum(counts.values()), counts[RUN], counts[BY_ASSERTION], counts[BY_ELABORATION],
+        counts[BY_PROOF],
         counts[EQUIVALENT], counts[SURVIVING], counts[ABSENT],
     )  # fmt: skip
 
@@ -108,10 +110,10 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
     fixed = (mutant.id, mutant.kind, mutant.place, mutant.original, mutant.changed)
     if killed is not None:
         by = BY_ASSERTION if killed.symptom == ASSERTION else RUN
-        by = BY_ELABORATION if killed.test == BY_ELABORATION else by
+        by = killed.test if killed.test in (BY_ELABORATION, BY_PROOF) else by
         return Fate(
             *fixed, KILLED, by, killed.test, killed.target, killed.symptom,
-            None if by == BY_ELABORATION else killed.pairs, killed.stage, killed.trial,
+            killed.pairs if by in (RUN, BY_ASSERTION) else None, killed.stage, killed.trial,
         )  # fmt: skip
     fate = EQUIVALENT if equivalent else SURVIVING if outcome.targets else ABSENT
     return Fate(*fixed, fate, None, None, None, None, None)
@@ -232,9 +234,9 @@ def _contradiction(fate: Fate, listed: Collection[str]) -> str | None:
         return f"{fate.id}: equivalent, but not listed as such"
     if fate.fate != KILLED:
         return None
-    if fate.id in listed:
+    if fate.id in listed and fate.by != BY_PROOF:
         return f"{fate.id}: killed, but listed as equivalent"
-    if fate.by not in (RUN, BY_ASSERTION, BY_ELABORATION):
+    if fate.by not in (RUN, BY_ASSERTION, BY_ELABORATION, BY_PROOF):
         return f"{fate.id}: killed, but by nothing that is known: {fate.by}"
     missing = [name for name in ("test", "target", "symptom") if not getattr(fate, name)]
     return f"{fate.id}: killed, but without {', '.join(missing)}" if missing else None

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from triaxis.sim.build import rtl_hash
@@ -12,14 +13,16 @@ from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
     FILE,
+    NOTICED,
+    Evidence,
     check_equivalents,
     forget_proofs,
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
 from triaxis.verif.mutation.killers import killers_hash
-from triaxis.verif.mutation.outcomes import Outcome
-from triaxis.verif.mutation.result import ABSENT, SURVIVING, Fate, MutationResult, fate_of
+from triaxis.verif.mutation.outcomes import Killed, Outcome
+from triaxis.verif.mutation.result import ABSENT, BY_PROOF, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 
 
@@ -54,7 +57,7 @@ def mutate(
     # The smallest widths alone say too little: what only they show is tried in volume as well.
     excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
     outcomes = judge(found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress)
-    fates = tuple(fate_of(outcome, outcome.mutant.id in evidence.equivalent) for outcome in outcomes)
+    fates = tuple(_fate(outcome, evidence) for outcome in outcomes)
     problems = [
         *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),
         *(
@@ -68,6 +71,14 @@ def mutate(
         problems.append("the RTL, or what plays its mutants, changed during the run: run again")
     seconds = time.perf_counter() - start
     return MutationResult(fates, tuple(problems), seed, seconds, rtl, killers, tuple(timeline.spans))
+
+
+def _fate(outcome: Outcome, evidence: Evidence) -> Fate:
+    name = outcome.mutant.id
+    entry = evidence.equivalent.get(name)
+    if entry and entry.evidence == NOTICED and not outcome.killed:
+        outcome = replace(outcome, killed=Killed(BY_PROOF, entry.module, "a proof that fails", 0))
+    return fate_of(outcome, entry is not None)
 
 
 def _survivor(fate: Fate) -> str:
