@@ -48,6 +48,7 @@ module triaxis_mesh_scrub
 
   typedef logic signed [W-1:0] coord_t;
   typedef logic [9*CoordWidth-1:0] bytes_t;
+  typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
 
   function automatic logic [31:0] after_triangle(logic [31:0] crc, logic [9*W-1:0] triangle);
@@ -78,11 +79,11 @@ module triaxis_mesh_scrub
 
   // --- What is there --------------------------------------------------------------------------------
 
-  count_t index_q;
+  index_t index_q;
   logic   last;
   assign read_o  = scrub_i && count_i != '0;
-  assign index_o = index_q[IndexWidth-1:0];
-  assign last    = index_q + count_t'(1) == count_i;
+  assign index_o = index_q;
+  assign last    = count_t'(index_q) + count_t'(1) == count_i;
 
   // What is loaded begins it anew: a word that is read just then counts no more.
   logic load, reading_q, last_q;
@@ -100,7 +101,7 @@ module triaxis_mesh_scrub
       reading_q <= 1'b0;
       crc_q <= '1;
     end else begin
-      if (read_o) index_q <= last ? '0 : index_q + count_t'(1);
+      if (read_o) index_q <= last ? '0 : index_q + index_t'(1);
       reading_q <= read_o;
       if (reading_q) crc_q <= last_q ? '1 : crc_d;
     end
