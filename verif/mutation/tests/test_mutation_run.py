@@ -25,12 +25,15 @@ from triaxis.verif.mutation.equivalence import (
     CONTRACT,
     CORNERS,
     EXHAUSTIVE,
+    NOTICED,
     PROOF,
     REGISTERS,
+    TWINS,
     Equivalent,
     check_equivalents,
     keep_contract,
     prove,
+    prove_twins,
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
@@ -220,6 +223,29 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
         ("triaxis_go", "are not of mesh/triaxis_stream_fifo.sv"),
     ):
         assert said in (keep_contract(replace(entry, module=module), [wrong]) or "")
+
+
+@pytest.mark.prover
+def test_of_twins_either_may_be_taken_but_not_the_same_twice_in_a_comparison():
+    sizes = {"W": 8, "Depth": 16, "Group": 4, "Lanes": 2}
+    entry = Equivalent((), "reason", TWINS, "triaxis_mesh_store", sizes, "nothing changes")
+    assert prove_twins(entry, [of("triaxis_mesh_store", "index", "count_o = counts[next(0)]")]) is None
+    for changed in ("second = seen[next(1)]", "differ_o <= seen[next(0)]", "boxes[0][next(c)]"):
+        wrong = of("triaxis_mesh_store", "index", changed)
+        assert f"{wrong.id}: not proved equivalent" in (prove_twins(entry, [wrong]) or "")
+    single = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
+    with pytest.raises(InputError, match="twins: no two instances that the same bits reach"):
+        prove_twins(replace(entry, module="triaxis_mesh_intake"), [single])
+
+
+@pytest.mark.prover
+def test_a_proof_notices_a_mutant_only_where_it_fails():
+    wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
+    entry = Equivalent((wrong.id,), "reason", NOTICED, "triaxis_stream_fifo", {}, "it is full")
+    assert keep_contract(entry, [wrong]) is None
+    right = next(one for one in read_equivalents() if one.module == "triaxis_stream_fifo")
+    harmless = catalogue().by_id[right.mutants[0]]
+    assert f"{harmless.id}: not noticed" in (keep_contract(entry, [harmless]) or "")
 
 
 def test_corners_refuse_a_bit_that_is_needed():
