@@ -47,21 +47,32 @@ module triaxis_mesh_scrub
   localparam int unsigned CoordWidth = 8 * ((W + 7) / 8);
 
   typedef logic signed [W-1:0] coord_t;
-  typedef logic [9*CoordWidth-1:0] bytes_t;
   typedef logic [IndexWidth-1:0] index_t;
   typedef logic [IndexWidth:0] count_t;
 
-  function automatic logic [31:0] after_triangle(logic [31:0] crc, logic [9*W-1:0] triangle);
-    bytes_t bytes;
-    logic [31:0] value;
+  // A CRC is linear: each bit of what it is after a triangle is a sum of bits of the triangle and of what it was
+  // before. These sums, bit by bit of the bytes, so that no chain of shifts is left to be optimised.
+  typedef logic [9*W+31:0] sources_t;  // {triangle, before}
+  typedef logic [31:0][9*W+31:0] sums_t;
+  function automatic sums_t sums_after();
+    sums_t sums;
+    sources_t first;
+    for (int unsigned i = 0; i < 32; i++) sums[i] = sources_t'(1) << i;
     for (int unsigned i = 0; i < 9; i++) begin
-      bytes[i*CoordWidth+:CoordWidth] = CoordWidth'($signed(triangle[i*W+:W]));
+      for (int unsigned bit_index = 0; bit_index < CoordWidth; bit_index++) begin
+        first = sums[0] ^ sources_t'(1) << 32 + i * W + (bit_index < W ? bit_index : W - 1);
+        for (int unsigned b = 0; b < 31; b++) sums[b] = sums[b+1] ^ (CrcPolynomial[b] ? first : '0);
+        sums[31] = first;
+      end
     end
-    value = crc;
-    for (int unsigned i = 0; i < $bits(bytes_t); i += 8) begin
-      value = crc_after_byte(value, bytes[i+:8]);
-    end
-    return value;
+    return sums;
+  endfunction
+  localparam sums_t SumsAfter = sums_after();
+
+  function automatic logic [31:0] after_triangle(logic [31:0] crc, logic [9*W-1:0] triangle);
+    sources_t sources;
+    sources = {triangle, crc};
+    for (int unsigned i = 0; i < 32; i++) after_triangle[i] = ^(SumsAfter[i] & sources);
   endfunction
 
   // --- What came ------------------------------------------------------------------------------------
