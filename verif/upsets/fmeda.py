@@ -31,7 +31,14 @@ class Block:
 BLOCKS = (
     Block(
         "meshes in memory", r"u_mesh\.u_store_[ab]\.(u_triangles|g_lane)",
-        "a vertex or a box is another one", "parity of each coordinate and of the address, where it is used",
+        "a vertex or a box is another one",
+        "parity of each coordinate and of the address, where it is used, and between runs; then the CRC-32 of the "
+        "whole mesh, too",
+    ),
+    Block(
+        "scrub", r"u_mesh\.u_store_[ab]\.u_scrub",
+        "a word is not looked at, or something else than what came is held against it",
+        "needs a second fault; the host compares the signature",
     ),
     Block(
         "intake of meshes", r"u_mesh\.u_store_[ab]\.",
