@@ -149,6 +149,7 @@ NOT_PROVED = {
     "triaxis_group_rows": _RAM,
     "triaxis_mesh": _WHOLE,
     "triaxis_mesh_intake": _LONG,
+    "triaxis_mesh_scrub": _LONG,
     "triaxis_mesh_store": _RAM,
     "triaxis_near_ring": _RAM,
     "triaxis_parity_ram": _RAM,

@@ -32,8 +32,8 @@ BLOCKS = (
     Block(
         "meshes in memory", r"u_mesh\.u_store_[ab]\.(u_triangles|g_lane)",
         "a vertex or a box is another one",
-        "parity of each coordinate and of the address, where it is used, and between runs; then the CRC-32 of the "
-        "whole mesh, too",
+        "parity of each coordinate and of the address, where it is used, and between runs; then the CRC-32 "
+        "of the whole mesh, too",
     ),
     Block(
         "scrub", r"u_mesh\.u_store_[ab]\.u_scrub",
