@@ -31,7 +31,7 @@ from triaxis.host.link.messages import (
 )  # fmt: skip
 from triaxis.host.link.wire import LayoutError, Record
 
-# A dead master's board is free once its watchdog has expired: of a simulated one on a busy machine in seconds.
+# A dead master's board is free once its watchdog has expired: of a simulated one in seconds.
 _TAKEOVER_SECONDS = 5.0
 _BETWEEN_HELLOS = 0.05
 # A run without news: one clock a facet pair, and a simulated board of 50,000 clocks a second.
