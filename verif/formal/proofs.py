@@ -268,10 +268,9 @@ _WALK = (
 
 
 _EXTENT = ("core/triaxis_extent", "core/triaxis_delay")
-_STORE = (
-    "mesh/triaxis_mesh_store", "mesh/triaxis_mesh_intake", "mesh/triaxis_parity_ram", "mesh/triaxis_ram",
-    *_EXTENT,
-)  # fmt: skip
+# A mesh in memory, without its memories.
+_MESH = ("mesh/triaxis_mesh_store", "mesh/triaxis_mesh_scrub", "mesh/triaxis_mesh_intake", *_EXTENT)
+_STORE = (*_MESH, "mesh/triaxis_parity_ram", "mesh/triaxis_ram")
 
 
 def _walk() -> SbyProof:
@@ -324,7 +323,7 @@ def _twice() -> SbyProof:
         "Whatever one walk asks of a memory or of the core, or says, that the other does not, shows as a "
         "difference in the next clock, and what it says of a summary at once; whatever one intake counts, "
         "writes or says of a mesh that the other does not, too; for any states of the two.",
-        (*_WALK, "mesh/triaxis_mesh_store", "mesh/triaxis_mesh_intake", *_EXTENT),
+        (*_WALK, *_MESH),
         {"W": 8, "M": 8, "Depth": 16, "Group": 4, "Lanes": 2},
         3,
         ("the box of a mesh counts where it has triangles that have settled: `engine_walk`",),
@@ -362,6 +361,37 @@ def _parity(name: str, pieces: int, words: int) -> SbyProof:
     )
 
 
+# What a triangle makes of a CRC.
+_ANY_CRC = (
+    ("came_q <= after_triangle(came_q, triangle_i);", "came_q <= free_came;"),
+    ("assign crc_d = after_triangle(crc_q, triangle_read_i);", "assign crc_d = free_crc;"),
+    ("logic [31:0] came_q;", "logic [31:0] came_q, free_came, free_crc;"),
+)
+
+
+def _scrub() -> SbyProof:
+    proof = _assertions(
+        "engine_scrub",
+        "For all time and under every pattern of loads, pauses and resets: a mesh is scrubbed a triangle a "
+        "clock, in order, over and over from the last load on, so each within as many of these clocks as "
+        "there are triangles. In the clock after it was read, if nothing is loaded then, a triangle is found "
+        "broken exactly where a word is not intact, a vertex is outside its box, that outside its group's, "
+        "or, of the last one, the CRC of all that was read is not that of all that was pushed; so nothing is "
+        "of a mesh that is as it was pushed, and within its boxes. What is tried of a bound is found at each "
+        "triangle of such a mesh, what is tried of the CRC at its last.",
+        ("mesh/triaxis_mesh_scrub",),
+        {"W": _WIDTH, "Depth": 8},
+        12,
+        (
+            "a mesh counts what it is given: `engine_boxes`",
+            "what a triangle makes of a CRC is anything, but the same of the same, of what is pushed as of "
+            "what is read: `engine_signature`",
+        ),
+        harness="triaxis_scrub_formal",
+    )
+    return replace(proof, edits={"mesh/triaxis_mesh_scrub.sv": _ANY_CRC})
+
+
 def engine_proofs() -> tuple[SbyProof, ...]:
     """Return the proofs of the mesh engine."""
     return (
@@ -393,6 +423,19 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             ),
             # As many clocks as a triangle is under way, and one.
             depth=4,
+        ),
+        _scrub(),
+        _assertions(
+            "engine_signature",
+            "From any CRC, with any triangle, what is made of it is the remainder of the division by the "
+            "polynomial of CRC-32, over nine coordinates with their signs, each the lowest byte first: of "
+            "what is pushed, from ones on after a reset and when it is cleared, and of what is read. The "
+            "signature is the complement of the first.",
+            ("mesh/triaxis_mesh_scrub",),
+            {"W": 12, "Depth": 8},
+            3,
+            window=2,
+            harness="triaxis_signature_formal",
         ),
         replace(
             _assertions(

@@ -82,6 +82,8 @@ module triaxis_mesh
     output logic [IndexWidth:0] count_a_o,
     output logic [IndexWidth:0] count_b_o,
     output logic [1:0] overfull_o,
+    output logic [31:0] signature_a_o,
+    output logic [31:0] signature_b_o,
     input logic s_axis_run_tvalid_i,
     output logic s_axis_run_tready_o,
     input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
@@ -108,6 +110,7 @@ module triaxis_mesh
   logic [2:0] free_status;
   logic [2*IndexWidth-1:0] free_near;
   logic [PairCountWidth-1:0] free_count;
+  logic [31:0] free_signature_a, free_signature_b;
   logic load, running_q, awake_q;
   logic [IndexWidth:0] count_q[2];
 
@@ -137,6 +140,8 @@ module triaxis_mesh
   assign count_a_o = count_q[0];
   assign count_b_o = count_q[1];
   assign overfull_o = '0;  // asserted: nothing is loaded into a mesh that is full
+  assign signature_a_o = free_signature_a;
+  assign signature_b_o = free_signature_b;
   assign m_axis_near_tvalid_o = free_near_valid;
   assign m_axis_near_tdata_o = free_near;
   assign m_axis_done_tvalid_o = free_ends && running_q;

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the engine makes of what its checks find: that the two walks differ, or the two intakes of a mesh, that
-// something rests on a word that is not intact, that the core tells a fault. All of that comes at any clocks
-// here, see triaxis_checks_surroundings.
+// something rests on a word that is not intact, that a mesh is not as it was loaded, that the core tells a
+// fault. All of that comes at any clocks here, see triaxis_checks_surroundings.
 //
-// In doubt is a run from the clock after one of these, and from its beginning where one was before and is
-// not acknowledged: it ends with StatusFault, whatever the walks say.
+// In doubt is a run from the clock after one of these, and from its beginning where one comes as it is accepted,
+// or was before and is not acknowledged: it ends with StatusFault, whatever the walks say. What comes when it
+// is over is no doubt about it: its status stays as it was told.
 
 `include "triaxis_formal.svh"
 
@@ -55,6 +56,8 @@ module triaxis_checks_formal
       .count_a_o(),
       .count_b_o(),
       .overfull_o(),
+      .signature_a_o(),
+      .signature_b_o(),
       .s_axis_run_tready_o(ready),
       .busy_o(busy),
       .m_axis_near_tvalid_o(),
@@ -92,19 +95,23 @@ module triaxis_checks_formal
     assign near_said[i] = u_mesh.g_walk[i].u_walk.near_o;
   end
 
-  logic   accept;
+  logic accept;
+  logic [1:0] changed;
   trial_t trial_q;
-  seen_t  misread;
-  assign accept = s_axis_run_tvalid_i && ready;
+  seen_t misread;
+  assign accept  = s_axis_run_tvalid_i && ready;
+  assign changed = {u_mesh.u_store_b.broken_o, u_mesh.u_store_a.broken_o};
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) trial_q <= '0;
     else if (accept) trial_q <= s_axis_run_tuser_i[M+2+:$bits(trial_t)];
+    // Given up once it is acknowledged, or a mesh is found broken.
+    else if (acknowledge_i || changed != '0) trial_q <= '0;
   end
   for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
     assign misread[i] = busy && trial_q.kind == TrialWalk && i % 32 == 32'(trial_q.which);
   end
 
-  logic broken, unlike, stores_differ, refuted;
+  logic broken, unlike, unlike_q, stores_differ, refuted, found;
   always_comb begin
     broken = 1'b0;
     for (int i = 0; i < 2; i++) begin
@@ -124,31 +131,44 @@ module triaxis_checks_formal
 
   // --- What becomes of it ---------------------------------------------------------------------------------
 
-  // In the last clock the walks differed; something else was found; a fault stood that was not acknowledged.
-  logic unlike_q, found_q, stood_q, doubt_q, condemned_q, tried_q, awake_q;
+  // In the last clock something was found; a fault stood that was not acknowledged. Of the run: it is in doubt;
+  // it was so from its beginning; a fault was told in one of its clocks; what its summary says.
+  logic found_q, stood_q, doubt_q, condemned_q, met_q, tried_q, awake_q;
+  status_e told_q;
+
+  // What is found in this clock; that the walks differ, a clock after they do.
+  assign found = broken || changed != '0 || stores_differ || refuted || unlike_q;
+
+  // What of a summary is compared in its own clock.
+  logic standing, differs_now, in_doubt;
+  assign standing = fault_o && !acknowledge_i;
+  assign differs_now = stores_differ || unlike_q ||
+      ({over[0], said[0], near_said[0]} ^ {over[1], said[1], near_said[1]}) !=
+      misread[summary_width(
+      Depth
+  )-1:0];
+  assign in_doubt = doubt_q || (done && differs_now);
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      {unlike_q, found_q, stood_q, doubt_q, condemned_q, tried_q, awake_q} <= '0;
+      {unlike_q, found_q, stood_q, doubt_q, condemned_q, met_q, tried_q, awake_q} <= '0;
+      told_q <= StatusNone;
     end else begin
-      awake_q <= 1'b1;
+      awake_q  <= 1'b1;
       unlike_q <= unlike;
-      found_q <= broken || stores_differ || refuted || unlike_q;
-      stood_q <= fault_o && !acknowledge_i;
-      doubt_q  <= broken || stores_differ || refuted || unlike || unlike_q ||
-          (fault_o && !acknowledge_i) || (doubt_q && !accept);
-      if (accept) condemned_q <= fault_o && !acknowledge_i;
+      found_q  <= found;
+      stood_q  <= standing;
+      if (accept) doubt_q <= found || standing;
+      else if (busy) doubt_q <= doubt_q || found || standing || (done && differs_now);
+      if (accept) condemned_q <= found || standing;
+      met_q   <= !accept && busy && (met_q || fault_o);
       // The walks did the same in a clock in which one of them was misread.
       tried_q <= !accept && (tried_q || (misread != '0 && seen[0] == seen[1]));
+      if (accept) told_q <= StatusNone;
+      // What is found in the very clock of the summary is told from the next one on.
+      else if (done) told_q <= found ? StatusFault : status;
     end
   end
-
-  logic differs_now, in_doubt;
-  assign differs_now = stores_differ ||
-      (over[0] && ({over[0], said[0], near_said[0]} ^ {over[1], said[1], near_said[1]}) !=
-       misread[summary_width(
-      Depth
-  )-1:0]);
-  assign in_doubt = doubt_q || differs_now;
 
   // A clean past, for the covers.
   logic faulty_q, sound_q;
@@ -168,22 +188,36 @@ module triaxis_checks_formal
       Summary : assert (done == over[0] && near == near_said[0]);
       InDoubt : assert (said[0] == StatusNone || !in_doubt || status == StatusFault);
       ElseAsSaid : assert ((said[0] != StatusNone && in_doubt) || status == said[0]);
+      // A fault that is told while it goes on ends it so, though it be acknowledged.
+      Met : assert (!done || !(met_q || fault_o) || status == StatusFault);
+      // Of a run that is over the status stays, whatever comes.
+      Stays : assert (busy || status == told_q);
       BothComplete :
       assert (!done || status != StatusComplete ||
               (over[1] && said[0] == StatusComplete && said[1] == StatusComplete &&
                near_said[1] == near && !fault_o) || trial_q.kind == TrialWalk);
       Condemned : assert (!done || !condemned_q || status == StatusFault);
-      TriedWalk : assert (!done || trial_q.kind != TrialWalk || !tried_q || status == StatusFault);
+      TriedWalk : assert (!done || !tried_q || status == StatusFault);
 
-      // Only what was asked for is tried.
+      // Between runs the meshes are looked at, and only then.
+      Scrubs :
+      assert ({u_mesh.u_store_a.scrub_i, u_mesh.u_store_b.scrub_i} ==
+              {2{ready && !s_axis_run_tvalid_i}});
+      NotInARun : assert (!busy || !(u_mesh.u_store_a.scrub_i || u_mesh.u_store_b.scrub_i));
+
+      // Only what was asked for is tried, of what is done in a run within it, of the scrub between runs.
       TriedIntake :
       assert ({2{busy && trial_q.kind == TrialIntake}} ==
               {u_mesh.u_store_a.trial_intake_i, u_mesh.u_store_b.trial_intake_i});
       TriedMemory :
-      assert ((trial_q.kind == TrialMemory ? 32'd1 << trial_q.which : 32'd0) % (32'd1 << 6) ==
+      assert ((trial_q.kind == TrialMemory ? (32'd1 << trial_q.which) >> (busy ? 0 : 8) : 32'd0) %
+              (32'd1 << 6) ==
               32'({u_mesh.u_store_b.trial_triangles_i, u_mesh.u_store_a.trial_triangles_i,
                    u_mesh.u_store_b.trial_boxes_i, u_mesh.u_store_a.trial_boxes_i,
                    u_mesh.u_store_b.trial_groups_i, u_mesh.u_store_a.trial_groups_i}));
+      TriedScrub :
+      assert ({2{!busy && trial_q.kind == TrialMemory && trial_q.which inside {[5'd16 : 5'd31]}}} ==
+              {u_mesh.u_store_a.trial_scrub_i, u_mesh.u_store_b.trial_scrub_i});
       TriedBits :
       assert (u_mesh.u_store_a.which_i == trial_q.which &&
               u_mesh.u_store_b.which_i == trial_q.which);
@@ -198,14 +232,18 @@ module triaxis_checks_formal
       SeenCondemned : cover (done && condemned_q && said[0] == StatusComplete);
       SeenTried : cover (done && tried_q && said[0] == StatusComplete);
       SeenUnlike : cover (done && !doubt_q && differs_now && said[0] == StatusComplete);
+      SeenLater : cover (!busy && fault_o && status == StatusComplete && changed == '0 && !found_q);
+      SeenChanged : cover (!busy && changed != '0 && trial_q.kind == TrialMemory);
 
       // What makes it inductive.
       for (int i = 0; i < 2; i++) assert (!over[i] || (u_mesh.busy[i] && said[i] != StatusNone));
       assert (u_mesh.trial_q == trial_q);
       assert (unlike_q == (u_mesh.seen_q[0] != u_mesh.seen_q[1]));
-      assert (doubt_q == (unlike_q || u_mesh.ends_in_fault_q));
+      assert (doubt_q == u_mesh.ends_in_fault_q);
       assert (!condemned_q || doubt_q);
-      assert (trial_q.kind != TrialWalk || !tried_q || doubt_q);
+      assert (!met_q || doubt_q);
+      assert (!busy || !tried_q || doubt_q || unlike_q);
+      assert (!(busy && fault_o) || doubt_q);
     end
   end
 

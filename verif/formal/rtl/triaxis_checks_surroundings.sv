@@ -5,7 +5,8 @@
 // Signals named free_* have no driver: the prover chooses them anew each clock, and for each instance.
 
 // A walk: it takes a run, and says at some clock that it is over, with some status: `engine_control`. All
-// else that it does is anything, and so is what it shows of that, but for its summary: `engine_twice`.
+// else that it does is anything, and so is what it shows of that, but for its summary, and that two in a reset
+// show the same: `engine_twice`.
 module triaxis_walk
   import triaxis_mesh_pkg::*;
   import triaxis_pkg::*;
@@ -137,11 +138,12 @@ module triaxis_walk
   assign core_valid_o = free_core_valid;
   assign verdict_ready_o = free_verdict_ready;
   assign near_o = free_near;
-  assign seen_o = {free_seen, m_axis_done_tvalid_o, status_o, near_o};
+  assign seen_o = rst_ni ? {free_seen, m_axis_done_tvalid_o, status_o, near_o} : '0;
 
 endmodule
 
-// A mesh in memory: what is read, whether it is intact and whether the two intakes differ is anything.
+// A mesh in memory: what is read, whether it is intact, whether the two intakes differ and whether what is
+// there is found broken is anything.
 module triaxis_mesh_store
   import triaxis_mesh_pkg::*;
 #(
@@ -163,6 +165,10 @@ module triaxis_mesh_store
     output logic overfull_o,
     output logic settled_o,
     output logic signed [W-1:0] object_o[2][3],
+    output logic [31:0] signature_o,
+
+    input  logic scrub_i,
+    output logic broken_o,
 
     input logic triangle_read_i,
     input logic [IndexWidth-1:0] triangle_index_i,
@@ -184,16 +190,18 @@ module triaxis_mesh_store
     input logic trial_boxes_i,
     input logic trial_groups_i,
     input logic trial_intake_i,
+    input logic trial_scrub_i,
     input logic [4:0] which_i,
     output logic differ_o
 );
 
-  logic free_triangle_intact, free_differ;
+  logic free_triangle_intact, free_differ, free_broken;
   logic [Lanes-1:0] free_boxes_intact, free_groups_intact;
   assign triangle_intact_o = free_triangle_intact;
   assign boxes_intact_o = free_boxes_intact;
   assign groups_intact_o = free_groups_intact;
   assign differ_o = free_differ;
+  assign broken_o = free_broken;
 
 endmodule
 

@@ -301,6 +301,10 @@ module triaxis_go_formal
       // As `board_runs` assumes of commands.
       ToldInOrder : assert ((told & (told - 4'd1)) == '0 && !(u_top.busy && told[3:1] != '0));
       BeatOnlyWithGo : assert (!beat_o || go_o || was_go_q);
+      // What a LOAD is answered of each mesh is the engine's, so the host can compare it with its own.
+      Signatures :
+      assert (u_top.u_answer.signatures_i ==
+              {u_top.u_mesh.signature_b_o, u_top.u_mesh.signature_a_o});
       FitsTheMesh :
       assert (!load || u_top.load_tuser[1] || engine_count[u_top.load_tuser[0]] < 17'(Depth));
       SeenGo : cover (go_o && ran_q);

@@ -41,6 +41,9 @@ module triaxis_intakes_formal
       .overfull_o(),
       .settled_o(settled),
       .object_o,
+      .signature_o(),
+      .scrub_i(1'b0),
+      .broken_o(),
       .triangle_read_i(1'b0),
       .triangle_index_i('0),
       .triangle_o(),
@@ -56,6 +59,7 @@ module triaxis_intakes_formal
       .trial_triangles_i(1'b0),
       .trial_boxes_i(1'b0),
       .trial_groups_i(1'b0),
+      .trial_scrub_i(1'b0),
       .differ_o(differ),
       .*
   );
@@ -67,7 +71,7 @@ module triaxis_intakes_formal
   for (genvar i = 0; i < SeenWidth; i++) begin : g_misread
     assign misread[i] = trial_intake_i && i % 32 == 32'(which_i);
   end
-  always_ff @(posedge clk_i) misread_q <= rst_ni && misread != '0;
+  always_ff @(posedge clk_i) misread_q <= misread != '0;
 
   // The oldest triangle that is under way, or the next one: where it is the first of a mesh, what is known of
   // groups and of the mesh does not count yet.

@@ -6,7 +6,7 @@
 // and has its verdict; or has held its boxes, or boxes around them, against one another, and on one
 // axis they are apart by more than the margin. Or something rested on a word of a memory that was not
 // intact, and then the engine knows of it at that clock. All this is of the first of the two walks: what
-// becomes of a difference, and of a fault, is `engine_checks`.
+// becomes of a difference, and of a fault, is `engine_checks`. While a mesh is scrubbed the walk reads nothing.
 //
 // While the run goes on the pair is in one place: not yet reached by the scan of the rows, in a stage,
 // or in a queue, alone or in a group or a word that holds it; or it was skipped; or it was issued.
@@ -62,6 +62,8 @@ module triaxis_mesh_formal
       .count_a_o(),
       .count_b_o(),
       .overfull_o(),
+      .signature_a_o(),
+      .signature_b_o(),
       .s_axis_run_tready_o(),
       .busy_o(),
       .m_axis_near_tvalid_o(),
@@ -193,6 +195,11 @@ module triaxis_mesh_formal
       AsItIs :
       assert (!followed_q || !sends || u_mesh.core_pair == {u_mesh.u_store_b.triangle_q, moved});
       BrokenIsTold : assert (!breaks || u_mesh.broken);
+      // No one else reads, so that a word is where the walk looked for it.
+      ScrubsAtRest :
+      assert (!(u_mesh.u_store_a.scrub_i || u_mesh.u_store_b.scrub_i) || !(u_mesh.busy_o ||
+              u_mesh.row_read[0] || u_mesh.word_read[0] || u_mesh.box_a_read[0] ||
+              u_mesh.box_b_read[0] || u_mesh.triangle_read[0]));
       // Verdicts are taken; nothing is found broken, and no verdict wrong, once the summary is there.
       VerdictTaken : assert (!done || (!breaks && u_mesh.g_core.u_core.held_q == '0));
 

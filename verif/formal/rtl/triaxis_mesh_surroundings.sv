@@ -28,6 +28,9 @@ module triaxis_mesh_store
     output logic overfull_o,
     output logic settled_o,
     output logic signed [W-1:0] object_o[2][3],
+    output logic [31:0] signature_o,
+    input logic scrub_i,
+    output logic broken_o,
     input logic triangle_read_i,
     input logic [IndexWidth-1:0] triangle_index_i,
     output logic [9*W-1:0] triangle_o,
@@ -44,6 +47,7 @@ module triaxis_mesh_store
     input logic trial_boxes_i,
     input logic trial_groups_i,
     input logic trial_intake_i,
+    input logic trial_scrub_i,
     input logic [4:0] which_i,
     output logic differ_o
 );
@@ -52,16 +56,16 @@ module triaxis_mesh_store
   typedef logic [1:0][2:0][W-1:0] box_t;
   typedef logic [IndexWidth:0] count_t;
 
-  logic [IndexWidth-1:0] number_q, triangle_at_q;
-  logic [WordWidth-1:0] box_at_q;
-  logic [GroupWordWidth-1:0] group_at_q;
+  logic [IndexWidth-1:0] number_q, triangle_at_q, free_triangle_at;
+  logic [WordWidth-1:0] box_at_q, free_box_at;
+  logic [GroupWordWidth-1:0] group_at_q, free_group_at;
   logic [9*W-1:0] triangle_q;
   box_t object_q, group_q, box_q;
   count_t count_q;
   logic changed, settled_q;
 
   // No drivers: anything at each clock.
-  logic free_settled, free_overfull, free_triangle_intact, free_differ;
+  logic free_settled, free_overfull, free_triangle_intact, free_differ, free_broken;
   logic [Lanes-1:0] free_boxes_intact, free_groups_intact;
   logic [9*W-1:0] free_triangle, other_triangle;
   box_t free_object, free_group, free_box, other_boxes[Lanes], other_groups[Lanes];
@@ -73,6 +77,7 @@ module triaxis_mesh_store
   assign boxes_intact_o = free_boxes_intact;
   assign groups_intact_o = free_groups_intact;
   assign differ_o = free_differ;
+  assign broken_o = free_broken;
   assign count_o = count_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -93,9 +98,16 @@ module triaxis_mesh_store
       group_q    <= free_group;
       box_q      <= free_box;
     end
-    if (triangle_read_i) triangle_at_q <= triangle_index_i;
-    if (box_read_i) box_at_q <= box_word_i;
-    if (group_read_i) group_at_q <= group_word_i;
+    // Where it is scrubbed any words are read: what the walk reads meanwhile, or has read, is lost.
+    if (scrub_i) begin
+      triangle_at_q <= free_triangle_at;
+      box_at_q <= free_box_at;
+      group_at_q <= free_group_at;
+    end else begin
+      if (triangle_read_i) triangle_at_q <= triangle_index_i;
+      if (box_read_i) box_at_q <= box_word_i;
+      if (group_read_i) group_at_q <= group_word_i;
+    end
   end
 
   box_t boxes[Lanes], groups[Lanes];

@@ -22,6 +22,7 @@ module triaxis_reply_formal
     input code_e code_i,
     input sequence_t expected_i,
     input status_block_t status_i,
+    input logic [1:0][31:0] signatures_i,
     input pose_t pose_i,
     input logic [31:0] written_i,
     input logic [2*IndexWidth-1:0] ring_data_i
@@ -77,7 +78,7 @@ module triaxis_reply_formal
     else if (paid)
       case (request_i.command)
         CmdHello: due_bytes = 9'd14;
-        CmdLoad: due_bytes = 9'd2;
+        CmdLoad: due_bytes = 9'd6;
         CmdMove: due_bytes = 9'd12;
         CmdRun: due_bytes = 9'd1;
         CmdResults: due_bytes = 9'd56;
@@ -119,10 +120,13 @@ module triaxis_reply_formal
     if (code_i == CodeSequence) return byte_of(expected_i, place);
     case (request_i.command)
       CmdHello: return Hello[8*place+:8];
-      CmdLoad:
-      return byte_of(32'(request_i.fields[0] ? status_i.count_b : status_i.count_a), place);
-      CmdMove: return byte_of(pose_i[(place<7'd4)?0 : (place<7'd8)?1 : 2], place);
-      default: return status_byte(place);
+      CmdLoad: begin
+        if (place < 7'd2)
+          return byte_of(32'(request_i.fields[0] ? status_i.count_b : status_i.count_a), place);
+        return byte_of(request_i.fields[0] ? signatures_i[1] : signatures_i[0], place - 7'd2);
+      end
+      CmdMove:  return byte_of(pose_i[(place<7'd4)?0 : (place<7'd8)?1 : 2], place);
+      default:  return status_byte(place);
     endcase
   endfunction
 

@@ -3,7 +3,8 @@
 //
 // Whatever one of the two walks does that the other does not, and whatever one intake of a mesh makes of it
 // that the other does not, is a difference in the next clock. The registers of each begin with anything: so
-// this holds whatever it was that made them differ. Memories and core: see triaxis_twice_surroundings.
+// this holds whatever it was that made them differ. In a reset they are alike, so that none is told after it.
+// Memories and core: see triaxis_twice_surroundings.
 
 `include "triaxis_formal.svh"
 
@@ -42,6 +43,8 @@ module triaxis_twice_formal
       .count_a_o(),
       .count_b_o(),
       .overfull_o(),
+      .signature_a_o(),
+      .signature_b_o(),
       .s_axis_run_tready_o(),
       .busy_o(),
       .m_axis_near_tvalid_o(),
@@ -148,14 +151,17 @@ module triaxis_twice_formal
           same_words: same_words,
           same_objects: same_objects
       };
-  logic unlike;
+  logic unlike, awake_q;
   assign unlike = u_mesh.seen_q[0] != u_mesh.seen_q[1];
-  always_ff @(posedge clk_i) last_q <= known;
+  always_ff @(posedge clk_i) begin
+    last_q  <= known;
+    awake_q <= rst_ni;
+  end
 
   `TRIAXIS_FULL_AFTER(1)
   always_comb begin
-    assume (rst_ni);
-    if (full) begin
+    if (full) AfterReset : assert (awake_q || (!unlike && told == '0));
+    if (full && awake_q) begin
       Reads : assert (last_q.tries_walk || last_q.same_reads || unlike);
       Pair : assert (last_q.tries_walk || last_q.same_pair || unlike);
       Answers : assert (last_q.tries_walk || last_q.same_answers || unlike);
