@@ -279,14 +279,15 @@ def _walk() -> SbyProof:
         "For all time and under every pattern of stalls, aborts and resets: of a run that is said to be "
         "complete each pair of triangles was handed to the core, once, with the vertices that are stored, "
         "A's moved as asked, and verdicts of all that was handed over were taken; or its boxes, or those of "
-        "its groups or of the whole of B around them, lie apart on one axis by more than the margin.",
+        "its groups or of the whole of B around them, lie apart on one axis by more than the margin. While "
+        "a mesh is scrubbed no run goes on, and nothing of it is read.",
         _WALK,
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         26,
         (
             "queues of four places in the copy that is proved, as in `engine_queue`",
-            "what is read of a memory is what was written: `engine_memory`; boxes lie around their "
-            "triangles: `engine_boxes`",
+            "what is read of a memory is what was written: `engine_memory`; it is read where a run asks, and "
+            "boxes lie around their triangles: `engine_boxes`",
             "the core gives one verdict a pair, at any time: `streams`, `certified`",
         ),
         beside=("triaxis_mesh_surroundings",),
@@ -298,12 +299,14 @@ def _checks() -> SbyProof:
     return _assertions(
         "engine_checks",
         "For all time and under every pattern of stalls and resets: where the walks differ, or the intakes "
-        "of a mesh, where something rests on a word that is not intact, or the core tells a fault, a fault "
-        "is told two clocks later at the latest, and until it is acknowledged; the run of then, and each "
-        "that begins before that, ends with that status, whatever the walks say, and so does one whose "
-        "walks differ in its summary; else the status is that of the first walk, and no fault is told. A "
-        "run that tries the walks ends so where these do the same in any of its clocks before; what is "
-        "tried of memories, intakes and core is just what was asked for.",
+        "of a mesh, where something rests on a word that is not intact, a mesh is not as it was loaded, or "
+        "the core tells a fault, a fault is told two clocks later at the latest, and until it is "
+        "acknowledged; the run of then, and each that begins before that, ends with that status, whatever "
+        "the walks say, and so does one whose walks differ in its summary; else the status is that of the "
+        "first walk, and no fault is told. Of a run that is over the status stays, whatever comes. Meshes "
+        "are scrubbed between runs, and only then. A run that tries the walks ends in a fault where these do "
+        "the same in any of its clocks before; what is tried of memories, intakes, scrub and core is just "
+        "what was asked for, until it is acknowledged or a mesh is found broken.",
         ("mesh/triaxis_mesh",),
         {"W": 4, "M": 4, "Depth": 16, "Group": 4, "Lanes": 2},
         12,
@@ -322,7 +325,8 @@ def _twice() -> SbyProof:
         "engine_twice",
         "Whatever one walk asks of a memory or of the core, or says, that the other does not, shows as a "
         "difference in the next clock, and what it says of a summary at once; whatever one intake counts, "
-        "writes or says of a mesh that the other does not, too; for any states of the two.",
+        "writes or says of a mesh that the other does not, too; for any states of the two. In a reset they "
+        "are alike.",
         (*_WALK, *_MESH),
         {"W": 8, "M": 8, "Depth": 16, "Group": 4, "Lanes": 2},
         3,
@@ -404,10 +408,12 @@ def engine_proofs() -> tuple[SbyProof, ...]:
             "engine_boxes",
             "A mesh counts the triangles that it is given, and writes each at its number; the box of a "
             "group, and that of the mesh, is the smallest around its triangles' boxes, by induction over "
-            "the triangles.",
+            "the triangles. A run reads each memory where it asks; the scrub a triangle with its own box and "
+            "that of its group, when all is written.",
             _STORE,
             {"W": _WIDTH, "Depth": 16, "Group": 4, "Lanes": 2},
             8,
+            ("while a mesh is scrubbed no run reads: `engine_walk`",),
             window=5,
         ),
         replace(
@@ -541,7 +547,8 @@ def _board_go() -> SbyProof:
         "byte by byte, as many triangles as the run named, and nothing was loaded since; no frame was"
         " damaged or refused since the run was asked for; a command that was no repeat was "
         "acknowledged at most WatchdogClocks + 1 clocks ago; and no fault stands, or has come since that run "
-        "was asked for, and a fault stands until a HELLO. Go and stop always differ; the beat ends with go.",
+        "was asked for, and a fault stands until a HELLO. Go and stop always differ; the beat ends with go. "
+        "The signatures that a LOAD is answered with are the engine's.",
         method=Method.INDUCTION,
         parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
         assumptions=(
