@@ -67,14 +67,6 @@ package triaxis_mesh_pkg;
 
   // CRC-32 of IEEE 802.3, reflected.
   localparam logic [31:0] CrcPolynomial = 32'hEDB8_8320;
-  function automatic logic [31:0] crc_after_byte(logic [31:0] crc, logic [7:0] data);
-    logic [31:0] value;
-    value = crc ^ {24'd0, data};
-    for (int unsigned i = 0; i < 8; i++) begin
-      value = {1'b0, value[31:1]} ^ (value[0] ? CrcPolynomial : 32'd0);
-    end
-    return value;
-  endfunction
 
   function automatic int unsigned move_width(int unsigned w);
     return w + 1;

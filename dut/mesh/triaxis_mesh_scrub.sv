@@ -5,7 +5,8 @@
 // the coordinates in the order of LOAD, each of ceil(W / 8) bytes, sign-extended, lowest byte first; a host
 // computes it too. While scrub_i the mesh is read, a triangle a clock, over and over: its words must be
 // intact, the triangle within its box, the box within that of its group, and at the end of the mesh the CRC-32
-// of what was read that of what came. So a write that was lost is found as well, which parity does not show.
+// of what was read that of what came. So a write that was lost is found as well, which parity does not
+// show: of a triangle all but one in some 2^32, of a box where it leaves one that is too small.
 // Widths: coordinates W bits; a count of triangles has log2(Depth)+1 bits, for Depth itself.
 // Latency: a fault is found Depth + 1 clocks of scrub_i after it came, or sooner, where nothing is loaded.
 
