@@ -49,6 +49,11 @@ def vector(numbers: Iterable[Number]) -> tuple[Number, Number, Number]:
     return x, y, z
 
 
+def added(*vectors: Vector) -> Vector:
+    """Return the sum of vectors."""
+    return vector(sum(parts, Fraction(0)) for parts in zip(*vectors, strict=True))
+
+
 @dataclass(frozen=True)
 class Grid:
     """The integers' place in space: x = offset + resolution * q, with q of ``width`` signed bits."""

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import asdict, is_dataclass
-from fractions import Fraction
+from numbers import Rational
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ def write_report(path: Path, report: dict[str, Any]) -> Path:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, Fraction):
+    if isinstance(value, Rational):
         return float(value)
     if isinstance(value, Path):
         return str(value)

@@ -1,6 +1,7 @@
 """``triaxis path``: does a tool stay clear of a workpiece all along a program of moves?"""
 
 import argparse
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -12,14 +13,17 @@ from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.engines import BULK, SceneEngine, scene_engine
+from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
+from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
+from triaxis.host.motion.machine import Machine, Tool, read_machine
 from triaxis.host.motion.path_check import NAMES, Effort, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
-from triaxis.host.motion.program import read_program
+from triaxis.host.motion.program import Program, read_program
+from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
-from triaxis.host.stl import read_stl
+from triaxis.host.stl import StlMesh, read_stl
 
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
@@ -35,12 +39,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Move the tool along the program and find the first pose within the clearance (Chebyshev distance) "
         "of the workpiece, or prove that there is none: every real position of the path is covered, not "
         "only samples; being inside the other is near. The program's position is where the origin of "
-        "TOOL.stl is, in the frame of WORK.stl. G-code: G0 G1 G90 G91 G20 G21 X Y Z F, and words that do not "
-        "change where the tool is; anything else is refused. G0 is taken for a straight line. Lengths in "
-        "millimetres. A board that is asked says go at each clear pose, and stop at the end: no machine may "
-        "take its output for the verdict on a path."
+        "TOOL.stl is, in the frame of WORK.stl. G-code as LinuxCNC has it, with arcs, drilling cycles, "
+        "offsets, parameters and subroutines; what is not followed is refused. A rapid may be any way on "
+        "which no axis turns back. Lengths in millimetres. A board that is asked says go at each clear pose, "
+        "and stop at the end: no machine may take its output for the verdict on a path."
     )
-    parser.add_argument("tool", type=Path, metavar="TOOL.stl", help="binary or ASCII STL, in its own frame")
+    tool = "binary or ASCII STL, in its own frame; or a machine file (.toml) with tools, offsets, homes"
+    parser.add_argument("tool", type=Path, metavar="TOOL.stl", help=tool)
     parser.add_argument(
         "work", type=Path, metavar="WORK.stl", help="workpiece and fixture, in the program's frame"
     )
@@ -58,6 +63,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--width", type=int, metavar="W",
         help="coordinate bits of the engine, 8..32 (the smallest of 16, 24, 32 that holds everything)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--reader", choices=("own", "rs274"), default="own",
+        help="who reads the program: our own reader, or LinuxCNC's interpreter where it is installed (own)",
     )  # fmt: skip
     parser.add_argument(
         "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
@@ -80,22 +89,25 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     start = None if options.start is None else tuple(options.start)
-    program = read_program(options.moves, start, options.block_delete)
-    tool, work, names = read_stl(options.tool), read_stl(options.work), (str(options.tool), str(options.work))
+    machine = read_machine(options.tool) if options.tool.suffix == ".toml" else Machine()
+    read = read_by_rs274 if options.reader == "rs274" else read_program
+    program = read(options.moves, start, options.block_delete, machine)
+    given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None
+    work = read_stl(options.work)
+    checked: list[_Checked] = []
     with board_of(options) as board:
-        step = _STEPS * options.resolution if options.step is None else options.step
-        width = width_of(options, board)
-        wanted = Wanted(options.clearance, options.resolution, step, options.scale, width)
-        scene = prepare_path(tool, work, names, program, wanted)
-        engine = BULK if board else options.engine
-        # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
-        others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
         with progress_bar("moves", len(program.moves)) as progress:
-            asked = BoardEngine(board, scene.a, scene.b) if board else others
-            result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
+            for stretch in program.stretches:
+                tool = given or machine.tools[stretch.moves[0].tool]
+                checked.append(_check(options, board, tool, work, stretch, progress))
+                if checked[-1].result.verdict != "clear":
+                    break
+        # What decides: the first tool that is not clear, or the last.
+        tool, scene, result, others = checked[-1].whole
+        first = sum(len(one.scene.program.moves) for one in checked[:-1])
     profile = _profile(options, scene, others)
     if options.json is not None:
-        report = _report(scene, options, result, profile)
+        report = _report(scene, options, result, profile, first) | {"tools": [one.entry for one in checked]}
         if board is not None:
             report |= self_tested(options)
         write_report(options.json, report)
@@ -104,14 +116,55 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_path
 
         draw_path(options.picture, scene, result, profile[0])
-    _print_scene(options, scene)
-    if board is not None:
-        print(f"board: {about(board.description)}")
-    _print_effort(result)
+    for one in checked:
+        _print_scene(options, one.tool.name, one.scene)
+        if board is not None:
+            print(f"board: {about(board.description)}")
+        _print_effort(one.result)
     _print_verdict(scene, result)
     if result.verdict == "unknown":
-        result.insides.refuse_undecided(names)
+        result.insides.refuse_undecided((tool.name, str(options.work)))
     return DONE if result.verdict == "clear" else NO
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """A part of the program with one tool, and what came of it. ``engine``: for poses that decide nothing."""
+
+    tool: Tool
+    scene: PathScene
+    result: PathResult
+    engine: SceneEngine
+
+    @property
+    def whole(self) -> tuple[Tool, PathScene, PathResult, SceneEngine]:
+        return self.tool, self.scene, self.result, self.engine
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """Return what a report says of it."""
+        return {
+            "number": self.tool.number,
+            "name": self.tool.name,
+            "moves": len(self.scene.program.moves),
+            "verdict": self.result.verdict,
+            "poses": self.result.effort.poses,
+        }
+
+
+def _check(
+    options: argparse.Namespace, board: Board | None, tool: Tool, work: StlMesh, program: Program,
+    progress: Progress,
+) -> _Checked:  # fmt: skip
+    step = _STEPS * options.resolution if options.step is None else options.step
+    wanted = Wanted(options.clearance, options.resolution, step, options.scale, width_of(options, board))
+    scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
+    engine = BULK if board else options.engine
+    # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
+    others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
+    asked = BoardEngine(board, scene.a, scene.b) if board else others
+    result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
+    return _Checked(tool, scene, result, others)
 
 
 def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
@@ -124,9 +177,12 @@ def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine)
 
 
 def _report(
-    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile
+    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile, first: int
 ) -> dict[str, Any]:
-    """Return everything that is known of a checked path; lengths of the path in millimetres."""
+    """Return everything that is known of a checked path; lengths of the path in millimetres.
+
+    ``first``: the number of the first move of the scene in the whole program.
+    """
     wanted, program = scene.wanted, scene.program
     return {
         "verdict": result.verdict,
@@ -145,7 +201,7 @@ def _report(
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": options.engine,
         **enclosure_entry(result.insides, options.surfaces_only),
-        "near": result.near,
+        "near": None if result.near is None else replace(result.near, move=result.near.move + first),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
         "profile": profile[0],
@@ -162,9 +218,9 @@ def _effort_entry(effort: Effort) -> dict[str, Any]:
     }
 
 
-def _print_scene(options: argparse.Namespace, scene: PathScene) -> None:
+def _print_scene(options: argparse.Namespace, tool: str, scene: PathScene) -> None:
     program, wanted, grid = scene.program, scene.wanted, scene.grid
-    print(f"tool: {options.tool}, {len(scene.a)} facets; workpiece: {options.work}, {len(scene.b)} facets")
+    print(f"tool: {tool}, {len(scene.a)} facets; workpiece: {options.work}, {len(scene.b)} facets")
     print(f"path: {program.path}, {len(program.moves)} moves, {lengths(scene).sum():.6g} mm")
     for note in program.notes:
         print(f"note: {note}")

@@ -1,4 +1,4 @@
-"""The words of a G-code file, read strictly: what is not understood is refused, with its line and word.
+"""The lines of a G-code file as words, and the order in which they run: branches, loops, subroutines.
 
 The parsers on the package index do not fit: gcodeparser 0.3.0 drops lines of axis words without a G, runs
 comments in parentheses, and pygcode 0.2.1 drops the rest of a line after a character that it does not know;
@@ -6,67 +6,109 @@ both round to binary.
 """
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
-from fractions import Fraction
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import Place, read_input
+from triaxis.host.motion.expression import ARGUMENTS, NUMBER, Expression, Key, Memory, Scanner, Value, number
 
 # What follows a program could be run by a control: nothing of a file is passed over.
 AFTER_THE_END = "stands after the end of the program: remove it, or split the file"
+# Radius and angle of a polar position.
+POLAR = "@^"
+# Lines that run, and calls within calls: a program that takes more is taken for one that does not end.
+_MOST_LINES, _MOST_CALLS = 2_000_000, 50
 
-# Digits of a number: more than any control takes, few enough to keep exact sums small.
-_DIGITS = 15
-
-_WORD = re.compile(r"([A-Za-z])[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.ASCII)
+_PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
 _LINE_END = re.compile(r"\r\n|\n|\r")
+_FLOW = re.compile(r"(?:N\d+\s*)?O\s*(?=[\d<#\[])", re.IGNORECASE | re.ASCII)
+_FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r"[A-Za-z]+", re.ASCII)
+_ENDS = {"sub": ("endsub",), "if": ("elseif", "else", "endif"), "elseif": ("elseif", "else", "endif"),
+         "else": ("endif",), "while": ("endwhile",), "do": ("while",), "repeat": ("endrepeat",)}  # fmt: skip
+_OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
 
 
 @dataclass(frozen=True)
 class Word:
-    """A letter, in upper case, and an exact number. ``text`` is how it stands in the file."""
+    """A letter, in upper case, and a number. ``text`` is how it stands in the file."""
 
     letter: str
-    value: Fraction
+    value: Value
     text: str
 
     @property
     def code(self) -> str:
         """Return the word in its shortest form: G1 for g01, G38.2, X-0.5."""
-        value = self.value
-        return f"{self.letter}{value.numerator if value.denominator == 1 else float(value)}"
+        return f"{self.letter}{float(self.value):g}"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line that has been read, and not yet run. ``words``: letters and what they will be.
+
+    ``optional``: it begins with the block-delete sign, /. ``wrong``: why it cannot be run, where it cannot.
+    """
+
+    place: Place
+    words: tuple[Word | tuple[str, Expression, str], ...] = ()
+    settings: tuple[tuple[Callable[[Memory], Key], Expression], ...] = ()
+    optional: bool = False
+    wrong: InputError | None = None
 
 
 @dataclass(frozen=True)
 class Block:
-    """The words of one line. ``optional``: it begins with the block-delete sign, /."""
+    """A line as it runs: all its words have values; none where it is left out."""
 
     place: Place
     words: tuple[Word, ...]
     optional: bool
 
 
-def read_blocks(path: Path) -> Iterator[Block]:
-    """Yield the lines with words, in order. A single % stands before the first, and after the last.
+@dataclass
+class _Flow:
+    """An O word: its name, what it does, with which values; and what stands between it and its end."""
 
-    Raises InputError where the file cannot be read, a line is not made of words, comments and blanks, or
-    anything follows the closing %.
-    """
+    place: Place
+    name: Callable[[Memory], str]
+    does: str
+    values: tuple[Expression, ...]
+    body: "list[_Statement]" = field(default_factory=list)
+    # Where the body ended: elseif and else go on there, do has its condition in it.
+    end: "_Flow | None" = None
+
+
+_Statement = Line | _Flow
+
+
+class _LoopLeft(Exception):  # noqa: N818
+    """Break, or continue, of the loop of a name."""
+
+
+class _Return(Exception):  # noqa: N818
+    """The end of a subroutine."""
+
+
+def read_lines(path: Path) -> Iterator[Line | _Flow]:
+    """Yield the lines that are not empty. A single % stands before the first, and after the last."""
     text = read_input(path).removeprefix(b"\xef\xbb\xbf").decode("utf-8", errors="replace")
     started = closed = False
-    for number, line in enumerate(_LINE_END.split(text), 1):
-        place = Place(path, number)
-        body = _without_comments(place, line).strip()
-        if body == "%":
-            closed = started
-            started = True
-        elif body and closed:
-            raise place.error(body.split()[0], AFTER_THE_END)
-        elif body:
-            started = True
-            yield _block(place, body)
+    for count, line in enumerate(_LINE_END.split(text), 1):
+        place = Place(path, count)
+        try:
+            body = _without_comments(place, line).strip()
+            if body == "%":
+                closed = started
+                started = True
+            elif body and closed:
+                raise place.error(body.split()[0], AFTER_THE_END)
+            elif body:
+                started = True
+                yield _line(place, body)
+        except InputError as error:
+            yield Line(place, wrong=error)
 
 
 def _without_comments(place: Place, line: str) -> str:
@@ -90,70 +132,278 @@ def _without_comments(place: Place, line: str) -> str:
     return "".join((*kept, rest))
 
 
-def _block(place: Place, body: str) -> Block:
+def _line(place: Place, body: str) -> Line | _Flow:
     optional = body.startswith("/")
     rest = body.removeprefix("/").lstrip()
-    words: list[Word] = []
-    while rest:
-        match = _WORD.match(rest)
-        if match is None:
-            raise _not_a_word(place, rest)
-        letter, digits = match.groups()
-        if sum(c.isdigit() for c in digits) > _DIGITS:
-            raise place.error(match[0], f"more than {_DIGITS} digits: round it")
-        words.append(Word(letter.upper(), Fraction(digits), match[0]))
-        rest = rest[match.end() :].lstrip()
-    return Block(place, tuple(words), optional)
+    if not optional and (match := _FLOW.match(rest)):
+        flow = _flow(place, rest, match.end())
+        if flow is not None:
+            return flow
+    words: list[Word | tuple[str, Expression, str]] = []
+    settings: list[tuple[Callable[[Memory], Key], Expression]] = []
+    scanner = Scanner(rest)
+    while scanner.blanks():
+        start = scanner.at
+        try:
+            if match := _PLAIN.match(rest, start):
+                scanner.at = match.end()
+                words.append(Word(match[1].upper(), number(match[2]), match[0]))
+            elif rest[start] == "#":
+                key = scanner.parameter()
+                scanner.expect("=", "a parameter alone says nothing")
+                settings.append((key, scanner.value()))
+            else:
+                letter = rest[start]
+                if not (letter.isascii() and letter.isalpha()) and letter not in POLAR:
+                    raise place.error(rest[start:].split()[0], _why_no_word(rest[start:]))
+                scanner.at += 1
+                value = scanner.value()
+                words.append((letter.upper(), value, rest[start : scanner.at]))
+        except ValueError as error:
+            if isinstance(error, InputError):
+                raise
+            raise place.error(rest[start:].split()[0], str(error)) from error
+    return Line(place, tuple(words), tuple(settings), optional)
 
 
-def _not_a_word(place: Place, rest: str) -> InputError:
-    """Return what is wrong with a line that goes on with ``rest``."""
-    word = rest.split()[0]
-    if "#" in word or "[" in word or "=" in word:
-        why = "parameters and expressions are not supported: post-process to plain numbers"
-    elif rest[0] == "/":
-        why = "block delete is understood at the beginning of a line only: move it there"
-    elif rest[0] == "%":
-        why = "'%' stands alone on its line: remove it"
-    elif rest[0].isascii() and rest[0].isalpha():
-        why = "no decimal number after the letter: give one"
-    else:
-        why = "not a letter followed by a decimal number: correct or remove it"
-    return place.error(word, why)
+def _why_no_word(rest: str) -> str:
+    if rest[0] == "/":
+        return "block delete is understood at the beginning of a line only: move it there"
+    if rest[0] == "%":
+        return "'%' stands alone on its line: remove it"
+    return "not a letter followed by a decimal number: correct or remove it"
 
 
-# Words that change where the tool is, or its shape, in ways that are not followed: why, and what to do.
-WHY_REFUSED = {
-    code: why
-    for codes, why in (
-        ("G2 G3", "arcs are not supported: let the post-processor write them as G1 chords"),
-        ("G5", "splines are not supported: let the post-processor write them as G1 chords"),
-        ("G10 G52 G92 G92.1 G92.2 G92.3 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3",
-         "moves the program's zero by a value of the control: remove it, or give absolute moves from program "
-         "zero"),
-        ("G28 G28.1 G30 G30.1",
-         "goes to a position that only the machine knows: remove it, or write the move with G0"),
-        ("G53",
-         "moves in machine coordinates, which only the machine knows: remove it, or write the move with G0"),
-        ("G33", "threading is not supported: let the post-processor write plain moves"),
-        ("G38.2 G38.3 G38.4 G38.5 G31", "probing ends where the part is: remove it from the program"),
-        ("G41 G42 G41.1 G42.1",
-         "radius compensation moves the path by a value of the control: compensate in the post-processor"),
-        ("G43 G43.1 G43.2 G43.4 G44",
-         "length compensation moves the tool by a value of the control: give the tool's STL in its true "
-         "place"),
-        ("G50 G51 G68 G69", "scaling and rotation of the program are not supported: remove it"),
-        ("G64", "lets the control round corners, off the programmed path: use G61"),
-        ("G73 G76 G81 G82 G83 G84 G85 G86 G87 G88 G89",
-         "canned cycles are not supported: let the post-processor write plain moves"),
-        ("G93 G95", "only feed per minute is supported: use G94"),
-        ("M19", "orients the spindle, and so turns the tool: remove it"),
-        ("M97 M98 M99", "subprograms are not supported: write them out"),
-        ("A B C U V W",
-         "only X, Y and Z move: remove it, or check each position with `triaxis check --rotate`"),
-        ("D H I J K L Q R", "belongs to a word that is not supported: remove it"),
-        ("E", "not a word of a mill's program, and numbers take no exponent: write the number out"),
-        ("O", "subprograms are not supported; a program number stands alone on its line: write them out"),
-    )
-    for code in codes.split()
-}  # fmt: skip
+def _flow(place: Place, text: str, at: int) -> _Flow | None:
+    """Return what an O word does; None where its line is the number of a program."""
+    scanner = Scanner(text, at)
+    try:
+        name: Callable[[Memory], str]
+        if match := _FLOW_NAME.match(text, at):
+            scanner.at = match.end()
+            fixed = "".join((match[1] or str(int(match[2] or 0))).split()).lower()
+            name = lambda _: fixed  # noqa: E731
+        else:
+            value = scanner.value()
+            name = lambda memory: str(round(value(memory)))  # noqa: E731
+        scanner.blanks()
+        word = _FLOW_WORD.match(text, scanner.at)
+        if word is None:
+            if not scanner.blanks() and match and match[2]:
+                return None
+            raise ValueError("says nothing: give sub, call, if, while, do, or repeat after it")
+        does = word[0].lower()
+        if does not in _ENDS and does not in _OTHER_FLOW:
+            raise ValueError(f"{word[0]} is not understood after it: correct it")
+        scanner.at = word.end()
+        values: list[Expression] = []
+        while scanner.blanks() == "[":
+            values.append(scanner.bracket())
+        if scanner.blanks():
+            raise ValueError("more on its line than values in brackets: move it to the next")
+        one = does in ("if", "elseif", "while", "repeat")
+        if (one and len(values) != 1) or len(values) > ARGUMENTS:
+            raise ValueError(f"{does} takes one value in brackets: give it")
+    except ValueError as error:
+        raise place.error(text.split()[0], str(error)) from error
+    return _Flow(place, name, does, tuple(values))
+
+
+class Execution:
+    """A program on its way: yields its blocks in the order in which they run.
+
+    A subroutine that the file does not hold is looked for in one of its name beside it, with .ngc.
+    """
+
+    def __init__(self, path: Path, memory: Memory, skip_optional: bool) -> None:
+        """Read a file; raise InputError where it cannot be read or an O word has no end.
+
+        ``skip_optional`` leaves out lines that begin with /.
+        """
+        self._folder, self._memory, self._skip = path.parent, memory, skip_optional
+        self._subroutines: dict[str, _Flow] = {}
+        self._program = self._parsed(path)
+        self._ran = self._depth = self._next = 0
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the blocks; raise InputError where one cannot be run."""
+        try:
+            yield from self._run(self._program, top=True)
+        except (_LoopLeft, _Return) as error:
+            raise InputError(f"{error}: stands in no loop or subroutine: remove it") from error
+
+    def refuse_following(self) -> None:
+        """Raise InputError where anything would run after the block that was yielded last, in any case."""
+        for statement in self._program[self._next :]:
+            words = statement.words if isinstance(statement, Line) else ()
+            if isinstance(statement, Line) and statement.wrong is not None:
+                raise statement.wrong
+            if words or isinstance(statement, _Flow):
+                first = words[0] if words else None
+                text = "O" if first is None else first.text if isinstance(first, Word) else first[2]
+                raise statement.place.error(text, AFTER_THE_END)
+
+    def _parsed(self, path: Path) -> list[_Statement]:
+        """Return the statements of a file, and keep its subroutines."""
+        lines = iter(read_lines(path))
+        found, end = self._nested(lines, None)
+        if end is not None:
+            raise end.place.error(f"O {end.does}", "ends what has not begun: remove it")
+        return found
+
+    def _nested(
+        self, lines: Iterator[_Statement], outer: _Flow | None
+    ) -> tuple[list[_Statement], _Flow | None]:
+        """Return the statements up to the end of ``outer``, and that end."""
+        found: list[_Statement] = []
+        for line in lines:
+            if isinstance(line, Line):
+                found.append(line)
+                continue
+            # A loop after do and one of its own look alike: its name tells.
+            ends = outer is not None and line.does in _ENDS[outer.does]
+            if ends and (line.does != "while" or (outer and _named(line) == _named(outer))):
+                return found, line
+            if line.does in _ENDS:
+                self._close(lines, line)
+                if line.does == "sub":
+                    self._subroutines[_named(line)] = line
+                    continue
+            elif line.does.startswith("end"):
+                return found, line
+            found.append(line)
+        if outer is not None:
+            raise outer.place.error(f"O {outer.does}", f"has no {_ENDS[outer.does][-1]}: add it")
+        return found, None
+
+    def _close(self, lines: Iterator[_Statement], flow: _Flow) -> None:
+        flow.body, flow.end = self._nested(lines, flow)
+        end = flow.end
+        if end is None or end.does not in _ENDS[flow.does]:
+            place = end.place if end else flow.place
+            raise place.error(f"O {end.does if end else ''}", f"{_ENDS[flow.does][-1]} expected: add it")
+        if end.does in ("elseif", "else"):
+            self._close(lines, end)
+
+    def _run(self, statements: Sequence[_Statement], top: bool = False) -> Iterator[Block]:
+        for index, statement in enumerate(statements):
+            self._count(statement)
+            if isinstance(statement, _Flow):
+                yield from self._run_flow(statement)
+                continue
+            if top:
+                self._next = index + 1
+            yield self._block(statement)
+
+    def _count(self, statement: _Statement) -> None:
+        self._ran += 1
+        if self._ran > _MOST_LINES:
+            why = f"{_MOST_LINES} lines have run, so the program does not end: correct its loops"
+            raise statement.place.error("O" if isinstance(statement, _Flow) else "line", why)
+
+    def _block(self, line: Line) -> Block:
+        if line.optional and self._skip:
+            return Block(line.place, (), True)
+        if line.wrong is not None:
+            raise line.wrong
+        memory, words = self._memory, list[Word]()
+        for word in line.words:
+            if isinstance(word, Word):
+                words.append(word)
+                continue
+            letter, value, text = word
+            words.append(Word(letter, self._value(line.place, text, value), text))
+        # Values on a line are those from before it.
+        given = [(key, self._value(line.place, "#", value)) for key, value in line.settings]
+        for key, value in given:
+            try:
+                memory.set(key(memory), value)
+            except ValueError as error:
+                raise line.place.error("#", str(error)) from error
+        return Block(line.place, tuple(words), line.optional)
+
+    def _value(self, place: Place, text: str, value: Expression) -> Value:
+        try:
+            return value(self._memory)
+        except ValueError as error:
+            raise place.error(text, str(error)) from error
+
+    def _run_flow(self, flow: _Flow) -> Iterator[Block]:
+        does, memory = flow.does, self._memory
+        if does == "call":
+            yield from self._call(flow)
+        elif does == "return":
+            if flow.values:
+                memory.common["_value"] = self._value(flow.place, "O", flow.values[0])
+            raise _Return(f"{flow.place.path}: line {flow.place.line}")
+        elif does in ("break", "continue"):
+            raise _LoopLeft(flow.name(memory), does, f"{flow.place.path}: line {flow.place.line}")
+        elif does in ("if", "elseif"):
+            if self._value(flow.place, "O", flow.values[0]):
+                yield from self._run(flow.body)
+            elif flow.end is not None and flow.end.does != "endif":
+                yield from self._run_flow(flow.end)
+        elif does == "else":
+            yield from self._run(flow.body)
+        else:
+            yield from self._loop(flow)
+
+    def _loop(self, flow: _Flow) -> Iterator[Block]:
+        assert flow.end
+        name, left = flow.name(self._memory), 0
+        if flow.does == "repeat":
+            left = round(self._value(flow.place, "O", flow.values[0]))
+        first = flow.does == "do"
+        while True:
+            if flow.does == "repeat":
+                left -= 1
+                again = left >= 0
+            else:
+                condition = flow.end.values if flow.does == "do" else flow.values
+                again = first or bool(self._value(flow.place, "O", condition[0]))
+            if not again:
+                return
+            first = False
+            # An empty loop that does not end has lines, too.
+            self._count(flow)
+            try:
+                yield from self._run(flow.body)
+            except _LoopLeft as leave:
+                if leave.args[0] != name:
+                    raise
+                if leave.args[1] == "break":
+                    return
+
+    def _call(self, flow: _Flow) -> Iterator[Block]:
+        memory = self._memory
+        name = flow.name(memory)
+        if name not in self._subroutines:
+            beside = self._folder / f"{name}.ngc"
+            if beside.exists():
+                self._parsed(beside)
+        subroutine = self._subroutines.get(name)
+        if subroutine is None or subroutine.end is None:
+            raise flow.place.error(f"O<{name}>", f"no such subroutine here or in {name}.ngc: add it")
+        self._depth += 1
+        if self._depth > _MOST_CALLS:
+            raise flow.place.error(f"O<{name}>", f"more than {_MOST_CALLS} calls within calls: correct it")
+        values = [self._value(flow.place, "O", value) for value in flow.values]
+        frame: dict[Key, Value] = {k: value for k, value in memory.frames[-1].items() if isinstance(k, int)}
+        memory.frames.append(frame | dict(enumerate(values, 1)))
+        try:
+            yield from self._run(subroutine.body)
+            if subroutine.end.values:
+                memory.common["_value"] = self._value(flow.place, "O", subroutine.end.values[0])
+        except _Return:
+            pass
+        finally:
+            memory.frames.pop()
+            self._depth -= 1
+
+
+def _named(flow: _Flow) -> str:
+    """Return a name that is known without running the program; a place for any other."""
+    try:
+        return flow.name(Memory(lambda _: None))
+    except ValueError:
+        return f"line {flow.place.line}"

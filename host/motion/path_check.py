@@ -16,7 +16,7 @@ from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
 from triaxis.host.motion.program import Move
-from triaxis.host.quantise import Vector
+from triaxis.host.quantise import Vector, vector
 from triaxis.host.scene import distance_of
 
 # What A and B are here.
@@ -141,15 +141,15 @@ def _insides(scene: PathScene) -> Enclosure:
     than the distance at S; nor is the way from the real start to S longer than that. Where boxes proved it,
     they are more than 1 apart at u, so more than 1/2 at T.
     """
-    segments = [scene.segment(move) for move in scene.program.moves]
-    start = nearest(segments[0].start)
+    start = nearest(scene.place(scene.program.moves[0].start))
+    boxes = [scene.extent(move) for move in scene.program.moves]
     moves = np.array(
         [
             [
-                [min(int(x // 1), int(y // 1)) - t for x, y, t in zip(s.start, s.end, start, strict=True)],
-                [max(upwards(x), upwards(y)) - t for x, y, t in zip(s.start, s.end, start, strict=True)],
+                [int(x // 1) - t for x, t in zip(low, start, strict=True)],
+                [upwards(x) - t for x, t in zip(high, start, strict=True)],
             ]
-            for s in segments
+            for low, high in boxes
         ],
         np.int64,
     )
@@ -187,7 +187,7 @@ def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
     """Return whether one axis keeps the objects' boxes further apart than the clearance all along."""
     low_a, high_a = scene.box_a
     low_b, high_b = scene.box_b
-    base = scene.path.base
+    base = scene.path.base + segment.sag + segment.slack
     for k in range(3):
         least, most = sorted((segment.start[k], segment.end[k]))
         if low_a[k] + least - high_b[k] > base or low_b[k] - high_a[k] - most > base:
@@ -197,14 +197,14 @@ def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
 
 def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: SceneRun) -> NearPose:
     half = (segment.first + segment.last) / 2
-    along = Fraction(int(half.numerator), int(half.denominator))
-    position = move.at(along)
-    place, scale = scene.in_files(position), scene.wanted.scale
+    along, scale = Fraction(int(half.numerator), int(half.denominator)), scene.wanted.scale
+    place = scene.path.position(segment.middle)
+    position = vector(c * scale for c in place)
     judged = [
         NearFacets(int(i), int(j), scale * distance_of(scene.tool, i, scene.work, j, place))
         for i, j in run.near[:_JUDGED]
     ]
     judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))
-    certain = judged[0].distance <= scene.wanted.clearance
+    certain = not segment.between and judged[0].distance + move.slack <= scene.wanted.clearance
     margin = scene.path.margin(segment)
     return NearPose(index, move.line, position, along, margin, run.near_count, tuple(judged), certain)

@@ -17,18 +17,22 @@ B by at most s, changes the distance by at most t + s.
 
 |u - T| is a convex function of u, so along a straight segment of the path it is largest at an end: the
 *reach*, an exact rational, which holds the rounding of the translation (at most 1/2, T being the nearest to
-the middle) and half the segment. So where the engine says at T that nothing is near at the margin
+the middle) and half the segment. It is the largest of three coordinates, so it holds for all of the box
+between the ends as well: for each way on which no axis turns back, which is all that is known of a rapid. A
+curve is as far from T as its chord, and its sag (`curves`); what a control may leave the path by, the
+slack, comes on top. So where the engine says at T that nothing is near at the margin
 
     m = ceil((c + e) / r + 1 + reach),
 
 d > m, and D > c / r at every real position of the segment: it is proven clear, no position of it left out.
 
 Where it says near at a segment no longer than the step s, the real distance at the segment's middle is less
-than c + 2 e + r (4 + s / (2 r)): the band of false alarms.
+than c + 2 e + r (4 + s / (2 r)), and the slack: the band of false alarms. A curve's length counts its sag
+four times: twice in the reach, and as its middle is that far from that of its chord.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -62,22 +66,37 @@ GridPoint = tuple[Rational, Rational, Rational]
 
 @dataclass(frozen=True)
 class Segment:
-    """A straight piece of a move: its ends, in steps on B's grid, and where in the move it lies, 0..1."""
+    """A piece of a move: its ends, in steps on B's grid, and where in the move it lies, 0..1.
+
+    All of it is at most ``slack`` plus `sag` steps from its chord, or, where ``between``, from the box of its
+    ends.
+    ``curve``: the place of a part of the move, and its bend in steps.
+    """
 
     start: GridPoint
     end: GridPoint
     first: Rational
     last: Rational
     level: int = 0
+    slack: Rational = Rational(0)  # noqa: RUF009
+    between: bool = False
+    curve: tuple[Callable[[Rational], GridPoint], Rational] | None = None
+
+    @property
+    def sag(self) -> Rational:
+        """Return how far a curve is from its chord, in steps (`curves`)."""
+        return self.curve[1] * (self.last - self.first) ** 2 / 8 if self.curve else Rational(0)
 
     @property
     def length(self) -> Rational:
-        """Return the Chebyshev length, in steps."""
-        return max(abs(b - a) for a, b in zip(self.start, self.end, strict=True))
+        """Return the Chebyshev length, in steps; of a curve with twice what it may reach beyond."""
+        return max(abs(b - a) for a, b in zip(self.start, self.end, strict=True)) + 4 * self.sag
 
     @property
     def middle(self) -> GridPoint:
         """Return the place half-way."""
+        if self.curve is not None:
+            return self.curve[0]((self.first + self.last) / 2)
         return vector((a + b) / 2 for a, b in zip(self.start, self.end, strict=True))
 
     @property
@@ -89,14 +108,20 @@ class Segment:
     def reach(self) -> Rational:
         """Return the Chebyshev distance, in steps, that no point of the segment exceeds from the sample."""
         ends = zip(self.start + self.end, self.sample * 2, strict=True)
-        return max(abs(x - t) for x, t in ends)
+        return max(abs(x - t) for x, t in ends) + self.sag + self.slack
 
     def halves(self) -> "tuple[Segment, Segment]":
-        """Return both halves, in the order of the path."""
-        half = (self.first + self.last) / 2
+        """Return both halves, in the order of the path; of a box, cut across its longest side."""
+        half, level = (self.first + self.last) / 2, self.level + 1
+        middle = self.middle
+        until, since = middle, middle
+        if self.between:
+            longest = max(range(3), key=lambda k: abs(self.end[k] - self.start[k]))
+            until = vector(middle[k] if k == longest else self.end[k] for k in range(3))
+            since = vector(middle[k] if k == longest else self.start[k] for k in range(3))
         return (
-            Segment(self.start, self.middle, self.first, half, self.level + 1),
-            Segment(self.middle, self.end, half, self.last, self.level + 1),
+            replace(self, end=until, last=half, level=level),
+            replace(self, start=since, first=half, level=level),
         )
 
 
@@ -135,6 +160,10 @@ class PathGrid:
     def place(self, position: Vector) -> GridPoint:
         """Return the place u of a position, in steps."""
         return vector(Rational((p + s) / self.resolution) for p, s in zip(position, self.shift, strict=True))
+
+    def position(self, place: GridPoint) -> Vector:
+        """Return the position at a place."""
+        return vector(_fraction(u) * self.resolution - s for u, s in zip(place, self.shift, strict=True))
 
     def margin(self, segment: Segment) -> int:
         """Return the margin at which a clear sample proves the whole segment clear."""
@@ -193,7 +222,8 @@ class PathScene:
     @property
     def band(self) -> Fraction:
         """Return how far beyond the clearance a false alarm can be, in millimetres."""
-        return self.path.band(self.wanted.step / self.wanted.scale) * self.wanted.scale
+        slack = Rational(max(move.slack for move in self.program.moves))
+        return self.path.band(self.wanted.step / self.wanted.scale) * self.wanted.scale + _fraction(slack)
 
     @property
     def largest_margin(self) -> int:
@@ -204,10 +234,28 @@ class PathScene:
         """Return a position in millimetres in the unit of the files."""
         return vector(c / self.wanted.scale for c in position)
 
+    def place(self, position: Vector) -> GridPoint:
+        """Return the place of a position in millimetres."""
+        return self.path.place(self.in_files(position))
+
     def segment(self, move: Move) -> Segment:
         """Return the whole move as a segment."""
-        start, end = (self.path.place(self.in_files(position)) for position in (move.start, move.end))
-        return Segment(start, end, Rational(0), Rational(1))
+        step, curve = self.wanted.resolution, move.curve
+        bend = (
+            (lambda part: self.place(move.at(_fraction(part))), Rational(curve.bend / step))
+            if curve
+            else None
+        )
+        return Segment(
+            self.place(move.start), self.place(move.end), Rational(0), Rational(1), 0,
+            Rational(move.slack / step), not move.straight and curve is None, bend,
+        )  # fmt: skip
+
+    def extent(self, move: Move) -> tuple[GridPoint, GridPoint]:
+        """Return the corners of a box that holds all places of a move."""
+        slack = Rational(move.slack / self.wanted.resolution)
+        low, high = (self.place(corner) for corner in move.extent)
+        return vector(u - slack for u in low), vector(u + slack for u in high)
 
     @cached_property
     def box_a(self) -> Corners:
@@ -256,14 +304,17 @@ def _check_wanted(wanted: Wanted) -> None:
 
 def _swept(tool: StlMesh, program: Program, scale: Fraction, room: Fraction) -> Iterator[Box]:
     """Yield boxes of the tool, with room around, that together reach as far as it does on the path."""
-    positions = [program.moves[0].start, *(move.end for move in program.moves)]
-    for extreme, far in ((min, -room), (max, room)):
-        yield box_of(tool.facets, vector(extreme(c) / scale + far for c in zip(*positions, strict=True)))
+    lows, highs = zip(*(move.extent for move in program.moves), strict=True)
+    slack = max(move.slack for move in program.moves)
+    for extreme, corners, far in ((min, lows, -room), (max, highs, room)):
+        further = far + slack / scale * (1 if far > 0 else -1)
+        yield box_of(tool.facets, vector(extreme(c) / scale + further for c in zip(*corners, strict=True)))
 
 
 def _check_margin(scene: PathScene) -> None:
     """Raise InputError unless the margin of the shortest segments fits the engine."""
-    needed = upwards(scene.path.base + Rational(1, 2) + scene.step / 2)
+    slack = Rational(max(move.slack for move in scene.program.moves) / scene.wanted.resolution)
+    needed = upwards(scene.path.base + Rational(1, 2) + scene.step / 2 + slack)
     if needed > scene.largest_margin:
         raise InputError(
             f"clearance {float(scene.wanted.clearance):g} with step {float(scene.wanted.step):g}: a margin "
@@ -277,8 +328,8 @@ def _check_moves(scene: PathScene) -> None:
     least, most = coordinate_range(scene.grid.width)
     low, high = scene.box_a
     for move in scene.program.moves:
-        for position in (move.start, move.end):
-            place = scene.path.place(scene.in_files(position))
+        for position in move.extent:
+            place = scene.place(position)
             for k, translation in enumerate(map(round_half_up, place)):
                 if not (least <= low[k] + translation and high[k] + translation <= most):
                     where = " ".join(f"{n}{float(c):g}" for n, c in zip("XYZ", position, strict=True))

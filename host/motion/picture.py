@@ -68,23 +68,21 @@ def _draw_space(axes: Axes3D, scene: PathScene, result: PathResult, profile: lis
     axes.computed_zorder = False
     scale = float(scene.wanted.scale)
     moves = scene.program.moves
-    ends = np.array([[[float(c) for c in p] for p in (move.start, move.end)] for move in moves])
+    ways = [move.corners for move in moves]
     work, tool = scene.work.facets * scale, scene.tool.facets * scale
     _add_mesh(axes, work, _WORK, 0.30)
-    start = tool + ends[0, 0]
+    start = tool + ways[0][0]
     _add_mesh(axes, start, A.colour, 0.16)
-    shown = [work, start, ends]
+    shown = [work, start, *ways]
     if result.near is not None:
         position = np.array([float(c) for c in result.near.position])
         _add_mesh(axes, tool + position, B.colour, 0.4)
         axes.plot(*position[:, None], marker="X", markersize=10, color="black", linestyle="", zorder=30)
         shown.append(tool + position)
-    rapid = np.array([move.feed is None for move in moves])
-    for chosen, colour, style in ((rapid, _RAPID, "--"), (~rapid, "black", "-")):
-        if chosen.any():
-            lines = Line3DCollection(
-                list(ends[chosen]), colors=colour, linestyles=style, linewidths=1.3, zorder=20
-            )
+    for rapid, colour, style in ((True, _RAPID, "--"), (False, "black", "-")):
+        chosen = [way for way, move in zip(ways, moves, strict=True) if move.rapid == rapid]
+        if chosen:
+            lines = Line3DCollection(chosen, colors=colour, linestyles=style, linewidths=1.3, zorder=20)
             axes.add_collection3d(lines)
     close = np.array([place.position for place in profile if place.proven <= float(scene.wanted.clearance)])
     if len(close):

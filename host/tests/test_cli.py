@@ -20,7 +20,7 @@ from triaxis.golden.pairs import VERDICT, read_pairs
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.cli.commands import COMMANDS, GROUPS
-from triaxis.host.motion.gcode import read_blocks
+from triaxis.host.motion.gcode import read_lines
 from triaxis.host.stl import read_stl
 from triaxis.sim.paths import ROOT
 
@@ -145,7 +145,7 @@ def test_bad_options_are_refused_in_a_line(command, meshes, refused):
 READERS = {
     "STL": read_stl,
     "pairs": lambda path: read_pairs(path, 16),
-    "G-code": lambda path: list(read_blocks(path)),
+    "G-code": lambda path: list(read_lines(path)),
     "counts of coverage": lambda path: read_counts(path, ()),
     "testplan": read_testplan,
 }

@@ -1,16 +1,23 @@
 """Programs of G-code: read exactly, or refused with line and word."""
 
+import math
 import re
+import shutil
 import string
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
-from triaxis.host.motion.gcode import WHY_REFUSED
+from triaxis.golden.exact import Rational
+from triaxis.host.motion.curves import SLACK
+from triaxis.host.motion.machine import Machine, read_machine
 from triaxis.host.motion.program import read_program
+from triaxis.host.motion.rs274 import read_by_rs274
+from triaxis.host.motion.words import TAKERS, WHY_REFUSED
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
 
@@ -53,11 +60,11 @@ def test_moves(read, text, wanted):
     assert ends(read(text)) == wanted
 
 
-def test_moves_know_line_start_and_feed(read):
+def test_moves_know_line_and_start(read):
     moves = read(
         "(first)\nG20 G0 X1\n\nG1 Y2 F10\nG21 F50 Z1\n", (Fraction(1), Fraction(2), Fraction(3))
     ).moves
-    assert [(move.line, move.feed) for move in moves] == [(2, None), (4, 254), (5, 50)]
+    assert [(move.line, move.rapid) for move in moves] == [(2, True), (4, False), (5, False)]
     assert [move.start for move in moves] == [(1, 2, 3), *(move.end for move in moves[:-1])]
 
 
@@ -75,15 +82,28 @@ def test_what_was_assumed_is_said(read):
 
 
 REFUSED = [
-    ("G0 X1\nG2 X5 I2", 2, "G2", "arcs are not supported"),
-    ("G0 X1 R2", 1, "R2", "not supported"),
+    ("G0 X1\nF9 G5.2 X5 P1 L3", 2, "G5.2", "NURBS are not followed"),
+    ("G0 X1 R2", 1, "R2", "belongs to a word that is not on the line"),
     ("G28 Z0", 1, "G28", "only the machine knows"),
-    ("M250", 1, "M250", "not supported"),
-    ("G0 X1e3", 1, "e3", "no exponent"),
+    ("G0 X1\nF9 G2 X5 I3", 2, "X5", "the radii at both ends of the arc, 3 and 1, differ"),
+    ("G0 X1\nF9 G2 X1 R3", 2, "X1", "ends where it starts"),
+    ("G0 X1\nF9 G2 X9 R3", 2, "X9", "does not reach"),
+    ("G0 X1\nF9 G2 X9", 2, "X9", "give I and J, or R"),
+    ("G0 X1\nF9 G81 X9 Z-3", 2, "G81", "without its depth"),
+    ("G0 X1\nG55 X2", 2, "G55", "where G55 has its zero, only the machine knows"),
+    ("G0 Z9\nF9 G81 X9 Z-3 R2", 2, "G81", "give G98 or G99"),
+    ("G0 X1\nG64", 2, "G64", "round corners"),
+    ("G0 X#<_hal[x]>", 1, "X#<_hal[x]>", "no decimal number"),
+    ("G0 X#40", 1, "X#40", "has a value that the program does not give it"),
+    ("G0 X[1/0]", 1, "X[1/0]", "has no value"),
+    ("G0 X[1+2", 1, "X[1+2", "does not end"),
+    ("O1 if [1]\nG0 X1", 1, "O if", "has no endif"),
+    ("O1 call", 1, "O<1>", "no such subroutine"),
+    ("O1 fly", 1, "O1", "not understood"),
+    ("M250", 1, "M250", "not known"),
+    ("G0 X1e3", 1, "e3", "not on the line"),
     ("G0 X1,5", 1, ",5", "not a letter followed by a decimal number"),
-    ("G0 X", 1, "X", "no decimal number after the letter"),
-    ("G0 X#1", 1, "X#1", "parameters and expressions"),
-    ("G0 X[1+2]", 1, "X[1+2]", "parameters and expressions"),
+    ("G0 X", 1, "X", "no decimal number: give one"),
     ("G0 X1 X2", 1, "X2", "stands twice"),
     ("G0 G1 X1 F5", 1, "G1", "exclude each other"),
     ("G90 G91 G0 X1", 1, "G91", "exclude each other"),
@@ -91,10 +111,10 @@ REFUSED = [
     ("G0 X1\nG80\nX2", 3, "X2", "no G0 or G1"),
     ("G21\nG1 X1", 2, "G1", "without a feed"),
     ("G1 X1 F-5", 1, "F-5", "must not be negative"),
-    ("G0 X1\nT2 M6", 2, "M6", "changes the tool"),
+    ("G0 X1\nT2 M6", 2, "M6", "changes the tool, and so its shape"),
     ("G4 X1", 1, "X1", "may take it for a time"),
     ("G0 X1 N5", 1, "N5", "must be the first word"),
-    ("O100 G0 X1", 1, "O100", "subprograms"),
+    ("O100 G0 X1", 1, "O100", "is not understood after it"),
     ("G0 (X1", 1, "(X1", "does not end on its line"),
     ("G0 X1) Y2", 1, ") Y2", "')' without '('"),
     ("G0 (a (b) X1", 1, "(a (b) X1", "comment within a comment"),
@@ -105,7 +125,6 @@ REFUSED = [
     ("%\nG0 Z1\nM30\n%\n%\nO2\nG0 Z-50\n%", 6, "O2", "after the end of the program"),
     ("G0 X1 M30\nG0 X2\n%", 2, "G0", "after the end of the program"),
     ("G0 Z1\nM2\n/G0 Z-50", 3, "G0", "after the end of the program"),
-    ("G0 X- 1", 1, "X-", "no decimal number"),
     ("G0 X\u0661", 1, "X\u0661", "no decimal number"),
 ]
 
@@ -129,6 +148,233 @@ def test_words_with_a_reason_and_stray_signs_are_refused(read):
     for sign in set(string.printable) - set(string.whitespace + string.digits + ";."):
         with pytest.raises(InputError, match="line 2: word"):
             read(f"G0 X1\nG0 {sign} X2")
+
+
+def test_all_that_is_not_understood_is_told_at_once(read):
+    with pytest.raises(InputError) as refused:
+        read("G21 G0 X1\nG41 D1\nG0 A5 X2\nG41\nM250")
+    told = str(refused.value).split("; ")
+    assert [re.findall(r"line (\d+): word '(\w+)'", one) for one in told if "line" in one] == [
+        [("2", "G41")], [("2", "D1")], [("3", "A5")], [("4", "G41")], [("5", "M250")],
+    ]  # fmt: skip
+
+
+def test_programs_that_do_not_end_are_refused(read, monkeypatch):
+    monkeypatch.setattr("triaxis.host.motion.gcode._MOST_LINES", 1000)
+    for body in ("", "X1\n"):
+        with pytest.raises(InputError, match=r"line \d: .*so the program does not end"):
+            read(f"G0 X1\nO1 while [1]\n{body}O1 endwhile")
+    with pytest.raises(InputError, match="calls within calls"):
+        read("O1 sub\nO1 call\nO1 endsub\nO1 call")
+
+
+COMPUTED = [
+    ("#1=2\n#<far>=[#1**3]\nG0 X#1 Y[#<far>+1] Z-#1", [(2, 9, -2)]),
+    # All values of a line are those from before it.
+    ("#1=2\n#1=5 G0 X#1\nX#1", [(2, 0, 0), (5, 0, 0)]),
+    ("G0 X[1+2*3**2-[8 MOD 3]] Y[7/2] Z[ABS[-1]]", [(17, 3.5, 1)]),
+    ("G0 X[2 GT 1] Y[[1 EQ 1.0000001] AND [1 LT 0]] Z[1 OR 0 XOR 1]", [(1, 0, 0)]),
+    ("G0 X SIN[30] Y[ATAN[1]/[1]] Z[SQRT[2]*SQRT[2]]", [(0.5, 45, 2)]),
+    ("G0 X[ROUND[-2.5]] Y[FIX[-1.5]] Z[FUP[1.2]]", [(-3, -2, 2)]),
+    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<_b>]] Z##50", [(1, 0, 50)]),
+    ("O1 sub\nG0 X#1 Y#2\nO1 endsub [#1*2]\nO1 call [3] [4]\nG0 Z#<_value>", [(3, 4, 0), (3, 4, 6)]),
+    ("O<t> sub\nO2 if [#1 GT 3]\nO<t> return\nO2 endif\nG0 X#1\nO<t> call [#1+1]\nO<t> endsub\nO<T> call [2]",
+     [(2, 0, 0), (3, 0, 0)]),
+    ("O1 if [0]\nG0 X1\nO1 elseif [1]\nG0 X2\nO1 else\nG0 X3\nO1 endif", [(2, 0, 0)]),
+    ("#1=0\nO1 while [#1 LT 5]\n#1=[#1+1]\nO2 if [#1 EQ 2]\nO1 continue\nO2 endif\nO3 if [#1 EQ 4]\n"
+     "O1 break\nO3 endif\nG0 X#1\nO1 endwhile", [(1, 0, 0), (3, 0, 0)]),
+    ("#1=0\nO1 do\nG0 X#1\n#1=[#1+1]\nO1 while [#1 LT 2]", [(0, 0, 0), (1, 0, 0)]),
+    ("G91\nO1 repeat [3]\nG0 X1\nO1 endrepeat", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
+    ("G0 X1\nM70\nG91 G20\nX1\nM72\nX0", [(1, 0, 0), (26.4, 0, 0), (0, 0, 0)]),
+    ("G0 X5\nG92 X0 Y1\nX1 Y1\nG92.2\nX1\nG92.3\nX1\nG92.1\nX1",
+     [(5, 0, 0), (6, 0, 0), (1, 0, 0), (6, 0, 0), (1, 0, 0)]),
+    ("G0 X5\nG10 L20 P2 X0 Y0 Z0\nG55 X1\nX[#5420+1]\nG54 X1", [(5, 0, 0), (6, 0, 0), (7, 0, 0), (1, 0, 0)]),
+    ("G52 X10\nG0 X1\nG52 X0\nX1", [(11, 0, 0), (1, 0, 0)]),
+    ("F9 G81 X1 Z-3 R2\nX2\nG80 G0 X9",
+     [(0, 0, 2), (1, 0, 2), (1, 0, 2), (1, 0, -3), (1, 0, 2), (2, 0, 2), (2, 0, 2), (2, 0, -3), (2, 0, 2),
+      (9, 0, 2)]),
+    ("G0 Z9\nF9 G99 G83 X1 Z-3 R2 Q1", [(0, 0, 9), (1, 0, 9), (1, 0, 2), (1, 0, -3), (1, 0, 2)]),
+    ("G0 Z9\nF9 G98 G91 G82 X1 Z-3 R-1 L2 P1",
+     [(0, 0, 9), (1, 0, 9), (1, 0, 8), (1, 0, 5), (1, 0, 9), (2, 0, 9), (2, 0, 8), (2, 0, 5), (2, 0, 9)]),
+    ("G0 @2 ^90\n^[30+150]\nG91 @1\n^90", [(0, 2, 0), (-2, 0, 0), (-3, 0, 0), (0, -3, 0)]),
+    ("G0 X- 1", [(-1, 0, 0)]),
+    ("F9 G18 G2 X4 R2", [(4, 0, 0)]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "wanted"), COMPUTED)
+def test_parameters_flow_offsets_and_cycles(read, text, wanted):
+    found = ends(read(text))
+    assert len(found) == len(wanted)
+    assert np.allclose(np.array(found, np.float64), wanted, rtol=0, atol=1e-8)
+
+
+def test_a_subroutine_beside_the_program_is_found(read, tmp_path):
+    (tmp_path / "drill.ngc").write_text("o<drill> sub\nG0 X#1\no<drill> endsub\nM2")
+    assert ends(read("o<drill> call [7]")) == [(7, 0, 0)]
+
+
+def test_every_letter_has_a_word_that_takes_it(read):
+    assert set(TAKERS) <= set("DEHIJKLPQR")
+
+
+ARC = st.tuples(*[st.decimals(-50, 50, places=3)] * 5)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(ARC, st.sampled_from(["G17", "G18", "G19"]), st.booleans(), st.integers(1, 2), st.data())
+def test_curves_stay_by_their_chords(tmp_path_factory, numbers, plane, clockwise, turns, data):
+    """Points of an arc computed apart, by turning its start, are as near to chords as its bend says."""
+    x, y, i, j, rise = numbers
+    if i * i + j * j < 1:
+        return
+    a, b = {"G17": "XY", "G18": "ZX", "G19": "YZ"}[plane]
+    c = ({*"XYZ"} - {a, b}).pop()
+    centre = {
+        a: "I" if a == "X" else "J" if a == "Y" else "K",
+        b: "I" if b == "X" else "J" if b == "Y" else "K",
+    }
+    path = tmp_path_factory.getbasetemp() / "arc.nc"
+    path.write_text(
+        f"G21 {plane} F1 G1 {a}{x} {b}{y}\n{'G2' if clockwise else 'G3'} {a}{x} {b}{y} {c}{rise} "
+        f"{centre[a]}{i} {centre[b]}{j} P{turns}"
+    )
+    _, move = read_program(path, ORIGIN).moves
+    first, last = sorted((data.draw(st.fractions(0, 1)), data.draw(st.fractions(0, 1))))
+    assert move.curve
+    sag = float(move.curve.bend) * float(last - first) ** 2 / 8 + 2 * float(SLACK)
+    ends = [np.array([float(c) for c in move.at(part)]) for part in (first, last)]
+    low, high = ([float(c) for c in corner] for corner in move.extent)
+    for k in range(9):
+        part = float(first + (last - first) * k / 8)
+        turn = 2 * math.pi * turns * part * (-1 if clockwise else 1)
+        p, q = -float(i), -float(j)
+        point = dict.fromkeys("XYZ", 0.0)
+        point[a] = float(x) + float(i) + p * math.cos(turn) - q * math.sin(turn)
+        point[b] = float(y) + float(j) + p * math.sin(turn) + q * math.cos(turn)
+        point[c] = float(rise) * part
+        true = np.array([point[axis] for axis in "XYZ"])
+        chord = ends[0] + (ends[1] - ends[0]) * k / 8
+        assert np.linalg.norm(true - chord) <= sag
+        assert (np.array(low) <= true).all() and (true <= np.array(high)).all()
+
+
+def test_arcs_by_radius_and_splines(read):
+    for text, middle in (
+        ("F1 G2 X2 R1", (1, 1)), ("F1 G3 X2 R1", (1, -1)),
+        ("F1 G2 X2 R-2", (1, 2 + 3**0.5)), ("F1 G2 X2 R2", (1, 2 - 3**0.5)),
+        ("F1 G5.1 X2 I1 J2", (1, 1)), ("F1 G5 X3 I1 J2 P-1 Q2", (1.5, 1.5)),
+    ):  # fmt: skip
+        (move,) = read(text).moves
+        assert np.allclose([float(c) for c in move.at(Fraction(1, 2))][:2], middle, atol=1e-6), text
+        # The second derivative by differences is no longer than its bound.
+        for k in range(1, 16):
+            three = [[float(c) for c in move.at(Rational(k + d, 16))] for d in (-1, 0, 1)]
+            second = np.linalg.norm(np.diff(three, 2, axis=0)) * 16**2
+            assert second <= float(move.curve.bend) + 1e-5
+
+
+MACHINE = """
+path_tolerance = 0.5
+loaded = 2
+[offsets]
+G54 = [10, 20, 30]
+G55 = [11, 20, 30.5]
+[homes]
+G28 = [0, 0, 0]
+[[tools]]
+number = 1
+length = 50
+parts = [{ diameter = 6, length = 20 }, { diameter = 20, length = 40 }]
+[[tools]]
+number = 2
+length = 30.5
+parts = [{ diameter = 10, length = 30.5 }]
+"""
+
+
+def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
+    file = tmp_path / "machine.toml"
+    file.write_text(MACHINE)
+    machine = read_machine(file)
+    # The spindle stands at 0, so the tip of tool 2 is 30.5 below.
+    program = read(
+        "G21 G90 G43 H2 G0 Z5\nG55 X0\nG53 G0 Z-1\nG28 X3\n"
+        "T1 M6\nG43 G54 G0 X0 Z1\nG49 Z60\nG64 P0.1\nZ61\nG61\nZ62",
+        machine=machine,
+    )
+    assert ends(program) == [
+        (0, 0, 5), (1, 0, 5), (1, 0, -61.5), (4, 0, -61.5), (-10, 0, -61.5), (0, 0, 1), (0, 0, 10),
+        (0, 0, 11), (0, 0, 12),
+    ]  # fmt: skip
+    assert program.moves[0].start == (0, 0, Fraction(-61, 2))
+    assert [part.moves[0].tool for part in program.stretches] == [2, 1]
+    assert [float(move.slack) for move in program.moves[-4:]] == [0.5, 0.5, 0.2, 0]
+    facets = machine.tools[1].mesh.facets
+    assert facets[..., 2].min() == 0 and facets[..., 2].max() == 60
+    # The prism holds the cylinder: the middles of its sides are no nearer than the radius.
+    sides = [side for side in facets if np.ptp(side[:, 2]) > 0 and side[:, 2].max() <= 20]
+    edges = [(side[i, :2] + side[j, :2]) / 2 for side in sides for i, j in ((0, 1), (1, 2), (2, 0))]
+    assert len(sides) == 128 and np.linalg.norm(edges, axis=1).min() >= 3
+    for text, why in (
+        ("tools = 3", "tools: must be a list"), (f"x = 1\n{MACHINE}", "x: not known"),
+        ("rapids = 'no'", "rapids: must be"),
+        ("[[tools]]\nnumber = 1", "mesh: must be given"), ("= 3", "no TOML"), ("", "tools: must be given"),
+        ("[[tools]]\nnumber = 1\nparts = [{diameter = 3}]", "must be positive"),
+    ):  # fmt: skip
+        file.write_text(text)
+        with pytest.raises(InputError, match=why):
+            read_machine(file)
+    with pytest.raises(InputError, match="no tool 7"):
+        read("T7 M6\nG0 X1", machine=machine)
+
+
+BOTH = (
+    "G20 G90 F10\n#1=[2/3]\nG0 X1 Y#1 Z.5\nG3 X2 I.5 J0\nG18 G2 X2.5 Z.75 R1\nG17\nG91 G1 X-.25\nG90\n"
+    "O1 repeat [2]\nG2 X[#5420+.1] I.05\nO1 endrepeat\nG92 X0\nX.1 Y1 R3\n"
+    "G92.1\nG10 L20 P2 X0 Y0 Z0\nG55 G1 X.1\n"
+    "T1 M6\nG43 Z1\nG64 P.001\n/G1 X.5\nG98 G83 X.2 Y.1 Z.3 R.6 Q.1\nG80\nG54 G53 G0 X0\nG28 Z2\nM2\n",
+    "G21\nG0 X0\nF100 G17 G2 X10 I5 P2 Z3\nG0 X0 Y5\nG1 X1\n",
+)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+@pytest.mark.parametrize("text", BOTH)
+def test_linuxcnc_reads_the_same(tmp_path, text):
+    """Two readers, of which one is the control's own: the same moves, but for what one of them prints."""
+    program, file = tmp_path / "both.ngc", tmp_path / "machine.toml"
+    program.write_text(text)
+    file.write_text(MACHINE.replace("path_tolerance = 0.5\n", ""))
+    start = (Fraction(3), Fraction(-2), Fraction(7))
+    theirs = read_by_rs274(program, start, True, read_machine(file)).moves
+    ours = read_program(program, start, True, read_machine(file)).moves
+    places = {0: [*theirs], 1: [*ours]}
+    # Pecking up and down is one plunge here.
+    heights = [{round(float(move.end[2]), 3) for move in moves} for moves in places.values()]
+    assert heights[0] >= heights[1]
+    pecks = {move.line for move in ours if sum(other.line == move.line for other in ours) > 2}
+    theirs, ours = ([move for move in moves if move.line not in pecks] for moves in (theirs, ours))
+    assert [(move.line, move.rapid, move.tool) for move in theirs] == [
+        (move.line, move.rapid, move.tool) for move in ours
+    ]
+    for a, b in zip(theirs, ours, strict=True):
+        for part in (Fraction(0), Fraction(1, 3), Fraction(1)):
+            apart = max(abs(x - y) for x, y in zip(a.at(part), b.at(part), strict=True))
+            assert apart <= a.slack, (a.line, float(apart))
+
+
+def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    (tmp_path / "a.nc").write_text("G0 X1")
+    with pytest.raises(InputError, match="rs274 is not installed: install linuxcnc-uspace"):
+        read_by_rs274(tmp_path / "a.nc", None, False, Machine())
+
+
+def test_compensation_of_a_tool_of_unknown_length(read):
+    program = read("G21 G43 H1\nG0 X1")
+    assert program.notes == ("line 1: G43 is taken for the tool's true length",)
+    with pytest.raises(InputError, match=r"line 3: .* moves with and without length compensation"):
+        read("G0 Z1\nG43 H1\nG0 X1")
 
 
 def test_files_without_moves(read, tmp_path):

@@ -1,6 +1,7 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
 import json
+import math
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +19,7 @@ from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene, scene_engine
 from triaxis.host.motion.clearance import clearances
+from triaxis.host.motion.curves import arc, centre_by_radius
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
 from triaxis.host.motion.program import Move, Program
@@ -35,7 +37,7 @@ PLACES = st.tuples(RATIONALS, RATIONALS, RATIONALS)
 
 def program_of(corners):
     places = [vector(Fraction(float(c)) for c in corner) for corner in corners]
-    moves = [Move(line, start, end, None) for line, (start, end) in enumerate(pairwise(places), 1)]
+    moves = [Move(line, start, end, False) for line, (start, end) in enumerate(pairwise(places), 1)]
     return Program(Path("moves.nc"), tuple(moves), ())
 
 
@@ -109,6 +111,55 @@ def test_no_near_position_is_ever_missed(rng):
     assert min(found.values()) > 3, found
 
 
+def test_nothing_is_missed_on_arcs_and_ways_of_rapids(rng):
+    """As above, at points of arcs, and anywhere in the box of a rapid."""
+    found = {"clear": 0, "near": 0}
+    for trial in range(100):
+        tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
+        start, end = (vector(Fraction(float(c)) for c in rng.uniform(-4, 4, 3).round(3)) for _ in "se")
+        axes = (0, 1, 2) if trial % 4 else (2, 0, 1)
+        radius = Fraction(math.hypot(*(float(end[k] - start[k]) for k in axes[:2]))) * Fraction(11, 20)
+        clockwise = bool(trial % 3)
+        centre = centre_by_radius(start, end, axes, radius * (-1) ** trial, clockwise)
+        curve = arc(start, end, axes, centre, clockwise, 1) if trial % 2 else None
+        slack = curve.slack if curve else Fraction(0)
+        move = Move(1, start, end, curve is None, False, curve, slack)
+        a, b = (StlMesh(np.array(facets, np.float64), Fraction(0)) for facets in (tool, work))
+        wanted = wanted_of(
+            Fraction(int(rng.integers(0, 60)), 97), Fraction(1, 4), Fraction(int(rng.integers(1, 5)), 4)
+        )
+        scene = prepare_path(a, b, ("tool.stl", "work.stl"), Program(Path("moves.nc"), (move,), ()), wanted)
+        result = checked(scene)
+        if result.near is None:
+            found["clear"] += 1
+            for k in range(25):
+                part = vector(Fraction(float(c)) for c in rng.uniform(0, 1, 3))
+                box = vector(a + (b - a) * t for a, b, t in zip(start, end, part, strict=True))
+                place = vector(map(Fraction, map(float, curve.at(Fraction(k, 24))))) if curve else box
+                assert distance(scene, place) > wanted.clearance
+        else:
+            found["near"] += 1
+            assert distance(scene, result.near.position) < wanted.clearance + scene.band
+            low, high = move.extent
+            assert all(a <= c <= b for a, c, b in zip(low, result.near.position, high, strict=True))
+    assert min(found.values()) > 10, found
+
+
+def test_the_slack_of_a_control_is_covered():
+    def near(slack):
+        move = Move(
+            1, (Fraction(-3), *NOWHERE[:2]), (Fraction(0), *NOWHERE[:2]), False, slack=Fraction(slack)
+        )
+        a, b = (StlMesh(np.array(facets, np.float64), Fraction(0)) for facets in POINTS)
+        program = Program(Path("moves.nc"), (move,), ())
+        return checked(prepare_path(a, b, ("a", "b"), program, wanted_of(Fraction(1, 2)))).near
+
+    # The wall is 1 away from where the tool stops.
+    assert near(Fraction(4, 10)) is None
+    found = near(Fraction(6, 10))
+    assert found is not None and not found.within_clearance_for_certain
+
+
 # A tool at x = 1/2 that rounds to 0, a wall at 3/2 that rounds to 2, and a path that ends where they touch.
 POINTS = (np.full((1, 3, 3), [0.5, 0, 0]), np.full((1, 3, 3), [1.5, 0, 0]))
 
@@ -176,6 +227,41 @@ def test_what_does_not_fit_is_refused():
     ):
         with pytest.raises(InputError, match=why):
             vise_scene([(0, 0, 60), (0, 0, 5)], **options)
+
+
+MACHINE = """
+rapids = "straight"
+loaded = 1
+[[tools]]
+number = 1
+parts = [{ diameter = 10, length = 60 }]
+[[tools]]
+number = 2
+parts = [{ diameter = 4, length = 1 }, { diameter = 60, length = 30 }]
+"""
+
+
+def test_tools_of_a_machine_file_are_checked_in_turn(path, tmp_path):
+    machine, work = tmp_path / "machine.toml", tmp_path / "work.stl"
+    machine.write_text(MACHINE)
+    # Over a jaw, which is 8 mm lower than the workpiece: the holder of the second tool comes into that.
+    start, program = ("--start", 0, 0, 60), "G21 G0 Y55\nZ-6\nZ60\nT2 M6\nZ1"
+    status, said, found = path(program, *start, meshes=(machine, work))
+    assert [tool["verdict"] for tool in found["tools"]] == ["clear", "clear"] and status == 0
+    status, said, found = path(f"{program}\nZ-6", *start, meshes=(machine, work))
+    assert (status, found["near"]["line"], found["near"]["move"]) == (1, 6, 4)
+    assert [tool["verdict"] for tool in found["tools"]] == ["clear", "near"]
+    assert "tool: tool 2" in said and "how the machine moves to change tools is not checked" in said
+
+
+def test_rapids_are_covered_any_way_unless_the_machine_says_how(path, tmp_path):
+    machine, work = tmp_path / "machine.toml", tmp_path / "work.stl"
+    # Down beside the vise on a straight line; each axis on its own might go through the jaw.
+    program, start = "G21 G0 X0 Y90 Z-15", ("--start", 0, 20, 60)
+    machine.write_text(MACHINE)
+    assert path(program, *start, meshes=(machine, work))[0] == 0
+    machine.write_text(MACHINE.replace("straight", "any"))
+    assert path(program, *start, meshes=(machine, work))[0] == 1
 
 
 @pytest.fixture

@@ -1,0 +1,173 @@
+"""Curves of a program, and how far they are from their chords: arcs, helices, Bezier curves.
+
+A curve p(t), 0 <= t <= 1, whose second derivative is at most M long is at most M h^2 / 8 from the chord
+between two of its points h apart in t, each p(t) from the point of the chord at the same t (the error of
+linear interpolation). So pieces of a curve are proven clear like straight ones, with that much more margin,
+and halving makes it a quarter.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+
+from triaxis.host.quantise import Vector, added, vector
+
+# Millimetres. What double precision rounds in a point below stays under it while coordinates are below
+# 10^6: some ten operations of relative error 2^-53; a control, which rounds in another order, differs as
+# little. A centre that was computed from R is as exact, but where start and end are nearly a diameter
+# apart: then a control that computes it in double precision errs by up to sqrt(2^-52) R, which is below it
+# for R < 600.
+SLACK = Fraction(1, 10**5)
+# How far the radii at both ends may differ, in millimetres, and as a share: LinuxCNC's limits for inches.
+_RADII, _RADII_SHARE = 0.0508 * math.sqrt(2), 0.001
+# Of LinuxCNC's, too: how much a radius may be too short for its end.
+_TOO_SHORT = 0.00127
+# Radians.
+_NOTHING = 1e-6
+_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A way from a point to another. ``bend``: of its second derivative, in mm; ``slack``: of its points."""
+
+    start: Vector
+    end: Vector
+    bend: Fraction
+    slack: Fraction
+
+    def at(self, part: Fraction) -> Vector:
+        """Return a point, but for ``slack``; both ends exactly."""
+        if part in (0, 1):
+            return self.end if part else self.start
+        return vector(Fraction(round(x * 2**30), 2**30) for x in self._point(float(part)))
+
+    def _point(self, part: float) -> Sequence[float]:
+        raise NotImplementedError
+
+    def moved(self, by: Vector) -> "Curve":
+        """Return the curve elsewhere."""
+        return replace(self, start=added(self.start, by), end=added(self.end, by))
+
+    def extent(self) -> tuple[Vector, Vector]:
+        """Return the lower and the upper corner of a box that holds all of it."""
+        points = [self.at(Fraction(k, _SAMPLES)) for k in range(_SAMPLES + 1)]
+        room = self.bend / (8 * _SAMPLES**2) + self.slack
+        return vector(min(c) - room for c in zip(*points, strict=True)), vector(
+            max(c) + room for c in zip(*points, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class Arc(Curve):
+    """An arc about a centre, a helix where it moves along its axis, a spiral where the radii differ.
+
+    ``axes``: the two of its plane, then its own. ``sweep``: radians, positive from the first to the second.
+    """
+
+    axes: tuple[int, int, int]
+    centre: tuple[float, float]
+    radii: tuple[float, float]
+    angle: float
+    sweep: float
+
+    def _point(self, part: float) -> Sequence[float]:
+        a, b, c = self.axes
+        radius = self.radii[0] + (self.radii[1] - self.radii[0]) * part
+        angle = self.angle + self.sweep * part
+        point = [0.0] * 3
+        point[a] = self.centre[0] + radius * math.cos(angle)
+        point[b] = self.centre[1] + radius * math.sin(angle)
+        point[c] = float(self.start[c]) + float(self.end[c] - self.start[c]) * part
+        return point
+
+    def moved(self, by: Vector) -> "Arc":
+        """Return the arc elsewhere."""
+        a, b, _ = self.axes
+        there = self.centre[0] + float(by[a]), self.centre[1] + float(by[b])
+        return replace(self, start=added(self.start, by), end=added(self.end, by), centre=there)
+
+
+@dataclass(frozen=True)
+class Bezier(Curve):
+    """A Bezier curve of control points, the ends among them."""
+
+    points: tuple[Vector, ...]
+
+    def _point(self, part: float) -> Sequence[float]:
+        points = [[float(c) for c in point] for point in self.points]
+        while len(points) > 1:
+            points = [[x + (y - x) * part for x, y in zip(p, q, strict=True)] for p, q in pairwise(points)]
+        return points[0]
+
+    def moved(self, by: Vector) -> "Bezier":
+        """Return the curve elsewhere."""
+        points = tuple(added(point, by) for point in self.points)
+        return replace(self, start=points[0], end=points[-1], points=points)
+
+
+def arc(
+    start: Vector, end: Vector, axes: tuple[int, int, int], centre: tuple[Fraction, Fraction],
+    clockwise: bool, turns: int,
+) -> Arc:  # fmt: skip
+    """Return the arc about a centre; raise ValueError where there is none."""
+    a, b, _ = axes
+    first, last = ([float(p[k] - c) for k, c in zip((a, b), centre, strict=True)] for p in (start, end))
+    radii = math.hypot(*first), math.hypot(*last)
+    apart = abs(radii[0] - radii[1])
+    if min(radii) < 1e-6:
+        raise ValueError("an arc without a radius: correct its centre")
+    if apart > 100 * _RADII or (apart > _RADII and apart > _RADII_SHARE * max(radii)):
+        raise ValueError(
+            f"the radii at both ends of the arc, {radii[0]:g} and {radii[1]:g}, differ: correct its centre"
+        )
+    angle = math.atan2(first[1], first[0])
+    turned = (math.atan2(last[1], last[0]) - angle) * (-1 if clockwise else 1) % (2 * math.pi)
+    # Next to nothing is a whole circle to some controls: which holds the little arc.
+    whole = turns if turned < _NOTHING else turns - 1
+    sweep = (turned + 2 * math.pi * whole) * (-1 if clockwise else 1)
+    # |p''| of (r0 + dr t) e(angle + sweep t) is at most r sweep^2 + 2 |dr sweep|.
+    bend = max(radii) * sweep**2 + 2 * apart * abs(sweep)
+    return Arc(
+        start, end, _above(bend), SLACK + _above(apart), axes, (float(centre[0]), float(centre[1])), radii,
+        angle, sweep,
+    )  # fmt: skip
+
+
+def centre_by_radius(
+    start: Vector, end: Vector, axes: tuple[int, int, int], radius: Fraction, clockwise: bool
+) -> tuple[Fraction, Fraction]:
+    """Return the centre of an arc of a radius, more than a half circle where that is negative.
+
+    Raises ValueError where there is none.
+    """
+    a, b, _ = axes
+    x, y = end[a] - start[a], end[b] - start[b]
+    square = x * x + y * y
+    if not square:
+        raise ValueError("an arc by R that ends where it starts: give its centre")
+    height = radius * radius - square / 4
+    if height < 0:
+        if math.sqrt(square) / 2 - abs(radius) > _TOO_SHORT:
+            raise ValueError(f"R{float(radius):g} does not reach the end of the arc: correct it")
+        height = Fraction(0)
+    left = math.sqrt(height / square) * (1 if clockwise == (radius < 0) else -1)
+    return (start[a] + end[a]) / 2 - y * Fraction(left), (start[b] + end[b]) / 2 + x * Fraction(left)
+
+
+def bezier(points: Sequence[Vector]) -> Bezier:
+    """Return the curve of three or four control points."""
+    n = len(points) - 1
+    # The second derivative is that of the control polygon, a mean of these.
+    second = [
+        math.sqrt(sum((p - 2 * q + r) ** 2 for p, q, r in zip(*three, strict=True)))
+        for three in zip(points, points[1:], points[2:], strict=False)
+    ]
+    return Bezier(points[0], points[-1], _above(n * (n - 1) * max(second)), SLACK, tuple(points))
+
+
+def _above(length: float) -> Fraction:
+    """Return a decimal that is no less, with what double precision rounds in it."""
+    return Fraction(math.ceil(length * (1 + 1e-9) * 2**30), 2**30)

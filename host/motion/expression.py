@@ -1,0 +1,237 @@
+"""Parameters and expressions of a program: `#1`, `#<name>`, `[..]`, functions.
+
+They mean what they do to the interpreter of LinuxCNC (its manual, "G code: overview"), the only public one
+that says all of it: expressions are evaluated in double precision, as a control does, so that a loop ends
+where the control's ends. A number that stands alone stays the exact decimal that it is.
+"""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from triaxis.golden.exact import Rational
+
+Value = Fraction | float
+# The number of a parameter, or its name.
+Key = int | str
+
+# Digits of a number: more than any control takes, few enough to keep exact sums small.
+_DIGITS = 15
+NUMBER = r"\d+\.?\d*|\.\d+"
+_NUMBER, _NAME = re.compile(NUMBER, re.ASCII), re.compile(r"<([^<>\[\]#]+)>")
+_OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)(?![a-z])", re.IGNORECASE)
+_WORD = re.compile(r"[a-z]+", re.IGNORECASE)
+# Two numbers nearer than this are equal (LinuxCNC, TOLERANCE_EQUAL).
+_EQUAL = 1e-6
+# Parameters that belong to a subroutine: its arguments.
+ARGUMENTS = 30
+_LARGEST_PARAMETER = 5602
+
+
+def exact(value: Value) -> Fraction:
+    """Return a value as a decimal number: a computed one to 10^-9, which its error may exceed anyway."""
+    return Rational(round(value * 10**9), 10**9) if isinstance(value, (float, int)) else value
+
+
+@dataclass
+class Memory:
+    """What parameters hold. ``ask``: what those of the control do (its position, ..), None for any other.
+
+    Names without a leading _ and the arguments belong to the subroutine that runs.
+    """
+
+    ask: Callable[[Key], Value | None]
+    common: dict[Key, Value] = field(default_factory=dict)
+    frames: list[dict[Key, Value]] = field(default_factory=lambda: [{}])
+
+    def _of(self, key: Key) -> dict[Key, Value]:
+        own = key <= ARGUMENTS if isinstance(key, int) else not key.startswith("_")
+        return self.frames[-1] if own else self.common
+
+    def exists(self, key: Key) -> bool:
+        """Return whether there is such a parameter: all of those with numbers."""
+        return isinstance(key, int) or key in self._of(key) or self.ask(key) is not None
+
+    def get(self, key: Key) -> Value:
+        """Return a parameter's value; raise ValueError where it has none that is known."""
+        if (value := self._of(key).get(key)) is not None:
+            return value
+        if (value := self.ask(key)) is not None:
+            return value
+        if isinstance(key, int) and 1 <= key <= ARGUMENTS:
+            return Fraction(0)
+        shown = f"#{key}" if isinstance(key, int) else f"#<{key}>"
+        raise ValueError(f"{shown} has a value that the program does not give it: set it before")
+
+    def set(self, key: Key, value: Value) -> None:
+        """Give a parameter a value; raise ValueError where the control alone does."""
+        if isinstance(key, int) and not 1 <= key < 5000:
+            raise ValueError(f"#{key} is the control's own: set none but #1 to #4999")
+        self._of(key)[key] = value
+
+
+Expression = Callable[[Memory], Value]
+
+
+def number(text: str) -> Fraction:
+    """Return a decimal; raise ValueError where it has more digits than any control takes."""
+    whole, _, part = text.partition(".")
+    if len(whole) + len(part) - ("-" in whole or "+" in whole) > _DIGITS:
+        raise ValueError(f"more than {_DIGITS} digits: round it")
+    return Rational(int(whole + part), 10 ** len(part)) if part else Rational(int(whole))
+
+
+@dataclass
+class Scanner:
+    """Reads values from a text, one after another, from ``at`` on. All of it raises ValueError."""
+
+    text: str
+    at: int = 0
+
+    def blanks(self) -> str:
+        """Go to the next character that is not blank; return it, or nothing at the end."""
+        while self.text[self.at : self.at + 1] in (" ", "\t"):
+            self.at += 1
+        return self.text[self.at : self.at + 1]
+
+    def expect(self, character: str, what: str) -> None:
+        """Read one character."""
+        if self.blanks() != character:
+            raise ValueError(f"{what}: add '{character}'")
+        self.at += 1
+
+    def _match(self, pattern: re.Pattern[str]) -> str | None:
+        self.blanks()
+        if match := pattern.match(self.text, self.at):
+            self.at = match.end()
+            return match[0]
+        return None
+
+    def value(self) -> Expression:
+        """Read a number, a parameter, an expression in brackets, or a function of one."""
+        sign = self.blanks()
+        if sign and sign in "+-":
+            self.at += 1
+            inner = self.value()
+            return inner if sign == "+" else lambda memory: -inner(memory)
+        if text := self._match(_NUMBER):
+            found = number(text)
+            return lambda _: found
+        if sign == "#":
+            key = self.parameter()
+            return lambda memory: memory.get(key(memory))
+        if sign == "[":
+            return self.bracket()
+        if name := self._match(_WORD):
+            return self._function(name.lower())
+        raise ValueError("no decimal number: give one")
+
+    def bracket(self) -> Expression:
+        """Read an expression in brackets."""
+        self.expect("[", "an expression stands in brackets")
+        inner = self._binary(0)
+        self.expect("]", "an expression does not end")
+        return inner
+
+    def parameter(self) -> Callable[[Memory], Key]:
+        """Read a parameter; return what says which it is."""
+        self.expect("#", "no parameter")
+        self.blanks()
+        if match := _NAME.match(self.text, self.at):
+            self.at = match.end()
+            name = "".join(match[1].split()).lower()
+            return lambda _: name
+        inner = self.value()
+        return lambda memory: _key(inner(memory))
+
+    def _function(self, name: str) -> Expression:
+        if name == "exists":
+            self.expect("[", "EXISTS takes a name")
+            key = self.parameter()
+            self.expect("]", "EXISTS takes one name")
+            return lambda memory: Fraction(_exists(memory, key))
+        if name == "atan":
+            above = self.bracket()
+            self.expect("/", "ATAN takes two values")
+            below = self.bracket()
+            return lambda memory: math.degrees(math.atan2(float(above(memory)), float(below(memory))))
+        function = _FUNCTIONS.get(name)
+        if function is None:
+            raise ValueError(f"{name.upper()} is no function: correct it")
+        inner = self.bracket()
+        return lambda memory: _checked(function, float(inner(memory)))
+
+    def _binary(self, level: int) -> Expression:
+        """Read operations that bind as much as those of a level, or more."""
+        if level == len(_LEVELS):
+            return self.value()
+        left = self._binary(level + 1)
+        while True:
+            before = self.at
+            name = (self._match(_OPERATOR) or "").lower()
+            if name not in _LEVELS[level]:
+                self.at = before
+                return left
+            left = _applied(_LEVELS[level][name], left, self._binary(level + 1))
+
+
+def _applied(operation: Callable[[float, float], float], left: Expression, right: Expression) -> Expression:
+    return lambda memory: _checked(operation, float(left(memory)), float(right(memory)))
+
+
+def _checked(function: Callable[..., float], *values: float) -> float:
+    try:
+        result = float(function(*values))
+    except (ValueError, OverflowError, ZeroDivisionError):
+        result = math.nan
+    if not math.isfinite(result):
+        raise ValueError("has no value: correct the expression")
+    return result
+
+
+def _key(value: Value) -> int:
+    key = int(value + Fraction(1, 2) if value > 0 else 0)
+    if abs(value - key) > 1e-4 or not 1 <= key <= _LARGEST_PARAMETER:
+        raise ValueError(f"there is no parameter {float(value):g}: give a whole number from 1 on")
+    return key
+
+
+def _exists(memory: Memory, key: Callable[[Memory], Key]) -> bool:
+    try:
+        return memory.exists(key(memory))
+    except ValueError:
+        return False
+
+
+def _mod(a: float, b: float) -> float:
+    rest = math.fmod(a, b)
+    return rest + abs(b) if rest < 0 else rest
+
+
+def _power(a: float, b: float) -> float:
+    return math.pow(a, b)
+
+
+_FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "abs": abs, "acos": lambda x: math.degrees(math.acos(x)), "asin": lambda x: math.degrees(math.asin(x)),
+    "cos": lambda x: math.cos(math.radians(x)), "exp": math.exp, "fix": math.floor, "fup": math.ceil,
+    "ln": math.log, "round": lambda x: math.floor(abs(x) + 0.5) * math.copysign(1, x),
+    "sin": lambda x: math.sin(math.radians(x)), "sqrt": math.sqrt, "tan": lambda x: math.tan(math.radians(x)),
+}  # fmt: skip
+# From those that bind least to those that bind most.
+_LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
+    {
+        "and": lambda a, b: bool(a) and bool(b), "or": lambda a, b: bool(a) or bool(b),
+        "xor": lambda a, b: bool(a) != bool(b),
+    },
+    {
+        "eq": lambda a, b: abs(a - b) < _EQUAL, "ne": lambda a, b: abs(a - b) >= _EQUAL,
+        "gt": lambda a, b: a > b, "lt": lambda a, b: a < b,
+        "ge": lambda a, b: a >= b or abs(a - b) < _EQUAL, "le": lambda a, b: a <= b or abs(a - b) < _EQUAL,
+    },
+    {"+": lambda a, b: a + b, "-": lambda a, b: a - b},
+    {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "mod": _mod},
+    {"**": _power},
+)  # fmt: skip

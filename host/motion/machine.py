@@ -1,0 +1,167 @@
+"""What a program does not say: the machine file, with tools, offsets, homes, and how the control moves.
+
+    path_tolerance = 0.01        # mm that a control leaves the path where it rounds corners (G64)
+    rapids = "straight"          # G0 is a straight line; else each axis takes its own time
+    loaded = 1                   # the tool in the spindle at the start
+    [offsets]                    # machine coordinates of the zero of G54 (WORK.stl's), G55, ..
+    G54 = [300.0, 200.0, -150.0]
+    [homes]                      # machine coordinates to which G28 and G30 go
+    G28 = [0.0, 0.0, 0.0]
+    [[tools]]
+    number = 1
+    length = 82.5                # mm from the spindle's nose to the origin of the STL, the tip: what G43 adds
+    mesh = "mill.stl"            # or parts, from the tip on
+    parts = [{ diameter = 6, length = 20 }, { diameter = 20, length = 45 }, { mesh = "holder.stl" }]
+
+Parts are in the unit of the STL files.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import cos, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
+from triaxis.host.quantise import Vector, vector
+from triaxis.host.scenes import revolved
+from triaxis.host.stl import StlMesh, read_stl
+
+# Sides of a prism around a cylinder, which is in it.
+_SIDES = 64
+SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool: its mesh, the tip at its origin, and its length; None where that is not known."""
+
+    number: int
+    mesh: StlMesh
+    name: str
+    length: Fraction | None = None
+    diameter: Fraction | None = None
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine file. ``straight``: rapids are. ``loaded``, ``tolerance``: None where it does not say."""
+
+    tools: Mapping[int, Tool] = field(default_factory=dict)
+    offsets: Mapping[str, Vector] = field(default_factory=dict)
+    homes: Mapping[str, Vector] = field(default_factory=dict)
+    straight: bool = False
+    tolerance: Fraction | None = None
+    loaded: int | None = None
+
+
+def read_machine(path: Path) -> Machine:
+    """Read a machine file and the meshes of its tools; raise InputError at whatever is not understood."""
+    try:
+        # Numbers as they stand.
+        content = tomllib.loads(read_input(path).decode(), parse_float=Fraction)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: no TOML: {error}") from error
+    table = _Table(path, "", content)
+    rapids = table.take("rapids", str, "any")
+    if rapids not in ("any", "straight"):
+        raise table.wrong("rapids", '"straight" or "any"')
+    tolerance = table.take("path_tolerance", Fraction, None)
+    if tolerance is not None and tolerance < 0:
+        raise table.wrong("path_tolerance", "not negative")
+    offsets = _places(table, "offsets", SYSTEMS)
+    homes = _places(table, "homes", ("G28", "G30"))
+    tools: dict[int, Tool] = {}
+    for number, entry in enumerate(table.take("tools", list, []), 1):
+        tool = _tool(_Table(path, f"tool {number}: ", entry))
+        if tool.number in tools:
+            raise InputError(f"{path}: tool number {tool.number} stands twice: keep one")
+        tools[tool.number] = tool
+    if not tools:
+        raise table.wrong("tools", "given, one at least")
+    loaded = table.take("loaded", int, next(iter(tools)) if len(tools) == 1 else None)
+    if loaded is not None and loaded not in tools:
+        raise table.wrong("loaded", "the number of a tool")
+    table.finish()
+    return Machine(tools, offsets, homes, rapids == "straight", tolerance, loaded)
+
+
+@dataclass
+class _Table:
+    """A table of the file, of which entries are taken until none is left."""
+
+    path: Path
+    name: str
+    content: Any
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.content, dict):
+            raise InputError(f"{self.path}: {self.name}a table is needed")
+        self.content = dict(self.content)
+
+    def take(self, key: str, kind: type, default: Any) -> Any:
+        value = self.content.pop(key, default)
+        if kind is Fraction and isinstance(value, int) and not isinstance(value, bool):
+            value = Fraction(value)
+        if value is not default and (not isinstance(value, kind) or isinstance(value, bool)):
+            raise self.wrong(
+                key, {Fraction: "a number", list: "a list", str: "a text"}.get(kind, kind.__name__)
+            )
+        return value
+
+    def wrong(self, key: str, wanted: str) -> InputError:
+        return InputError(f"{self.path}: {self.name}{key}: must be {wanted}: correct it")
+
+    def finish(self) -> None:
+        for key in self.content:
+            raise InputError(f"{self.path}: {self.name}{key}: not known: correct or remove it")
+
+
+def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector]:
+    inner = _Table(table.path, f"{name}: ", table.take(name, dict, {}))
+    found: dict[str, Vector] = {}
+    for key in keys:
+        numbers = inner.take(key, list, None)
+        if numbers is not None:
+            if len(numbers) != 3 or not all(isinstance(x, (int, Fraction)) for x in numbers):
+                raise inner.wrong(key, "three numbers")
+            found[key] = vector(map(Fraction, numbers))
+    inner.finish()
+    return found
+
+
+def _tool(table: _Table) -> Tool:
+    number, length = table.take("number", int, None), table.take("length", Fraction, None)
+    if number is None:
+        raise table.wrong("number", "given")
+    parts, mesh = table.take("parts", list, []), table.take("mesh", str, None)
+    if bool(parts) == bool(mesh):
+        raise table.wrong("mesh", "given, or parts, and not both")
+    table.finish()
+    found: list[StlMesh] = []
+    height, diameters, name = Fraction(0), list[Fraction](), mesh or f"tool {number}"
+    for entry in parts or [{"mesh": mesh}]:
+        part = _Table(table.path, f"{table.name}parts: ", entry)
+        mesh = part.take("mesh", str, None)
+        if mesh is not None:
+            found.append(read_stl(table.path.parent / mesh))
+        else:
+            diameter, tall = (part.take(key, Fraction, Fraction(0)) for key in ("diameter", "length"))
+            if diameter <= 0 or tall <= 0:
+                raise part.wrong("diameter and length", "positive, or a mesh given")
+            radius = float(diameter) / 2 / cos(pi / _SIDES) * (1 + 1e-6)
+            low, high = float(height), float(height + tall)
+            profile = [(0.0, low), (radius, low), (radius, high), (0.0, high)]
+            # Heights become float32.
+            found.append(StlMesh(revolved(profile, _SIDES).astype(np.float64), (height + tall) / 2**23))
+            diameters.append(diameter)
+            height += tall
+        part.finish()
+    facets = np.concatenate([part.facets for part in found])
+    rounding = max(part.rounding for part in found)
+    return Tool(number, StlMesh(facets, rounding), name, length, diameters[0] if diameters else None)
