@@ -56,6 +56,11 @@ def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Map
             node.body.visit(visit_pieces)
             total["products"] += 1
             return ast.VisitAction.Skip
+        # What a constant is computed with is no hardware; of a function its calls are, with other arguments.
+        if kind in ("Parameter", "Subroutine"):
+            return ast.VisitAction.Skip
+        if kind == "Call" and isinstance(node.subroutine, ast.SubroutineSymbol) and not node.eval(context):
+            node.subroutine.body.visit(visit)
         if kind == "BinaryOp" and node.op == ast.BinaryOperator.Multiply:
             total.update(_of_expression(node, context))
         return ast.VisitAction.Advance
