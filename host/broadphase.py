@@ -101,45 +101,51 @@ class Work:
     compared: int = 0
 
 
-def overlapping(a: BoxTree, b: BoxTree, most: int | None, work: Work) -> tuple[Integers, Integers] | None:
-    """Return the numbers (K,), (K,) of all pairs of boxes that have a point in common, in no order.
+def overlapping(
+    a: BoxTree, b: BoxTree, move: Integers, margin: int, most: int | None, work: Work
+) -> tuple[Integers, Integers] | None:
+    """Return the numbers (K,), (K,) of all pairs of boxes within a margin, in no order.
 
-    None where there are more than ``most`` of them, or of pairs of nodes on the way: so the memory is
-    bounded.
+    ``move`` (3,): how far those of A are from where their tree has them. None where there are more than
+    ``most`` of them, or of pairs of nodes on the way: so the memory is bounded.
     """
     height_a, height_b = len(a.levels) - 1, len(b.levels) - 1
     i = j = np.zeros(1, np.int64)
+    # What a corner of A may exceed its limit in B by, and the other way round.
+    room_a, room_b = (np.concatenate([margin - by, margin + by])[:, None] for by in (move, -move))
     # The roots themselves: each is its tree's only node, but they may be apart.
-    if not _meet(a.levels[-1], b.levels[-1]):
+    if not _meet(a.levels[-1], b.levels[-1], room_a[:, 0]):
         return i[:0], j[:0]
     while height_a or height_b:
         # The larger nodes are opened: small ones that meet a large one are as many as they are for long.
         if not height_a or (height_b and b.sizes[height_b] > a.sizes[height_a]):
             height_b -= 1
-            opened = _opened(b.levels[height_b], a.levels[height_a], j, i, most, work)
+            opened = _opened(b.levels[height_b], a.levels[height_a], j, i, room_b, most, work)
             j, i = opened or (j, i)
         else:
             height_a -= 1
-            opened = _opened(a.levels[height_a], b.levels[height_b], i, j, most, work)
+            opened = _opened(a.levels[height_a], b.levels[height_b], i, j, room_a, most, work)
             i, j = opened or (i, j)
         if opened is None:
             return None
     return a.order[i], b.order[j]
 
 
-def _meet(root: Integers, other: Integers) -> bool:
-    """Return whether two roots (1, 6) overlap."""
-    return bool((root[0, :3] <= -other[0, 3:]).all() and (other[0, :3] <= -root[0, 3:]).all())
+def _meet(root: Integers, other: Integers, room: Integers) -> bool:
+    """Return whether two roots (1, 6) overlap, but for room (6,)."""
+    return bool((root[0] <= room - np.roll(other[0], 3)).all())
 
 
 def _opened(
-    below: Integers, other: Integers, node: Integers, opposite: Integers, most: int | None, work: Work
-) -> tuple[Integers, Integers] | None:
+    below: Integers, other: Integers, node: Integers, opposite: Integers, room: Integers, most: int | None,
+    work: Work,
+) -> tuple[Integers, Integers] | None:  # fmt: skip
     """Return which nodes of ``below``, the level under ``node`` (K,), overlap their node's opposite one.
 
-    ``opposite`` (K,) numbers nodes of the level ``other``. None where more than ``most`` do.
+    ``opposite`` (K,) numbers nodes of the level ``other``; ``room`` (6, 1): what a corner may exceed its
+    limit by. None where more than ``most`` do.
     """
-    families = below.reshape(-1, FAN * 6)
+    families, room_across = below.reshape(-1, FAN * 6), np.roll(room, 3)
     nodes: list[Integers] = [node[:0]]
     opposites: list[Integers] = [opposite[:0]]
     found = 0
@@ -148,7 +154,8 @@ def _opened(
         count = len(parent)
         # Corners first and pairs last: the comparisons run along contiguous memory.
         children = np.ascontiguousarray(families[parent].T).reshape(FAN, 6, count)
-        limits = -np.ascontiguousarray(other[facing].T)
+        limits = np.ascontiguousarray(other[facing].T)
+        np.subtract(room_across, limits, out=limits)
         overlap = children[:, 0] <= limits[3]
         for corner in range(1, 6):
             overlap &= children[:, corner] <= limits[(corner + 3) % 6]
@@ -169,6 +176,53 @@ _BLOCK = 1 << 20
 _FACETS = 1 << 14
 
 
+class FacetTrees:
+    """The facets of two meshes (N, 3, 3), (M, 3, 3), in LSB, below 2^60 in size, under trees built once.
+
+    They serve all translations of A, and all margins.
+    """
+
+    def __init__(self, a: Integers, b: Integers) -> None:
+        """Build the trees: of A a tree over each few of its facets in turn, to be opened in that order."""
+        self._a, self._count_b = _boxes(a), len(b)
+        self._b = BoxTree(_boxes(b)) if len(b) else None
+        # By the first facet and the one after the last.
+        self._kept: dict[tuple[int, int], BoxTree] = {}
+
+    def candidates(
+        self, move: Integers, margin: int, work: Work | None = None, in_order: bool = True
+    ) -> Iterator[tuple[Integers, Integers]]:
+        """Yield what `candidates` does, of A translated by ``move`` (3,).
+
+        ``in_order``: within a block, too.
+        """
+        work = Work() if work is None else work
+        for start in range(0, len(self._a) if self._b else 0, _FACETS):
+            for i, j in self._of(start, min(start + _FACETS, len(self._a)), move, margin, work):
+                if in_order:
+                    # One number a pair sorts several times faster than two.
+                    key = np.sort(i * self._count_b + j)
+                    i = key // self._count_b
+                    yield i, key - i * self._count_b
+                else:
+                    yield i, j
+
+    def _of(
+        self, start: int, end: int, move: Integers, margin: int, work: Work
+    ) -> Iterator[tuple[Integers, Integers]]:
+        assert self._b
+        if (start, end) not in self._kept:
+            self._kept[start, end] = BoxTree(self._a[start:end])
+        most = _BLOCK if end - start > 1 else None
+        found = overlapping(self._kept[start, end], self._b, move, margin, most, work)
+        if found is None:
+            middle = (start + end) // 2
+            yield from self._of(start, middle, move, margin, work)
+            yield from self._of(middle, end, move, margin, work)
+        elif len(found[0]):
+            yield found[0] + start, found[1]
+
+
 def candidates(
     a: Integers, b: Integers, margin: int, work: Work | None = None
 ) -> Iterator[tuple[Integers, Integers]]:
@@ -179,43 +233,24 @@ def candidates(
     or those of a single facet of A. Time grows like (N + M) log (N + M) and the number of pairs, where
     facets are spread as on surfaces; ``work`` is told what was compared.
     """
-    work = Work() if work is None else work
     if not len(a) or not len(b):
         return
-    boxes_a, boxes_b = _boxes(a, margin), _boxes(b, 0)
-    number_a, number_b = _reaching(boxes_a, boxes_b), _reaching(boxes_b, boxes_a)
+    boxes_a, boxes_b = _boxes(a), _boxes(b)
+    # Who asks once need not put a tree over what is far from the other mesh.
+    number_a, number_b = _reaching(boxes_a, boxes_b, margin), _reaching(boxes_b, boxes_a, margin)
     if not len(number_a) or not len(number_b):
         return
-    tree_b = BoxTree(boxes_b[number_b])
-    start, step = 0, _FACETS
-    while start < len(number_a):
-        facets = number_a[start : start + step]
-        most = _BLOCK if len(facets) > 1 else None
-        found = overlapping(BoxTree(boxes_a[facets]), tree_b, most, work)
-        if found is None:
-            step = len(facets) // 2
-            continue
-        start += len(facets)
-        if len(found[0]) < _BLOCK // 4:
-            step = min(2 * step, _FACETS)
-        if len(found[0]):
-            yield _in_order(facets, number_b, *found)
+    trees = FacetTrees(a[number_a], b[number_b])
+    for i, j in trees.candidates(np.zeros(3, np.int64), margin, work):
+        yield number_a[i], number_b[j]
 
 
-def _boxes(facets: Integers, margin: int) -> Integers:
-    """Return the boxes (N, 2, 3) of facets (N, 3, 3), grown by a margin on all sides."""
-    return np.stack([facets.min(1) - margin, facets.max(1) + margin], 1)
+def _boxes(facets: Integers) -> Integers:
+    """Return the boxes (N, 2, 3) of facets (N, 3, 3)."""
+    return np.stack([facets.min(1), facets.max(1)], 1)
 
 
-def _reaching(boxes: Integers, others: Integers) -> Integers:
-    """Return the numbers of boxes (N, 2, 3) that overlap the box of all the others (M, 2, 3)."""
-    low, high = others[:, 0].min(0), others[:, 1].max(0)
+def _reaching(boxes: Integers, others: Integers, margin: int) -> Integers:
+    """Return the numbers of boxes (N, 2, 3) within a margin of the box of all the others (M, 2, 3)."""
+    low, high = others[:, 0].min(0) - margin, others[:, 1].max(0) + margin
     return np.flatnonzero(((boxes[:, 0] <= high) & (low <= boxes[:, 1])).all(1))
-
-
-def _in_order(number_a: Integers, number_b: Integers, i: Integers, j: Integers) -> tuple[Integers, Integers]:
-    """Return the facet numbers of pairs (K,), (K,), by the facet of A and then of B; the lists ascend."""
-    # One number a pair sorts several times faster than two.
-    key = np.sort(i * len(number_b) + j)
-    i = key // len(number_b)
-    return number_a[i], number_b[key - i * len(number_b)]

@@ -6,7 +6,7 @@ tested and near pairs agree; only the mesh engine, simulated or on the board, sk
 cycles.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import Protocol
@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.judge import judge_in_parallel
-from triaxis.host.scene import Decide, FacetPairs, in_order, near_facets
+from triaxis.host.broadphase import FacetTrees
+from triaxis.host.scene import Decide, FacetPairs, in_order, near_of
 from triaxis.sim.core_engine import CoreError
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import MeshEngine, Mode, Status, spatial_order
@@ -87,23 +88,41 @@ class DecidingEngine:
     def __init__(self, a: Integers, b: Integers, decide: Decide, certifies: bool = False) -> None:
         """Take facets of shape (N, 3, 3), on the grid."""
         self._a, self._b, self._decide, self._certifies = a, b, decide, certifies
+        self._trees = FacetTrees(a, b)
+        # Found near last time: a pose next to that one is likely to have them near too.
+        self._last: FacetPairs = np.empty((0, 2), np.int64)
 
     def run(self, translation: Translation, margin: int, stop_at_first: bool = False) -> SceneRun:
-        """Decide all pairs, or those of the pieces to the first with a near one."""
-        run = SceneRun()
-        found: list[FacetPairs] = [run.near]
-        a, at_once = self._a + np.array(translation), _FEW if stop_at_first else _MANY
-        for count, near in near_facets(a, self._b, margin, self._decide, at_once):
-            run.tested += count
-            run.near_count += len(near)
-            found.append(near)
-            if stop_at_first and len(near):
-                break
-        run.skipped = len(a) * len(self._b) - run.tested
+        """Decide all pairs, or those of the pieces to the first with a near one.
+
+        What was near last time is decided first, where one will do, and counted where it is near again.
+        """
+        run, move = SceneRun(), np.array(translation, np.int64)
+        last, found = iter([(self._last[:, 0], self._last[:, 1])]), [run.near]
+        if stop_at_first:
+            for count, near in self._decided(last, move, margin, _FEW):
+                if len(near):
+                    run.tested, run.near_count, found = count, len(near), [near]
+        blocks = self._trees.candidates(move, margin, in_order=not stop_at_first)
+        if not run.near_count:
+            for count, near in self._decided(blocks, move, margin, _FEW if stop_at_first else _MANY):
+                run.tested += count
+                run.near_count += len(near)
+                found.append(near)
+                if len(near):
+                    self._last = near[:_FEW]
+                    if stop_at_first:
+                        break
+        run.skipped = len(self._a) * len(self._b) - run.tested
         run.near = in_order(np.concatenate(found))
         if self._certifies:
             run.certified = run.tested - run.near_count
         return run
+
+    def _decided(
+        self, blocks: Iterator[tuple[Integers, Integers]], move: Integers, margin: int, at_once: int
+    ) -> Iterator[tuple[int, FacetPairs]]:
+        return near_of(blocks, self._a, self._b, move, margin, self._decide, at_once)
 
 
 def scene_engine(name: str, a: Integers, b: Integers, width: int) -> SceneEngine:

@@ -116,6 +116,7 @@ def _turned(mesh: StlMesh, turn: Turn) -> StlMesh:
 # Widths that are tried where none is asked for.
 AUTOMATIC_WIDTHS = (16, 24, 32)
 
+NOT_MOVED = np.zeros(3, np.int64)
 Decide = Callable[[Pairs, npt.NDArray[np.int64]], Verdicts]
 FacetPairs = npt.NDArray[np.int64]
 
@@ -163,10 +164,19 @@ def near_facets(
 
     ``a`` and ``b`` have shape (N, 3, 3). A piece has at most ``at_once`` pairs.
     """
-    for i, j in candidates(a, b, margin):
+    return near_of(candidates(a, b, margin), a, b, NOT_MOVED, margin, decide, at_once)
+
+
+def near_of(
+    blocks: Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]], a: npt.NDArray[np.int64],
+    b: npt.NDArray[np.int64], move: npt.NDArray[np.int64], margin: int, decide: Decide, at_once: int,
+) -> Iterator[tuple[int, FacetPairs]]:  # fmt: skip
+    """Yield what `near_facets` does of blocks of pairs (i of A, j of B), of A translated by ``move`` (3,)."""
+    for i, j in blocks:
         for start in range(0, len(i), at_once):
             k, m = i[start : start + at_once], j[start : start + at_once]
-            near = decide(np.stack([a[k], b[m]], 1), np.full(len(k), margin, np.int64))["near"]
+            pairs = np.stack([a[k] + move, b[m]], 1)
+            near = decide(pairs, np.full(len(k), margin, np.int64))["near"]
             yield len(k), np.stack([k[near], m[near]], 1)
 
 

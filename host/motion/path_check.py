@@ -1,9 +1,9 @@
 """Does a tool stay clear of a workpiece all along its path? Exactly, by proving whole segments clear.
 
-The engine is asked about one pose at the middle of a segment, with a margin that covers half of it
-(`sampling`). Where that is near, the objects' boxes, swept along the segment, may still prove it clear: along
-a face they do so where a margin, which grows in all directions, cannot. Else both halves are looked at in
-turn, down to the step.
+The objects' boxes, swept along a segment, may prove it clear: along a face they do so where a margin,
+which grows in all directions, cannot. Else the engine is asked about one pose at the middle of it, with a
+margin that covers half of it (`path_scene`). Where that is near, both halves are looked at in turn, down
+to the step. Far from the workpiece one question serves for many moves.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ import numpy as np
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
-from triaxis.host.motion.path_scene import PathScene, Segment, nearest, upwards
+from triaxis.host.motion.path_scene import PathScene, Segment, nearest
 from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.scene import distance_of
@@ -111,13 +111,25 @@ def check_path(
     if insides is not None and insides.state != State.OUTSIDE and not _near_at_start(scene):
         result.insides = insides
         return result
-    for index, move in enumerate(scene.program.moves):
-        found = _first_near(scene, engine, scene.segment(move), result)
-        if found is not None:
-            segment, run = found
-            result.near = _near_pose(scene, index, move, segment, run)
+    moves = scene.program.moves
+    # Moves that a pose is asked for at once: more after each that is clear, fewer after one that is not.
+    index, together = 0, 1
+    while index < len(moves):
+        together = min(together, len(moves) - index)
+        if together > 1:
+            if _proven(scene, engine, scene.group(index, index + together), result):
+                progress(together)
+                index, together = index + together, 2 * together
+            else:
+                together //= 2
+            continue
+        found = _first_near(scene, engine, scene.segment(moves[index]), result)
+        if isinstance(found, tuple):
+            result.near = _near_pose(scene, index, moves[index], *found)
             break
         progress(1)
+        # Where a move took several poses, more of them would take as many.
+        index, together = index + 1, 2 if found == 1 else 1
     # Segments are proven in the order of the path: where any is, so is the start.
     if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
         result.insides = insides or _insides(scene)
@@ -137,50 +149,54 @@ def _insides(scene: PathScene) -> Enclosure:
 
     One pose is enough. A part could only get in or out of a closed shell through its facets, and the path is
     continuous. The pose asked is the whole translation T nearest the start's place u. With S the sample that
-    proved the start, no point of A moves by more than reach + 1/2 from S to T (see `sampling`), which is less
-    than the distance at S; nor is the way from the real start to S longer than that. Where boxes proved it,
-    they are more than 1 apart at u, so more than 1/2 at T.
+    proved the start, no point of A moves by more than reach + 1/2 from S to T (see `path_scene`), which is
+    less than the distance at S; nor is the way from the real start to S longer than that. Where boxes proved
+    it, they are more than 1 apart at u, so more than 1/2 at T.
     """
     start = nearest(scene.place(scene.program.moves[0].start))
-    boxes = [scene.extent(move) for move in scene.program.moves]
-    moves = np.array(
-        [
-            [
-                [int(x // 1) - t for x, t in zip(low, start, strict=True)],
-                [upwards(x) - t for x, t in zip(high, start, strict=True)],
-            ]
-            for low, high in boxes
-        ],
-        np.int64,
-    )
+    moves = scene.extents - np.array(start)
     return enclosure(scene.a + np.array(start), scene.b, moves)
+
+
+def _proven(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:
+    """Return whether a pose, or the objects' boxes, show that all of a segment is clear."""
+    level = _level(result, segment)
+    if _boxes_apart(scene, segment):
+        level.by_boxes += 1
+        return True
+    margin = scene.path.margin(segment)
+    if margin > scene.largest_margin:
+        return False
+    run = engine.run(segment.sample, margin, stop_at_first=True)
+    result.effort.add(run)
+    level.by_pose += not run.near_count
+    return not run.near_count
+
+
+def _level(result: PathResult, segment: Segment) -> Level:
+    result.levels += [Level() for _ in range(segment.level + 1 - len(result.levels))]
+    return result.levels[segment.level]
 
 
 def _first_near(
     scene: PathScene, engine: SceneEngine, move: Segment, result: PathResult
-) -> tuple[Segment, SceneRun] | None:
-    """Return the first segment of a move, no longer than the step, that is near; None where all is clear."""
-    pending = [move]
+) -> tuple[Segment, SceneRun] | int:
+    """Return the first segment of a move, no longer than the step, that is near; in how many all is clear."""
+    pending, clear = [move], 0
     while pending:
         segment = pending.pop()
-        result.levels += [Level() for _ in range(segment.level + 1 - len(result.levels))]
-        level = result.levels[segment.level]
+        if _proven(scene, engine, segment, result):
+            clear += 1
+            continue
         margin = scene.path.margin(segment)
-        run = None
-        if margin <= scene.largest_margin:
-            run = engine.run(segment.sample, margin, stop_at_first=segment.length > scene.step)
+        if segment.length <= scene.step and margin <= scene.largest_margin:
+            # Which facets are near is asked where that ends the check.
+            run = engine.run(segment.sample, margin)
             result.effort.add(run)
-        if run is not None and not run.near_count:
-            level.by_pose += 1
-            continue
-        if _boxes_apart(scene, segment):
-            level.by_boxes += 1
-            continue
-        if run is not None and segment.length <= scene.step:
             return segment, run
-        level.halved += 1
+        _level(result, segment).halved += 1
         pending += reversed(segment.halves())
-    return None
+    return clear
 
 
 def _boxes_apart(scene: PathScene, segment: Segment) -> bool:

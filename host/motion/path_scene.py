@@ -251,11 +251,22 @@ class PathScene:
             Rational(move.slack / step), not move.straight and curve is None, bend,
         )  # fmt: skip
 
-    def extent(self, move: Move) -> tuple[GridPoint, GridPoint]:
-        """Return the corners of a box that holds all places of a move."""
-        slack = Rational(move.slack / self.wanted.resolution)
-        low, high = (self.place(corner) for corner in move.extent)
-        return vector(u - slack for u in low), vector(u + slack for u in high)
+    @cached_property
+    def extents(self) -> npt.NDArray[np.int64]:
+        """Return boxes of whole steps, low and high corner, that hold all of each move: (moves, 2, 3)."""
+        step, boxes = self.wanted.resolution, list[tuple[list[int], list[int]]]()
+        for move in self.program.moves:
+            slack = Rational(move.slack / step)
+            low, high = (self.place(corner) for corner in move.extent)
+            boxes.append(([-upwards(slack - u) for u in low], [upwards(u + slack) for u in high]))
+        return np.array(boxes, np.int64)
+
+    def group(self, first: int, last: int) -> Segment:
+        """Return a box of all places of moves, from the first to the one before the last, as a segment."""
+        low = self.extents[first:last, 0].min(0).tolist()
+        high = self.extents[first:last, 1].max(0).tolist()
+        start, end = (vector(map(Rational, corner)) for corner in (low, high))
+        return Segment(start, end, Rational(0), Rational(1), between=True)
 
     @cached_property
     def box_a(self) -> Corners:
@@ -327,14 +338,14 @@ def _check_moves(scene: PathScene) -> None:
     """Raise InputError where the tool leaves the grid. Between two ends that fit, everything does."""
     least, most = coordinate_range(scene.grid.width)
     low, high = scene.box_a
-    for move in scene.program.moves:
-        for position in move.extent:
-            place = scene.place(position)
-            for k, translation in enumerate(map(round_half_up, place)):
-                if not (least <= low[k] + translation and high[k] + translation <= most):
-                    where = " ".join(f"{n}{float(c):g}" for n, c in zip("XYZ", position, strict=True))
-                    raise InputError(
-                        f"{scene.program.path}: line {move.line}: at {where} the tool leaves the "
-                        f"{scene.grid.width}-bit grid along {'xyz'[k]}; use a coarser resolution or a larger "
-                        "width"
-                    )
+    outside = (scene.extents[:, 0] + low < least) | (scene.extents[:, 1] + high > most)
+    if outside.any():
+        number, k = (int(x[0]) for x in np.nonzero(outside))
+        move = scene.program.moves[number]
+        ends = [move.end, move.start] if number else [move.start, move.end]
+        position = max(ends, key=lambda end: abs(scene.place(end)[k]))
+        where = " ".join(f"{n}{float(c):g}" for n, c in zip("XYZ", position, strict=True))
+        raise InputError(
+            f"{scene.program.path}: line {move.line}: at {where} the tool leaves the {scene.grid.width}-bit "
+            f"grid along {'xyz'[k]}; use a coarser resolution or a larger width"
+        )
