@@ -49,7 +49,9 @@ def add_check(parser: argparse.ArgumentParser) -> None:
         help="when clear, keep the board's output at go until interrupted; otherwise it says stop at the end",
     )
     add_trust(parser)
-    parser.set_defaults(run=check.run, engine=BOARD, mode=Mode.ALL, width=None, rotate=[])
+    parser.set_defaults(
+        run=check.run, engine=BOARD, mode=Mode.ALL, width=None, rotate=[], distance=check.CHEBYSHEV
+    )
 
 
 def add_simulate(parser: argparse.ArgumentParser) -> None:

@@ -10,6 +10,7 @@ from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers, number
 from triaxis.host.cli.engine import (
+    BOARD,
     about,
     add_engine,
     board_of,
@@ -22,7 +23,8 @@ from triaxis.host.cli.engine import (
 )
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, STILL, SceneRun, scene_engine
+from triaxis.host.engines import BULK, STILL, Integers, SceneEngine, SceneRun, scene_engine
+from triaxis.host.euclidean import EuclideanEngine, euclidean_distance
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.messages import Mode, Status
@@ -32,6 +34,7 @@ from triaxis.host.scene import AXES, MeshPair, Pose, Turn, distance_of, prepare
 from triaxis.host.stl import read_stl
 
 _LISTED = 10
+CHEBYSHEV, EUCLIDEAN = "chebyshev", "euclidean"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rotate", nargs=2, action="append", default=[], metavar=("AXIS", "DEGREES"),
         help="turn A about axis x, y or z of its frame, right-handed; again for further turns, in this order",
     )  # fmt: skip
+    add_distance(parser)
     add_engine(parser)
     parser.set_defaults(run=run, mode=Mode.ALL, hold=False)
 
@@ -77,11 +81,34 @@ def add_surfaces_only(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def add_distance(parser: argparse.ArgumentParser) -> None:
+    """Add the option to look at what is near again."""
+    parser.add_argument(
+        "--distance", choices=(CHEBYSHEV, EUCLIDEAN), default=CHEBYSHEV,
+        help="euclidean: what is near in Chebyshev's distance alone is clear; not on a board, which knows "
+        f"that one only ({CHEBYSHEV})",
+    )  # fmt: skip
+
+
+def refuse_distance(options: argparse.Namespace) -> None:
+    """Raise InputError where a board is to decide by a distance that it does not know."""
+    if options.distance == EUCLIDEAN and options.engine == BOARD:
+        raise InputError("--distance euclidean: a board knows Chebyshev's alone: give another --engine")
+
+
+def by_distance(options: argparse.Namespace, a: Integers, b: Integers, engine: SceneEngine) -> SceneEngine:
+    """Return the engine that decides by the distance that is wanted, from one that has A and B loaded."""
+    if options.distance == CHEBYSHEV:
+        return engine
+    return EuclideanEngine(engine, a, b, options.clearance / options.resolution)
+
+
 def run(options: argparse.Namespace) -> int:
     """Check the meshes and print what was found; ``mode`` and ``hold`` are for the board alone."""
     if options.width is not None:
         check_width(options.width)
     check_clearance(options.clearance)
+    refuse_distance(options)
     pose = Pose(tuple(_turn(*words) for words in options.rotate), tuple(options.move))
     mesh_a, mesh_b = read_stl(options.a), read_stl(options.b)
     names = (str(options.a), str(options.b))
@@ -90,7 +117,8 @@ def run(options: argparse.Namespace) -> int:
         meshes = prepare(mesh_a, mesh_b, names, options.resolution, options.clearance, width, pose)
         if board is not None:
             return _by_board(options, board, meshes)
-        run = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width).run(STILL, meshes.margin)
+        engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
+        run = by_distance(options, meshes.a, meshes.b, engine).run(STILL, meshes.margin)
         asked = not run.near_count and not options.surfaces_only
         return _tell(options, meshes, run, enclosure(meshes.a, meshes.b) if asked else NOT_ASKED)
 
@@ -172,6 +200,7 @@ def _report(
         "grid": grid_entry(meshes.grid),
         "margin": meshes.margin,
         "engine": options.engine,
+        "distance": options.distance,
         **enclosure_entry(insides, options.surfaces_only),
     }
     if board is not None:
@@ -217,8 +246,9 @@ def _print_run(options: argparse.Namespace, meshes: MeshPair, run: SceneRun) -> 
     clearance = f"{float(options.clearance):g}"
     print(f"NEAR: {count} facet pairs come within {clearance} (or within the rounding of it)")
     kind = "exact distance" if meshes.pose.exact else "distance as turned"
+    of = euclidean_distance if options.distance == EUCLIDEAN else distance_of
     for i, j in run.near[:_LISTED].tolist():
-        distance = distance_of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.pose.move)
+        distance = of(meshes.mesh_a, i, meshes.mesh_b, j, meshes.pose.move)
         print(f"  facet {i} of A, facet {j} of B: {kind} {float(distance):g}")
     if len(run.near) > _LISTED:
         print(f"  .. and {len(run.near) - _LISTED} more")

@@ -10,7 +10,14 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
-from triaxis.host.cli.check import add_surfaces_only, print_without_near_facets
+from triaxis.host.cli.check import (
+    EUCLIDEAN,
+    add_distance,
+    add_surfaces_only,
+    by_distance,
+    print_without_near_facets,
+    refuse_distance,
+)
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
@@ -73,6 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_engine(parser)
     add_surfaces_only(parser)
+    add_distance(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
@@ -84,6 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check the path and print what was found."""
+    refuse_distance(options)
     if options.width is not None:
         check_width(options.width)
     if options.profile is not None and options.profile < 2:
@@ -157,12 +166,19 @@ def _check(
     progress: Progress,
 ) -> _Checked:  # fmt: skip
     step = _STEPS * options.resolution if options.step is None else options.step
-    wanted = Wanted(options.clearance, options.resolution, step, options.scale, width_of(options, board))
+    wanted = Wanted(
+        options.clearance,
+        options.resolution,
+        step,
+        options.scale,
+        width_of(options, board),
+        options.distance == EUCLIDEAN,
+    )
     scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
     engine = BULK if board else options.engine
     # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
     others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
-    asked = BoardEngine(board, scene.a, scene.b) if board else others
+    asked = BoardEngine(board, scene.a, scene.b) if board else by_distance(options, scene.a, scene.b, others)
     result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
     return _Checked(tool, scene, result, others)
 
@@ -195,6 +211,7 @@ def _report(
         "tool_facets": len(scene.a),
         "work_facets": len(scene.b),
         "clearance": wanted.clearance,
+        "distance": options.distance,
         "step": wanted.step,
         "false_alarm_band": scene.band,
         "millimetres_per_file_unit": wanted.scale,

@@ -14,6 +14,7 @@ import numpy as np
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
+from triaxis.host.euclidean import euclidean_distance
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest
 from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector, vector
@@ -193,7 +194,12 @@ def _first_near(
             # Which facets are near is asked where that ends the check.
             run = engine.run(segment.sample, margin)
             result.effort.add(run)
-            return segment, run
+            if run.near_count:
+                return segment, run
+            # Euclid's distance is not asked of many pairs where one would do.
+            _level(result, segment).by_pose += 1
+            clear += 1
+            continue
         _level(result, segment).halved += 1
         pending += reversed(segment.halves())
     return clear
@@ -216,8 +222,9 @@ def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: 
     along, scale = Fraction(int(half.numerator), int(half.denominator)), scene.wanted.scale
     place = scene.path.position(segment.middle)
     position = vector(c * scale for c in place)
+    of = euclidean_distance if scene.wanted.euclidean else distance_of
     judged = [
-        NearFacets(int(i), int(j), scale * distance_of(scene.tool, i, scene.work, j, place))
+        NearFacets(int(i), int(j), scale * Fraction(of(scene.tool, i, scene.work, j, place)))
         for i, j in run.near[:_JUDGED]
     ]
     judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))

@@ -43,6 +43,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.engines import Translation
+from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.program import Move, Program
 from triaxis.host.quantise import (
     Box,
@@ -199,6 +200,7 @@ class Wanted:
     step: Fraction
     scale: Fraction
     width: int | None
+    euclidean: bool = False
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,8 @@ class PathScene:
     def band(self) -> Fraction:
         """Return how far beyond the clearance a false alarm can be, in millimetres."""
         slack = Rational(max(move.slack for move in self.program.moves))
-        return self.path.band(self.wanted.step / self.wanted.scale) * self.wanted.scale + _fraction(slack)
+        band = self.path.band(self.wanted.step / self.wanted.scale) * self.wanted.scale + _fraction(slack)
+        return band * ROOT_3 if self.wanted.euclidean else band
 
     @property
     def largest_margin(self) -> int:

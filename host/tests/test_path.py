@@ -264,6 +264,24 @@ def test_rapids_are_covered_any_way_unless_the_machine_says_how(path, tmp_path):
     assert path(program, *start, meshes=(machine, work))[0] == 1
 
 
+def test_a_corner_is_not_near_by_euclid(path, tmp_path):
+    """Past the edge of a box, diagonally: within 0.5 in each coordinate, 0.57 away."""
+    tool, work = tmp_path / "pin.stl", tmp_path / "block.stl"
+    scenes.write_stl(tool, scenes.box((0, 0, 0), (1, 1, 1)))
+    scenes.write_stl(work, scenes.box((-9, -9, -9), (-0.4, -0.4, 20)))
+    start, program, meshes = ("--start", 0, 0, 30), "G21 G0 Z-5\nG1 F9 Z5", (tool, work)
+    assert path(program, *start, meshes=meshes)[0] == 1
+    status, said, found = path(program, *start, "--distance", "euclidean", meshes=meshes)
+    assert (status, found["distance"], found["verdict"]) == (0, "euclidean", "clear") and "CLEAR" in said
+    closer = f"{program}\nX-0.1"
+    status, said, found = path(closer, *start, "--distance", "euclidean", meshes=meshes)
+    distance = found["near"]["facets"][0]["distance"]
+    assert (status, found["near"]["line"]) == (1, 3) and 0.49 < distance < 0.5 + found["false_alarm_band"]
+    board = ("--distance", "euclidean", "--engine", "board", "--port", "/dev/null")
+    status, said, _ = path(program, *board)
+    assert status == 2 and "a board knows Chebyshev's alone" in said
+
+
 @pytest.fixture
 def path(tmp_path, capsys):
     """Return a function that checks a program along meshes: exit code, what was said, the report if any."""

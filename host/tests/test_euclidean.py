@@ -1,0 +1,80 @@
+"""Euclidean distances: exact, never a miss, fewer false alarms."""
+
+from fractions import Fraction
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from triaxis.golden.judge import judge
+from triaxis.host.engines import scene_engine
+from triaxis.host.euclidean import EuclideanEngine, squared_distance
+
+
+def nearest_by_descent(a, b):
+    """Return the distance of two triangles by alternating projections: another way, in floating point."""
+    points, rng = [np.array(t, float) for t in (a, b)], np.random.default_rng(1)
+    best = np.inf
+    for _ in range(2):
+        x, y = (rng.dirichlet(np.ones(3)) for _ in "ab")
+        for step in range(4000):
+            gap = x @ points[0] - y @ points[1]
+            # Frank-Wolfe: towards the vertices that decrease the square most.
+            i, j = np.argmin(points[0] @ gap), np.argmax(points[1] @ gap)
+            way = (points[0][i] - x @ points[0]) - (points[1][j] - y @ points[1])
+            size = min(1.0, max(0.0, -(gap @ way) / max(way @ way, 1e-30)))
+            x, y = x + size * (np.eye(3)[i] - x), y + size * (np.eye(3)[j] - y)
+            if step % 500 == 499:
+                best = min(best, float(np.linalg.norm(x @ points[0] - y @ points[1])))
+    return best
+
+
+def test_distances_are_those_of_other_methods(rng):
+    for trial in range(25):
+        a, b = (rng.integers(-20, 21, (3, 3)) for _ in "ab")
+        if trial % 5 == 0:
+            a[2] = a[1]
+        if trial % 7 == 0:
+            b[1] = b[2] = b[0]
+        found = sqrt(squared_distance(a.tolist(), b.tolist()))
+        chebyshev = float(judge(a.tolist(), b.tolist(), 0).distance)
+        assert chebyshev - 1e-9 <= found <= sqrt(3) * chebyshev + 1e-9
+        # From above, and slowly where they meet.
+        assert found - 1e-9 <= nearest_by_descent(a, b) <= found + 0.3
+        assert squared_distance(b.tolist(), a.tolist()) == squared_distance(a.tolist(), b.tolist())
+
+
+@pytest.mark.parametrize(
+    ("b", "square"),
+    [
+        ([[0, 0, 7], [9, 9, 7], [0, 9, 7]], 49),
+        ([[1, 1, -3], [1, 1, 3], [2, 1, 3]], 0),
+        ([[1, 1, 5]] * 3, 25),
+        ([[12, -1, 2], [12, -1, 2], [20, -9, 3]], 4 + 1 + 4),
+        ([[10, 10, 0], [11, 11, 0], [12, 10, 0]], 50),
+        ([[2, 2, 0], [3, 2, 0], [2, 3, 0]], 0),
+    ],
+)
+def test_known_distances(b, square):
+    assert squared_distance([[0, 0, 0], [10, 0, 0], [0, 10, 0]], b) == square
+
+
+def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):
+    a, b = (rng.integers(-300, 300, (60, 1, 3)) + rng.integers(-9, 10, (60, 3, 3)) for _ in "ab")
+    engine = scene_engine("bulk", a, b, 16)
+    cleared = 0
+    for margin in (20, 40, 60):
+        clearance = Fraction(margin - 2)
+        both = EuclideanEngine(engine, a, b, clearance)
+        near = {tuple(pair) for pair in both.run((3, -4, 5), margin).near.tolist()}
+        moved = a + np.array([3, -4, 5])
+        for i, j in engine.run((3, -4, 5), margin).near.tolist():
+            distance = sqrt(squared_distance(moved[i].tolist(), b[j].tolist()))
+            if distance <= clearance:
+                assert (i, j) in near
+            if (i, j) not in near:
+                cleared += 1
+                assert distance > clearance + sqrt(3) * 2
+        first = both.run((3, -4, 5), margin, stop_at_first=True)
+        assert (first.near_count > 0) == (len(near) > 0)
+    assert cleared > 5
