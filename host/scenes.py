@@ -36,14 +36,14 @@ def revolved(profile: list[tuple[float, float]], segments: int = _SEGMENTS) -> F
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], 1)
     rings = [r * circle + np.array([0, 0, z]) for r, z in profile]
     facets: list[npt.NDArray[np.float64]] = []
-    for lower, upper in pairwise(rings):
+    for (below, lower), (above, upper) in pairwise(zip((r for r, _ in profile), rings, strict=True)):
         next_lower, next_upper = np.roll(lower, -1, 0), np.roll(upper, -1, 0)
-        facets.append(np.stack([lower, next_lower, next_upper], 1))
-        facets.append(np.stack([lower, next_upper, upper], 1))
-    all_facets = np.concatenate(facets)
-    # A radius of zero makes facets without area: they are no part of a clean solid.
-    area = np.cross(all_facets[:, 1] - all_facets[:, 0], all_facets[:, 2] - all_facets[:, 0])
-    return all_facets[np.abs(area).max(1) > 1e-9].astype(np.float32)
+        # About a point on the axis half of the facets would have no area.
+        if below:
+            facets.append(np.stack([lower, next_lower, next_upper], 1))
+        if above:
+            facets.append(np.stack([lower, next_upper, upper], 1))
+    return np.concatenate(facets).astype(np.float32)
 
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Facets:

@@ -25,9 +25,10 @@ from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
 from triaxis.host.motion.machine import Machine, Tool, read_machine
+from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import NAMES, Effort, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
-from triaxis.host.motion.program import Program, read_program
+from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.stl import StlMesh, read_stl
@@ -98,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     start = None if options.start is None else tuple(options.start)
-    machine = read_machine(options.tool) if options.tool.suffix == ".toml" else Machine()
+    machine = read_machine(options.tool) if options.tool.suffix.lower() == ".toml" else Machine()
     read = read_by_rs274 if options.reader == "rs274" else read_program
     program = read(options.moves, start, options.block_delete, machine)
     given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None

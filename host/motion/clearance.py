@@ -11,6 +11,7 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.exact import Rational
 from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, nearest
@@ -63,6 +64,7 @@ def clearances(
         clear, near = _bisect(scene, engine, sample, before, effort)
         before = (sample, clear, near)
         away = max(abs(c - s) for c, s in zip(place, sample, strict=True))
+        away += Rational(move.slack / scene.wanted.resolution)
         scale = scene.wanted.scale
         along = starts[index] + float(part) * (starts[index + 1] - starts[index])
         found.append(

@@ -53,11 +53,9 @@ class Curve:
 
     def extent(self) -> tuple[Vector, Vector]:
         """Return the lower and the upper corner of a box that holds all of it."""
-        points = [self.at(Fraction(k, _SAMPLES)) for k in range(_SAMPLES + 1)]
+        points = list(zip(*(self.at(Fraction(k, _SAMPLES)) for k in range(_SAMPLES + 1)), strict=True))
         room = self.bend / (8 * _SAMPLES**2) + self.slack
-        return vector(min(c) - room for c in zip(*points, strict=True)), vector(
-            max(c) + room for c in zip(*points, strict=True)
-        )
+        return vector(min(c) - room for c in points), vector(max(c) + room for c in points)
 
 
 @dataclass(frozen=True)
@@ -82,6 +80,17 @@ class Arc(Curve):
         point[b] = self.centre[1] + radius * math.sin(angle)
         point[c] = float(self.start[c]) + float(self.end[c] - self.start[c]) * part
         return point
+
+    def extent(self) -> tuple[Vector, Vector]:
+        """Return the corners of a box: no more than that of whole turns, however many there are."""
+        low, high = (list(corner) for corner in super().extent())
+        radius = _above(max(self.radii)) + self.slack
+        for k, centre in zip(self.axes, self.centre, strict=False):
+            low[k] = max(low[k], Fraction(centre) - radius)
+            high[k] = min(high[k], Fraction(centre) + radius)
+        own = self.axes[2]
+        low[own], high[own] = (f(self.start[own], self.end[own]) for f in (min, max))
+        return vector(low), vector(high)
 
     def moved(self, by: Vector) -> "Arc":
         """Return the arc elsewhere."""
@@ -110,9 +119,13 @@ class Bezier(Curve):
 
 def arc(
     start: Vector, end: Vector, axes: tuple[int, int, int], centre: tuple[Fraction, Fraction],
-    clockwise: bool, turns: int,
+    clockwise: bool, turns: int, error: Fraction = Fraction(0),
 ) -> Arc:  # fmt: skip
-    """Return the arc about a centre; raise ValueError where there is none."""
+    """Return the arc about a centre; raise ValueError where there is none.
+
+    ``error``: how far, in millimetres, the ends may be from where they are said to be: as much is taken for
+    nothing, and so for a whole circle.
+    """
     a, b, _ = axes
     first, last = ([float(p[k] - c) for k, c in zip((a, b), centre, strict=True)] for p in (start, end))
     radii = math.hypot(*first), math.hypot(*last)
@@ -126,7 +139,8 @@ def arc(
     angle = math.atan2(first[1], first[0])
     turned = (math.atan2(last[1], last[0]) - angle) * (-1 if clockwise else 1) % (2 * math.pi)
     # Next to nothing is a whole circle to some controls: which holds the little arc.
-    whole = turns if turned < _NOTHING else turns - 1
+    nothing = max(_NOTHING, float(error) / min(radii))
+    whole = turns if turned < nothing else turns - 1
     sweep = (turned + 2 * math.pi * whole) * (-1 if clockwise else 1)
     # |p''| of (r0 + dr t) e(angle + sweep t) is at most r sweep^2 + 2 |dr sweep|.
     bend = max(radii) * sweep**2 + 2 * apart * abs(sweep)

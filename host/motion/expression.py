@@ -23,16 +23,27 @@ NUMBER = r"\d+\.?\d*|\.\d+"
 _NUMBER, _NAME = re.compile(NUMBER, re.ASCII), re.compile(r"<([^<>\[\]#]+)>")
 _OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)(?![a-z])", re.IGNORECASE)
 _WORD = re.compile(r"[a-z]+", re.IGNORECASE)
-# Two numbers nearer than this are equal (LinuxCNC, TOLERANCE_EQUAL).
-_EQUAL = 1e-6
+# Numbers nearer than this are equal to some controls, and to some versions of one, and not to others.
+_EQUAL = 1e-4
+# Of a number that moves anything: beyond it no machine goes, and double precision is coarse.
+LARGEST = 10**9
 # Parameters that belong to a subroutine: its arguments.
 ARGUMENTS = 30
 _LARGEST_PARAMETER = 5602
 
 
 def exact(value: Value) -> Fraction:
-    """Return a value as a decimal number: a computed one to 10^-9, which its error may exceed anyway."""
+    """Return a value as a decimal number: a computed one to 10^-9, which its error may exceed anyway.
+
+    Raises ValueError where no machine has such a number.
+    """
+    if not abs(value) <= LARGEST:
+        raise ValueError(f"more than {LARGEST:g}: correct it")
     return Rational(round(value * 10**9), 10**9) if isinstance(value, (float, int)) else value
+
+
+class InexactError(ValueError):
+    """A comparison that controls answer differently."""
 
 
 @dataclass
@@ -51,8 +62,12 @@ class Memory:
         return self.frames[-1] if own else self.common
 
     def exists(self, key: Key) -> bool:
-        """Return whether there is such a parameter: all of those with numbers."""
-        return isinstance(key, int) or key in self._of(key) or self.ask(key) is not None
+        """Return whether there is such a parameter; ValueError for a name that only the control may know."""
+        if isinstance(key, int) or key in self._of(key) or self.ask(key) is not None:
+            return True
+        if key.startswith("_"):
+            raise ValueError(f"#<{key}> may be the control's: set it before")
+        return False
 
     def get(self, key: Key) -> Value:
         """Return a parameter's value; raise ValueError where it has none that is known."""
@@ -60,8 +75,6 @@ class Memory:
             return value
         if (value := self.ask(key)) is not None:
             return value
-        if isinstance(key, int) and 1 <= key <= ARGUMENTS:
-            return Fraction(0)
         shown = f"#{key}" if isinstance(key, int) else f"#<{key}>"
         raise ValueError(f"{shown} has a value that the program does not give it: set it before")
 
@@ -151,7 +164,7 @@ class Scanner:
             self.expect("[", "EXISTS takes a name")
             key = self.parameter()
             self.expect("]", "EXISTS takes one name")
-            return lambda memory: Fraction(_exists(memory, key))
+            return lambda memory: Fraction(memory.exists(key(memory)))
         if name == "atan":
             above = self.bracket()
             self.expect("/", "ATAN takes two values")
@@ -184,6 +197,8 @@ def _applied(operation: Callable[[float, float], float], left: Expression, right
 def _checked(function: Callable[..., float], *values: float) -> float:
     try:
         result = float(function(*values))
+    except InexactError:
+        raise
     except (ValueError, OverflowError, ZeroDivisionError):
         result = math.nan
     if not math.isfinite(result):
@@ -198,11 +213,10 @@ def _key(value: Value) -> int:
     return key
 
 
-def _exists(memory: Memory, key: Callable[[Memory], Key]) -> bool:
-    try:
-        return memory.exists(key(memory))
-    except ValueError:
-        return False
+def _differ(a: float, b: float) -> bool:
+    if a != b and abs(a - b) < _EQUAL:
+        raise InexactError(f"{a!r} and {b!r} are equal to some controls only: compare with a number between")
+    return a != b
 
 
 def _mod(a: float, b: float) -> float:
@@ -227,9 +241,9 @@ _LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
         "xor": lambda a, b: bool(a) != bool(b),
     },
     {
-        "eq": lambda a, b: abs(a - b) < _EQUAL, "ne": lambda a, b: abs(a - b) >= _EQUAL,
+        "eq": lambda a, b: not _differ(a, b), "ne": _differ,
         "gt": lambda a, b: a > b, "lt": lambda a, b: a < b,
-        "ge": lambda a, b: a >= b or abs(a - b) < _EQUAL, "le": lambda a, b: a <= b or abs(a - b) < _EQUAL,
+        "ge": lambda a, b: a > b or not _differ(a, b), "le": lambda a, b: a < b or not _differ(a, b),
     },
     {"+": lambda a, b: a + b, "-": lambda a, b: a - b},
     {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "mod": _mod},

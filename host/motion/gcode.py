@@ -8,11 +8,23 @@ both round to binary.
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import Place, read_input
-from triaxis.host.motion.expression import ARGUMENTS, NUMBER, Expression, Key, Memory, Scanner, Value, number
+from triaxis.host.motion.expression import (
+    ARGUMENTS,
+    LARGEST,
+    NUMBER,
+    Expression,
+    Key,
+    Memory,
+    Scanner,
+    Value,
+    exact,
+    number,
+)
 
 # What follows a program could be run by a control: nothing of a file is passed over.
 AFTER_THE_END = "stands after the end of the program: remove it, or split the file"
@@ -25,6 +37,7 @@ _PLAIN = re.compile(rf"([A-Za-z])[ \t]*([+-]?(?:{NUMBER}))", re.ASCII)
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _FLOW = re.compile(r"(?:N\d+\s*)?O\s*(?=[\d<#\[])", re.IGNORECASE | re.ASCII)
 _FLOW_NAME, _FLOW_WORD = re.compile(r"<([^<>]*)>|(\d+)", re.ASCII), re.compile(r"[A-Za-z]+", re.ASCII)
+_SUBROUTINE = re.compile(r"[\w-]{1,64}", re.ASCII)
 _ENDS = {"sub": ("endsub",), "if": ("elseif", "else", "endif"), "elseif": ("elseif", "else", "endif"),
          "else": ("endif",), "while": ("endwhile",), "do": ("while",), "repeat": ("endrepeat",)}  # fmt: skip
 _OTHER_FLOW = ("call", "return", "break", "continue", "endsub", "endif", "endwhile", "endrepeat")
@@ -185,7 +198,7 @@ def _flow(place: Place, text: str, at: int) -> _Flow | None:
             name = lambda _: fixed  # noqa: E731
         else:
             value = scanner.value()
-            name = lambda memory: str(round(value(memory)))  # noqa: E731
+            name = lambda memory: str(int(round(exact(value(memory)))))  # noqa: E731, RUF046
         scanner.blanks()
         word = _FLOW_WORD.match(text, scanner.at)
         if word is None:
@@ -229,8 +242,9 @@ class Execution:
         """Yield the blocks; raise InputError where one cannot be run."""
         try:
             yield from self._run(self._program, top=True)
-        except (_LoopLeft, _Return) as error:
-            raise InputError(f"{error}: stands in no loop or subroutine: remove it") from error
+        except (_LoopLeft, _Return) as left:
+            place: Place = left.args[0]
+            raise place.error("O", "stands in no loop or subroutine of its name: correct it") from left
 
     def refuse_following(self) -> None:
         """Raise InputError where anything would run after the block that was yielded last, in any case."""
@@ -267,6 +281,10 @@ class Execution:
             if line.does in _ENDS:
                 self._close(lines, line)
                 if line.does == "sub":
+                    if _named(line) in self._subroutines:
+                        raise line.place.error(
+                            f"O<{_named(line)}>", "a second subroutine of its name: keep one"
+                        )
                     self._subroutines[_named(line)] = line
                     continue
             elif line.does.startswith("end"):
@@ -282,6 +300,10 @@ class Execution:
         if end is None or end.does not in _ENDS[flow.does]:
             place = end.place if end else flow.place
             raise place.error(f"O {end.does if end else ''}", f"{_ENDS[flow.does][-1]} expected: add it")
+        if _named(end) != _named(flow):
+            raise end.place.error(
+                f"O {end.does}", f"ends what has another name, in line {flow.place.line}: correct it"
+            )
         if end.does in ("elseif", "else"):
             self._close(lines, end)
 
@@ -313,6 +335,9 @@ class Execution:
                 continue
             letter, value, text = word
             words.append(Word(letter, self._value(line.place, text, value), text))
+        for word in words:
+            if not abs(word.value) <= LARGEST:
+                raise line.place.error(word.text, f"more than {LARGEST:g}: correct it")
         # Values on a line are those from before it.
         given = [(key, self._value(line.place, "#", value)) for key, value in line.settings]
         for key, value in given:
@@ -328,6 +353,15 @@ class Execution:
         except ValueError as error:
             raise place.error(text, str(error)) from error
 
+    def _name(self, flow: _Flow) -> str:
+        try:
+            name = flow.name(self._memory)
+        except ValueError as error:
+            raise flow.place.error("O", str(error)) from error
+        if not _SUBROUTINE.fullmatch(name):
+            raise flow.place.error("O", "a name of letters, digits, - and _, 1 to 64 of them: correct it")
+        return name
+
     def _run_flow(self, flow: _Flow) -> Iterator[Block]:
         does, memory = flow.does, self._memory
         if does == "call":
@@ -335,9 +369,9 @@ class Execution:
         elif does == "return":
             if flow.values:
                 memory.common["_value"] = self._value(flow.place, "O", flow.values[0])
-            raise _Return(f"{flow.place.path}: line {flow.place.line}")
+            raise _Return(flow.place)
         elif does in ("break", "continue"):
-            raise _LoopLeft(flow.name(memory), does, f"{flow.place.path}: line {flow.place.line}")
+            raise _LoopLeft(flow.place, self._name(flow), does)
         elif does in ("if", "elseif"):
             if self._value(flow.place, "O", flow.values[0]):
                 yield from self._run(flow.body)
@@ -350,9 +384,11 @@ class Execution:
 
     def _loop(self, flow: _Flow) -> Iterator[Block]:
         assert flow.end
-        name, left = flow.name(self._memory), 0
+        name, left = self._name(flow), 0
         if flow.does == "repeat":
             left = round(self._value(flow.place, "O", flow.values[0]))
+            if left > _MOST_LINES:
+                raise flow.place.error("O", f"repeats more than {_MOST_LINES} times: correct it")
         first = flow.does == "do"
         while True:
             if flow.does == "repeat":
@@ -369,14 +405,15 @@ class Execution:
             try:
                 yield from self._run(flow.body)
             except _LoopLeft as leave:
-                if leave.args[0] != name:
+                if leave.args[1] != name:
                     raise
-                if leave.args[1] == "break":
+                if leave.args[2] == "break":
                     return
 
     def _call(self, flow: _Flow) -> Iterator[Block]:
         memory = self._memory
-        name = flow.name(memory)
+        name = self._name(flow)
+        memory.common["_value"] = Fraction(0)
         if name not in self._subroutines:
             beside = self._folder / f"{name}.ngc"
             if beside.exists():
@@ -388,8 +425,8 @@ class Execution:
         if self._depth > _MOST_CALLS:
             raise flow.place.error(f"O<{name}>", f"more than {_MOST_CALLS} calls within calls: correct it")
         values = [self._value(flow.place, "O", value) for value in flow.values]
-        frame: dict[Key, Value] = {k: value for k, value in memory.frames[-1].items() if isinstance(k, int)}
-        memory.frames.append(frame | dict(enumerate(values, 1)))
+        # What is not given has no value: to some controls it is 0, to others what the caller has.
+        memory.frames.append(dict(enumerate(values, 1)))
         try:
             yield from self._run(subroutine.body)
             if subroutine.end.values:

@@ -16,6 +16,7 @@
 Parts are in the unit of the STL files.
 """
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -32,6 +33,10 @@ from triaxis.host.quantise import Vector, vector
 from triaxis.host.scenes import revolved
 from triaxis.host.stl import StlMesh, read_stl
 
+_DIGITS = 15
+_DECIMAL = re.compile(rf"[+-]?(?=.{{1,{_DIGITS + 1}}}$)\d*\.?\d*")
+# Millimetres, beyond which no machine goes.
+_LARGEST = 10**6
 # Sides of a prism around a cylinder, which is in it.
 _SIDES = 64
 SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -63,9 +68,10 @@ class Machine:
 def read_machine(path: Path) -> Machine:
     """Read a machine file and the meshes of its tools; raise InputError at whatever is not understood."""
     try:
-        # Numbers as they stand.
-        content = tomllib.loads(read_input(path).decode(), parse_float=Fraction)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        content = tomllib.loads(read_input(path).decode(), parse_float=_decimal)
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: no TOML: {error}") from error
     table = _Table(path, "", content)
     rapids = table.take("rapids", str, "any")
@@ -91,6 +97,13 @@ def read_machine(path: Path) -> Machine:
     return Machine(tools, offsets, homes, rapids == "straight", tolerance, loaded)
 
 
+def _decimal(text: str) -> Fraction:
+    """Return a number as it stands; raise ValueError where no length of a machine is it."""
+    if not _DECIMAL.fullmatch(text):
+        raise ValueError(f"{text[:20]}: a decimal number of at most {_DIGITS} digits is needed")
+    return Fraction(text)
+
+
 @dataclass
 class _Table:
     """A table of the file, of which entries are taken until none is left."""
@@ -108,6 +121,8 @@ class _Table:
         value = self.content.pop(key, default)
         if kind is Fraction and isinstance(value, int) and not isinstance(value, bool):
             value = Fraction(value)
+        if isinstance(value, (int, Fraction)) and abs(value) > _LARGEST:
+            raise self.wrong(key, f"at most {_LARGEST:g}")
         if value is not default and (not isinstance(value, kind) or isinstance(value, bool)):
             raise self.wrong(
                 key, {Fraction: "a number", list: "a list", str: "a text"}.get(kind, kind.__name__)
@@ -115,11 +130,11 @@ class _Table:
         return value
 
     def wrong(self, key: str, wanted: str) -> InputError:
-        return InputError(f"{self.path}: {self.name}{key}: must be {wanted}: correct it")
+        return InputError(f"{self.path}: {self.name}{key!r}: must be {wanted}: correct it")
 
     def finish(self) -> None:
         for key in self.content:
-            raise InputError(f"{self.path}: {self.name}{key}: not known: correct or remove it")
+            raise InputError(f"{self.path}: {self.name}{key!r}: not known: correct or remove it")
 
 
 def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector]:
@@ -128,8 +143,9 @@ def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector
     for key in keys:
         numbers = inner.take(key, list, None)
         if numbers is not None:
-            if len(numbers) != 3 or not all(isinstance(x, (int, Fraction)) for x in numbers):
-                raise inner.wrong(key, "three numbers")
+            fits = [isinstance(x, (int, Fraction)) and not isinstance(x, bool) for x in numbers]
+            if len(numbers) != 3 or not all(fits) or max(abs(x) for x in numbers) > _LARGEST:
+                raise inner.wrong(key, f"three numbers of at most {_LARGEST:g}")
             found[key] = vector(map(Fraction, numbers))
     inner.finish()
     return found
@@ -137,8 +153,10 @@ def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector
 
 def _tool(table: _Table) -> Tool:
     number, length = table.take("number", int, None), table.take("length", Fraction, None)
-    if number is None:
-        raise table.wrong("number", "given")
+    if number is None or number < 0:
+        raise table.wrong("number", "given, and not negative")
+    if length is not None and length < 0:
+        raise table.wrong("length", "not negative")
     parts, mesh = table.take("parts", list, []), table.take("mesh", str, None)
     if bool(parts) == bool(mesh):
         raise table.wrong("mesh", "given, or parts, and not both")
@@ -149,6 +167,8 @@ def _tool(table: _Table) -> Tool:
         part = _Table(table.path, f"{table.name}parts: ", entry)
         mesh = part.take("mesh", str, None)
         if mesh is not None:
+            if not mesh.isprintable():
+                raise part.wrong("mesh", "the name of a file")
             found.append(read_stl(table.path.parent / mesh))
         else:
             diameter, tall = (part.take(key, Fraction, Fraction(0)) for key in ("diameter", "length"))

@@ -15,8 +15,8 @@ from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
 from triaxis.host.euclidean import euclidean_distance
+from triaxis.host.motion.moves import Move
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest
-from triaxis.host.motion.program import Move
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.scene import distance_of
 

@@ -44,7 +44,7 @@ from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.engines import Translation
 from triaxis.host.euclidean import ROOT_3
-from triaxis.host.motion.program import Move, Program
+from triaxis.host.motion.moves import Move, Program
 from triaxis.host.quantise import (
     Box,
     Grid,

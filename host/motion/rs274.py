@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -19,8 +20,9 @@ from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place, read_input
 from triaxis.host.motion.curves import Curve, arc
 from triaxis.host.motion.expression import number
+from triaxis.host.motion.gcode import AFTER_THE_END
 from triaxis.host.motion.machine import SYSTEMS, Machine
-from triaxis.host.motion.program import Move, Program, assumed_start
+from triaxis.host.motion.moves import Move, Program, assumed_start
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
 _PROGRAM = "rs274"
@@ -30,8 +32,9 @@ _LONGEST = 3600
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
 _CALL = re.compile(r"\s*\d+ N(\d+|\.+)\s+([\w.]+)\((.*)\)", re.ASCII)
 _ERROR = re.compile(r"^(?!executing|File ended).*\S", re.MULTILINE)
-# Of what is printed: a position is the sum of four numbers, the centre of an arc moves all of it.
-_HALF, _SUMMED, _SUMMED_ARC = Rational(1, 20000), 4, 12
+# Of the last decimal that is printed.
+_HALF = Rational(1, 20000)
+_OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
     "STRAIGHT_PROBE": "ends where the part is, which nobody knows before: check the program without it",
@@ -45,21 +48,25 @@ _IGNORED = re.compile(
 
 
 @dataclass
-class _Machine:
+class _Told:
     """What the interpreter has told: offsets, units, tool; and the moves that follow, in millimetres."""
 
     path: Path
     machine: Machine
-    loaded: int | None
+    loaded: int | None = None
     unit: Fraction = Rational(1)  # noqa: RUF009
-    system: Vector = NOWHERE
-    shift: Vector = NOWHERE
-    compensation: Vector = NOWHERE
+    # Zero of the system, G92, length compensation; and how far each printed number may be off.
+    offsets: dict[str, Vector] = field(default_factory=lambda: dict.fromkeys(_OFFSETS, NOWHERE))
+    errors: dict[str, Fraction] = field(default_factory=lambda: dict.fromkeys(_OFFSETS, Fraction(0)))
     angle: float = 0.0
     plane: str = "XY"
     tolerance: Fraction = Fraction(0)
     joined: Fraction = Fraction(0)
+    blended: Fraction = Fraction(0)
     position: Vector | None = None
+    # The line of the last change of a tool; whether compensation has changed since the last move of Z.
+    changed: int = -1
+    stale: bool = False
     moves: list[Move] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
 
@@ -68,13 +75,13 @@ class _Machine:
         if call in _REFUSED:
             raise ValueError(_REFUSED[call])
         if call == "USE_LENGTH_UNITS":
-            self.unit = _INCH if "INCH" in text else Rational(1)
+            self._set_unit(line, _INCH if "INCH" in text else Rational(1))
         elif call == "SELECT_PLANE":
             self.plane = text.rsplit("_", 1)[-1]
         elif call == "SET_XY_ROTATION":
             self.angle = math.radians(float(text))
         elif call == "SET_MOTION_CONTROL_MODE":
-            self._path_mode(text)
+            self._path_mode(line, text)
         elif call in ("CHANGE_TOOL", "CHANGE_TOOL_NUMBER"):
             self._change_tool(line, int(text))
         elif call in _CALLS:
@@ -85,9 +92,16 @@ class _Machine:
         elif not _IGNORED.fullmatch(call):
             raise ValueError(f"{call} is not understood: check the program without it")
 
-    def _path_mode(self, text: str) -> None:
+    def _set_unit(self, line: int, unit: Fraction) -> None:
+        if unit != self.unit and any(self.offsets["compensation"]):
+            raise ValueError("a change of units while G43 is in force, which it mistakes: give G49 before it")
+        self.unit = unit
+        if line:
+            self.notes["units"] = ""
+
+    def _path_mode(self, line: int, text: str) -> None:
         mode, *tolerance = text.split(", ")
-        self.tolerance = Fraction(0)
+        self.tolerance, self.notes["path mode"] = Fraction(0), ""
         if mode == "CANON_CONTINUOUS":
             self.tolerance = number(tolerance[0]) * self.unit
             if not self.tolerance and self.machine.tolerance is None:
@@ -101,26 +115,41 @@ class _Machine:
             raise ValueError(f"the machine file has no tool {tool}: add it")
         if not self.machine.tools and (self.moves or "tool" in self.notes):
             raise ValueError("changes the tool, and so its shape: give a machine file with tools")
+        if any(self.offsets["compensation"]) or self.stale:
+            why = "a change of the tool, after G43, without a move of Z under G49"
+            raise ValueError(f"{why}: the interpreter mistakes where the tool is then; give them before it")
         taken = "how the machine moves to change tools is not checked"
-        self.notes["tool"] = (
-            f"line {line}: {taken if self.machine.tools else 'the tool is taken to be the one given'}"
-        )
-        self.loaded = tool
+        note = taken if self.machine.tools else "the tool is taken to be the one given"
+        if line:
+            self.notes["tool"] = f"line {line}: {note}"
+        self.loaded, self.changed = tool, line
 
-    def _set(self, name: str, values: list[Fraction]) -> None:
-        setattr(self, name, vector(values[:3]))
+    def _set(self, name: str, line: int, values: list[Fraction]) -> None:
+        new = vector(values[:3])
+        if name == "compensation":
+            if line and line == self.changed:
+                raise ValueError("on a line with a change of the tool, which it mistakes: give the next line")
+            self.stale |= new != self.offsets[name]
+        self.offsets[name], self.errors[name] = new, _HALF * self.unit
+
+    def _set_system(self, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
+        system = SYSTEMS[int(numbers[0]) - 1]
+        if system != "G54" and system not in self.machine.offsets:
+            raise ValueError(f"where {system} has its zero, only the machine knows: give a machine file")
+        self._set("system", line, values[1:])
 
     def _joined(self, values: list[Fraction]) -> None:
         self.joined = values[0]
 
     def _place(self, position: list[Fraction]) -> Vector:
         """Return where the spindle's nose is, in the frame of WORK.stl."""
-        x, y, z = (p + s for p, s in zip(position, self.shift, strict=True))
+        x, y, z = (p + s for p, s in zip(position, self.offsets["shift"], strict=True))
         if self.angle:
             cos, sin = Fraction(math.cos(self.angle)), Fraction(math.sin(self.angle))
             x, y = (Rational(round(v * 10**9), 10**9) for v in (x * cos - y * sin, x * sin + y * cos))
         zero = self.machine.offsets.get("G54", NOWHERE)
-        parts = zip((x, y, z), self.system, self.compensation, zero, strict=True)
+        offsets = (self.offsets[name] for name in ("system", "compensation"))
+        parts = zip((x, y, z), *offsets, zero, strict=True)
         return vector(Rational(p + s + c - o) for p, s, c, o in parts)
 
     def _straight(self, line: int, values: list[Fraction], rapid: bool) -> None:
@@ -142,7 +171,19 @@ class _Machine:
         target, middle, turns = self._place(end), self._place(centre), int(numbers[4])
         assert self.position is not None
         about = middle[axes[0]], middle[axes[1]]
-        self._go(line, target, False, arc(self.position, target, axes, about, turns < 0, abs(turns)))
+        curve = arc(self.position, target, axes, about, turns < 0, abs(turns), 4 * self._error())
+        self._go(line, target, False, curve)
+
+    def _tap(self, line: int, values: list[Fraction]) -> None:
+        """Go down, and up again."""
+        start = self.position
+        self._straight(line, values, False)
+        assert start is not None
+        self._go(line, start, False)
+
+    def _error(self) -> Fraction:
+        """Return how far a position may be off, for what was printed of it and of offsets."""
+        return _HALF * self.unit + sum(self.errors.values(), Fraction(0))
 
     def _go(self, line: int, target: Vector, rapid: bool, curve: Curve | None = None) -> None:
         start, self.position = self.position, target
@@ -152,24 +193,31 @@ class _Machine:
         tools = self.machine.tools
         if tools and self.loaded is None:
             raise ValueError("no tool is in the spindle: give `loaded` in the machine file")
+        self.stale &= start[2] == target[2]
         tool = tools.get(self.loaded or 0)
-        below = vector((Rational(0), Rational(0), -Rational((tool and tool.length) or 0)))
+        length = tool.length if tool else None
+        if length is None and any(self.offsets["compensation"]):
+            raise ValueError("a move with length compensation, of a tool whose length is not known: give it")
+        below = vector((Rational(0), Rational(0), -Rational(length or 0)))
         start, end = (added(p, below) for p in (start, target))
-        printed = _HALF * self.unit * (_SUMMED if curve is None else _SUMMED_ARC)
-        slack = self.tolerance + self.joined + printed + (curve.slack if curve is not None else 0)
+        # The centre of an arc moves all of it.
+        printed = self._error() * (1 if curve is None else 3)
+        tolerance = self.tolerance + self.joined
+        slack = max(tolerance, self.blended) + printed + (curve.slack if curve is not None else 0)
+        self.blended = tolerance
         straight = curve is None and (not rapid or self.machine.straight)
         moved = curve.moved(below) if curve is not None else None
         self.moves.append(Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0))
 
 
-_CALLS = {
+_CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] = {
     "STRAIGHT_TRAVERSE": lambda to, line, values, _: to._straight(line, values, True),
     "STRAIGHT_FEED": lambda to, line, values, _: to._straight(line, values, False),
-    "RIGID_TAP": lambda to, line, values, _: to._straight(line, values, False),
+    "RIGID_TAP": lambda to, line, values, _: to._tap(line, values),
     "ARC_FEED": lambda to, line, values, numbers: to._arc(line, values, numbers),
-    "SET_G5X_OFFSET": lambda to, _, values, __: to._set("system", values[1:]),
-    "SET_G92_OFFSET": lambda to, _, values, __: to._set("shift", values),
-    "USE_TOOL_LENGTH_OFFSET": lambda to, _, values, __: to._set("compensation", values),
+    "SET_G5X_OFFSET": lambda to, line, values, numbers: to._set_system(line, values, numbers),
+    "SET_G92_OFFSET": lambda to, line, values, _: to._set("shift", line, values),
+    "USE_TOOL_LENGTH_OFFSET": lambda to, line, values, _: to._set("compensation", line, values),
     "SET_NAIVECAM_TOLERANCE": lambda to, _, values, __: to._joined(values),
 }
 
@@ -179,16 +227,20 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     text = read_input(path).decode("utf-8", errors="replace")
     if shutil.which(_PROGRAM) is None:
         raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
-    place = [float(c) for c in start or NOWHERE]
-    lines = [f"N0 G21 G90 G0 X{place[0]:.9f} Y{place[1]:.9f} Z{place[2]:.9f}"]
-    lines += [
-        line if line.strip() in ("", "%") else _NUMBER.sub(rf"\g<1>N{count} ", line, count=1)
-        for count, line in enumerate(re.split(r"\r\n|\n|\r", text), 1)
+    lines = re.split(r"\r\n|\n|\r", text)
+    _refuse_unknown(path, lines, machine)
+    x, y, z = (float(c) for c in start or NOWHERE)
+    # Where it begins, with which tool; then no motion is in force.
+    first = [f"N0 M61 Q{machine.loaded}"] if machine.loaded is not None else []
+    first += [f"N0 G21 G90 G0 X{x:.9f} Y{y:.9f} Z{z:.9f}", "N0 G80"]
+    numbered = [
+        _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
+        for count, line in enumerate(lines, 1)
     ]
+    program = ["%", *first, *(line for line in numbered if _PERCENT.fullmatch(line) is None), "%", ""]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        whole = "\n".join(["%", *(line for line in lines if line.strip() != "%"), "%", ""])
-        (folder / "program.ngc").write_text(whole)
+        (folder / "program.ngc").write_text("\n".join(program))
         (folder / "tools.tbl").write_text(_tool_table(machine))
         (folder / "offsets.var").write_text(_offsets(machine))
         (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {path.parent.resolve()}\n")
@@ -205,7 +257,7 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     if done.returncode:
         told = _ERROR.findall(done.stderr)
         raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
-    state = _Machine(path, machine, machine.loaded)
+    state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0))
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
@@ -219,7 +271,55 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
-    return Program(path, tuple(state.moves), tuple(state.notes.values()))
+    line = state.moves[0].line
+    state.notes.setdefault("units", f"line {line}: no G20 or G21 before it: millimetres assumed")
+    if machine.tolerance is None and not all(move.rapid for move in state.moves):
+        told = "without G61 or G64 the path is taken for exactly followed"
+        state.notes.setdefault("path mode", f"line {line}: {told}")
+    return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())))
+
+
+# What the interpreter would take for 0, in words that say that it is needed: what is needed for each.
+_MACHINE_WORDS = re.compile(
+    r"G\s*0*(?:53|28|30)(?![\d.])|G\s*0*10(?=[^.\d].*L\s*0*2(?![\d.])|\D*[\[#])|G\s*[\[#]", re.IGNORECASE
+)
+_HOMES = {
+    name: re.compile(rf"{name[0]}\s*0*{name[1:]}(?![\d.])|G\s*[\[#]", re.IGNORECASE)
+    for name in ("G28", "G30")
+}
+_LENGTH_WORDS = re.compile(r"G\s*0*43(?:\s*\.\s*[12])?(?!\d)|G\s*[\[#]", re.IGNORECASE)
+_RADIUS_WORDS = re.compile(r"G\s*0*4[12](?:\s*\.\s*1)?(?!\d)|G\s*[\[#]", re.IGNORECASE)
+_LENGTH_PARAMETERS = re.compile(r"#\s*(?:5[123]\d\d|540[1-9])")
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
+_PERCENT = re.compile(r"\s*(?:N\d+\s*)?%\s*")
+
+
+def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
+    """Raise InputError at words for which the interpreter would take what it is not told for 0."""
+    tools = machine.tools.values()
+    needed = [
+        (_LENGTH_PARAMETERS, True, "is a length in inches here: leave --reader out"),
+        (_MACHINE_WORDS, "G54" not in machine.offsets,
+         "needs machine coordinates: give the offset of G54 in a machine file"),
+        *(
+            (words, name not in machine.homes, f"goes home: give {name} in a machine file")
+            for name, words in _HOMES.items()
+        ),
+        (_LENGTH_WORDS, not tools or any(tool.length is None for tool in tools),
+         "needs the length of each tool: give all in a machine file"),
+        (_RADIUS_WORDS, not tools or any(tool.diameter is None for tool in tools),
+         "needs the diameter of each tool: give parts with diameters in a machine file"),
+    ]  # fmt: skip
+    closed = False
+    for count, line in enumerate(lines, 1):
+        bare = _COMMENT.sub(" ", line)
+        if bare.strip() == "%":
+            closed = any(_COMMENT.sub(" ", before).strip() for before in lines[: count - 1])
+        elif closed and bare.strip():
+            raise Place(path, count).error(bare.split()[0], AFTER_THE_END)
+        for pattern, missing, why in needed:
+            if missing and (match := pattern.search(bare)):
+                raise Place(path, count).error(match[0], why)
 
 
 def _tool_table(machine: Machine) -> str:

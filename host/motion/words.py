@@ -12,10 +12,12 @@ GROUPS = {
         ("diameter", "G8"), ("no modal group", "G4 G10 G28 G30 G52 G53 G92 G92.1 G92.2 G92.3"),
         ("stop", "M0 M1 M2 M30 M60"), ("spindle", "M3 M4 M5"), ("tool change", "M6 M61"), ("mist", "M7"),
         ("flood", "M8"), ("coolant off", "M9"), ("overrides", "M48 M49 M50 M51 M52 M53"),
-        ("input and output", "M62 M63 M64 M65 M66 M67 M68"), ("modal state", "M70 M71 M72 M73"),
+        ("input and output", "M62 M63 M64 M65 M66 M67 M68"),
     )
     for code in codes.split()
 }  # fmt: skip
+# Words of no modal group that take the axes of their line.
+TAKING_AXES = frozenset(("G10", "G28", "G30", "G52", "G92"))
 CYCLES = frozenset(("G73", "G74", "G81", "G82", "G83", "G84", "G85", "G86", "G89"))
 ARCS = frozenset(("G2", "G3"))
 # Which words take a letter; it is refused where none of them is on the line, or in force.
@@ -42,6 +44,7 @@ WHY_REFUSED = {
         ("G43.1 G43.2 G43.4 G44", "is not followed: let the post-processor write G43 with H"),
         ("G50 G51 G68 G69", f"scaling and rotation of the program are not followed: {_POST}"),
         ("G70 G71 G71.1 G71.2 G72 G72.1 G72.2", f"lathe cycles are not followed: {_POST}"),
+        ("M70 M71 M72 M73", "what it keeps and brings back is not followed: write the modal words"),
         ("M19", "orients the spindle, and so turns the tool: check the program without it"),
         ("M97 M98 M99", "is not followed: call subroutines with O words"),
         ("A B C U V W",

@@ -173,10 +173,10 @@ COMPUTED = [
     # All values of a line are those from before it.
     ("#1=2\n#1=5 G0 X#1\nX#1", [(2, 0, 0), (5, 0, 0)]),
     ("G0 X[1+2*3**2-[8 MOD 3]] Y[7/2] Z[ABS[-1]]", [(17, 3.5, 1)]),
-    ("G0 X[2 GT 1] Y[[1 EQ 1.0000001] AND [1 LT 0]] Z[1 OR 0 XOR 1]", [(1, 0, 0)]),
+    ("G0 X[2 GT 1] Y[[1 EQ 1] AND [1 LT 0]] Z[1 OR 0 XOR 1]", [(1, 0, 0)]),
     ("G0 X SIN[30] Y[ATAN[1]/[1]] Z[SQRT[2]*SQRT[2]]", [(0.5, 45, 2)]),
     ("G0 X[ROUND[-2.5]] Y[FIX[-1.5]] Z[FUP[1.2]]", [(-3, -2, 2)]),
-    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<_b>]] Z##50", [(1, 0, 50)]),
+    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<b>]] Z##50", [(1, 0, 50)]),
     ("O1 sub\nG0 X#1 Y#2\nO1 endsub [#1*2]\nO1 call [3] [4]\nG0 Z#<_value>", [(3, 4, 0), (3, 4, 6)]),
     ("O<t> sub\nO2 if [#1 GT 3]\nO<t> return\nO2 endif\nG0 X#1\nO<t> call [#1+1]\nO<t> endsub\nO<T> call [2]",
      [(2, 0, 0), (3, 0, 0)]),
@@ -185,7 +185,6 @@ COMPUTED = [
      "O1 break\nO3 endif\nG0 X#1\nO1 endwhile", [(1, 0, 0), (3, 0, 0)]),
     ("#1=0\nO1 do\nG0 X#1\n#1=[#1+1]\nO1 while [#1 LT 2]", [(0, 0, 0), (1, 0, 0)]),
     ("G91\nO1 repeat [3]\nG0 X1\nO1 endrepeat", [(1, 0, 0), (2, 0, 0), (3, 0, 0)]),
-    ("G0 X1\nM70\nG91 G20\nX1\nM72\nX0", [(1, 0, 0), (26.4, 0, 0), (0, 0, 0)]),
     ("G0 X5\nG92 X0 Y1\nX1 Y1\nG92.2\nX1\nG92.3\nX1\nG92.1\nX1",
      [(5, 0, 0), (6, 0, 0), (1, 0, 0), (6, 0, 0), (1, 0, 0)]),
     ("G0 X5\nG10 L20 P2 X0 Y0 Z0\nG55 X1\nX[#5420+1]\nG54 X1", [(5, 0, 0), (6, 0, 0), (7, 0, 0), (1, 0, 0)]),
@@ -309,7 +308,7 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
     ]  # fmt: skip
     assert program.moves[0].start == (0, 0, Fraction(-61, 2))
     assert [part.moves[0].tool for part in program.stretches] == [2, 1]
-    assert [float(move.slack) for move in program.moves[-4:]] == [0.5, 0.5, 0.2, 0]
+    assert [float(move.slack) for move in program.moves[-4:]] == [0.5, 0.5, 0.5, 0.2]
     facets = machine.tools[1].mesh.facets
     assert facets[..., 2].min() == 0 and facets[..., 2].max() == 60
     # The prism holds the cylinder: the middles of its sides are no nearer than the radius.
@@ -317,10 +316,15 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
     edges = [(side[i, :2] + side[j, :2]) / 2 for side in sides for i, j in ((0, 1), (1, 2), (2, 0))]
     assert len(sides) == 128 and np.linalg.norm(edges, axis=1).min() >= 3
     for text, why in (
-        ("tools = 3", "tools: must be a list"), (f"x = 1\n{MACHINE}", "x: not known"),
-        ("rapids = 'no'", "rapids: must be"),
-        ("[[tools]]\nnumber = 1", "mesh: must be given"), ("= 3", "no TOML"), ("", "tools: must be given"),
+        ("tools = 3", "'tools': must be a list"), (f"x = 1\n{MACHINE}", "'x': not known"),
+        ("rapids = 'no'", "'rapids': must be"), ("[[tools]]\nnumber = 1", "'mesh': must be given"),
+        ("= 3", "no TOML"), ("", "'tools': must be given"),
+        ("path_tolerance = nan", "no TOML: nan: a decimal"),
         ("[[tools]]\nnumber = 1\nparts = [{diameter = 3}]", "must be positive"),
+        ("[" * 9000, "no TOML"),
+        ("[offsets]\nG54 = [true, 0, 0]", "three numbers"), ("loaded = 1e9", "no TOML: 1e9"),
+        ("[[tools]]\nnumber = 1\nlength = -1", "must be not negative"),
+        ("path_tolerance = 9999999", "at most"),
     ):  # fmt: skip
         file.write_text(text)
         with pytest.raises(InputError, match=why):
@@ -363,6 +367,40 @@ def test_linuxcnc_reads_the_same(tmp_path, text):
             assert apart <= a.slack, (a.line, float(apart))
 
 
+NOT_KNOWN_THERE = [
+    ("G0 X1\nG55 X2", "", "where G55 has its zero"), ("G53 G0 X1", "", "needs machine coordinates"),
+    ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
+    ("G30", MACHINE, "give G30 in a machine file"), ("G43 H1\nG0 Z1", "", "needs the length of each tool"),
+    ("F9 G41 D1 G1 X1", "", "needs the diameter"), ("G0 X#5221", MACHINE, "a length in inches"),
+    ("G43 H2 G0 Z9\nT1 M6", MACHINE, "mistakes where the tool is"),
+    ("G43 H2 G0 Z9\nG20", MACHINE, "a change of units"),
+    ("T1 M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
+    ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
+    ("G0 A1", "", "only X, Y and Z move"),
+]  # fmt: skip
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+@pytest.mark.parametrize(("text", "machine", "why"), NOT_KNOWN_THERE)
+def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why):
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    program.write_text(f"G21\n{text}\n")
+    file.write_text(machine)
+    with pytest.raises(InputError, match=re.escape(why)):
+        read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_whole_circles_stay_whole_where_decimals_are_lost(tmp_path):
+    program = tmp_path / "p.ngc"
+    program.write_text(
+        "G21 F100\nG0 X0 Y1.00006\nG92 Y2.00004\nG3 X0 I25\nG92.1\nS9 M3\nG33.1 Z-5 K1\nG1 X9\n"
+    )
+    circle, down, up, last = read_by_rs274(program, ORIGIN, False, Machine()).moves[1:]
+    assert circle.curve and max(circle.extent[1]) > 49
+    assert down.end[2] == -5 and up.end[2] == last.end[2] == 0
+
+
 def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     (tmp_path / "a.nc").write_text("G0 X1")
@@ -373,8 +411,61 @@ def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
 def test_compensation_of_a_tool_of_unknown_length(read):
     program = read("G21 G43 H1\nG0 X1")
     assert program.notes == ("line 1: G43 is taken for the tool's true length",)
-    with pytest.raises(InputError, match=r"line 3: .* moves with and without length compensation"):
+    with pytest.raises(InputError, match=r"line 3: .*whose lengths are not known"):
         read("G0 Z1\nG43 H1\nG0 X1")
+
+
+# What controls do differently, or what a reader that passes over a word would get wrong.
+NOT_PASSED_OVER = [
+    ("G64 P-1\nG0 X1", "P-1", "negative"), ("G0 X1\nG5 F9 X3 I1 J1 P1 Q1 T-3", "T-3", "negative"),
+    ("O1 sub\nG0 X#2\nO1 endsub\nO1 call [1]", "X#2", "does not give it"),
+    ("G98 F9 G81 X1 R2 Z-1\nG20\nX1", "G81", "without its depth"),
+    ("G98 F9 G81 X1 R2 Z-1\nG92 X0", "G92", "series of cycles"),
+    ("G98 F9 G81 X1 R2 Z-1\nG55 X1", "G55", "series of cycles"),
+    ("G43 H1 G0 Z9\nG53 G0 Z-1", "G53", "offsets"), ("G43 H1 G0 Z9\nG43 H2 Z0", "move", "not known"),
+    ("G0 X1\nM70", "M70", "not followed"),
+    ("#1=[1 GE 1.0000005]\nG0 X1", "#", "equal to some controls only"),
+    ("#1=EXISTS[#<_task>]\nG0 X1", "#", "may be the control's"), ("G0 X#5210", "X#5210", "does not give it"),
+    ("G0 X#5400", "X#5400", "does not give it"),
+    ("F9 G2 X0 I5\nG53 X10", "G53", "goes with G0 or G1"), ("G0 X1\nG53 @10", "G53", "goes with G0 or G1"),
+    ("F9 G2 X0 I5\nG54 P5", "P5", "not on the line"), ("F9 G2 X0 I5\nG1 X5 R1", "R1", "not on the line"),
+    ("F9 G98 G81 X1 R2 Z-1\nG0 X2 R5", "R5", "not on the line"),
+    ("F9 G2 X0 I5\nR10", "R10", "not on the line"),
+    ("G0 G92 X1", "G92", "split it"), ("G92\nG0 X1", "G92", "give one"), ("G53 G28 X0", "G28", "split it"),
+    ("M61 Q1.7\nG0 X1", "Q1.7", "whole number"), ("M61\nG0 X1", "M61", "give Q"),
+    ("F9 G2 X0 I5 P1.5", "P1.5", "whole number"), ("F9 G98 G81 X1 R2 Z-1 L0", "L0", "repeats 1 to"),
+    ("O1 if [0]\nO2 if [1]\nG0 X2\nO1 endif\nO2 endif", "O endif", "another name"),
+    ("O1 sub\nO1 endsub\nO1 sub\nO1 endsub\nG0 X1", "O<1>", "second subroutine"),
+    ("G0 X[10**305]", "X[10**305]", "more than 1e+09"), ("O[#<foo>] call", "O", "does not give it"),
+    ("O[10**305] call", "O", "more than"), ("G0 X1\nO1 break", "O", "no loop"),
+    ("O1 repeat [10**200]\nO1 endrepeat", "O", "repeats more than"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "word", "why"), NOT_PASSED_OVER)
+def test_nothing_is_passed_over(read, text, word, why):
+    with pytest.raises(InputError) as refused:
+        read(text)
+    assert f"word '{word}': " in str(refused.value) and why in str(refused.value)
+
+
+def test_what_is_nested_too_deeply_is_refused(read):
+    for text in ("X" + "[" * 5000, "G0 X" + "-" * 5000 + "1", "O1 if [1]\n" * 3000):
+        with pytest.raises(InputError, match=r"nested too deeply"):
+            read(text)
+
+
+SERIES = [
+    ("G0 Z10\nF9 G91 G99 G81 X10 R-8 Z-3\nX10", [2, -1, 2, 2, -1, 2]),
+    ("G0 Z-5\nF9 G99 G81 X1 R19 Z-6\nX5 R6", [19, -6, 19, 6, -6, 6]),
+    ("G0 Z20\nF9 G99 G81 X1 R2 Z-1\nG98 X5\nX9", [2, -1, 2, 2, -1, 20, 2, -1, 20]),
+]
+
+
+@pytest.mark.parametrize(("text", "heights"), SERIES)
+def test_a_series_of_cycles_has_the_height_at_which_it_began(read, text, heights):
+    found = [move.end[2] for move in read(text).moves if move.start[:2] == move.end[:2]]
+    assert found[-len(heights) :] == heights
 
 
 def test_files_without_moves(read, tmp_path):

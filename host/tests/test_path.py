@@ -20,9 +20,9 @@ from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene, scene_engine
 from triaxis.host.motion.clearance import clearances
 from triaxis.host.motion.curves import arc, centre_by_radius
+from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
-from triaxis.host.motion.program import Move, Program
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.stl import StlMesh
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -234,9 +234,11 @@ rapids = "straight"
 loaded = 1
 [[tools]]
 number = 1
+length = 0
 parts = [{ diameter = 10, length = 60 }]
 [[tools]]
 number = 2
+length = 0
 parts = [{ diameter = 4, length = 1 }, { diameter = 60, length = 30 }]
 """
 

@@ -1,0 +1,574 @@
+"""What a control does by the words of a line: the modal rules of RS-274, offsets, tools, cycles.
+
+Numbers are exact: decimals as they stand, an inch 25.4 mm. Words that do not change where the tool is pass;
+words that would and are not followed, and all unknown ones, are refused. A rapid may be any way on which no
+axis turns back, unless the machine file says that it is straight.
+
+Coordinates. The frame is that of WORK.stl: G54 as the machine file has it, and without one as it is at the
+start. The spindle's nose S moves; the tool's origin, its tip, is its length below. Where a word says v, S
+goes to
+
+    v + zero of the system in force + G92 + length compensation,
+
+and where no length is known, S is the tip, and compensation takes it for what it is.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Rational
+from triaxis.golden.input_file import Place
+from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius
+from triaxis.host.motion.expression import Key, Value, exact
+from triaxis.host.motion.gcode import POLAR, Block, Word
+from triaxis.host.motion.machine import SYSTEMS, Machine
+from triaxis.host.motion.moves import Move
+from triaxis.host.motion.words import ARCS, CYCLES, GROUPS, TAKERS, TAKING_AXES, WHY_REFUSED
+from triaxis.host.quantise import Vector, added, vector
+
+_AXES = "XYZ"
+_INCH, _MILLIMETRE = Rational(254, 10), Rational(1)
+ORIGIN: Vector = vector((Rational(0),) * 3)
+# Of a plane the two axes of its arcs, counter-clockwise from the first to the second, then the third.
+_PLANES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
+_NOT_NEGATIVE = "FSTNHDL"
+# Holes that one line may drill.
+_MOST_HOLES = 10_000
+# Refused words that are told at a time.
+_TOLD = 12
+
+
+@dataclass(frozen=True)
+class Modal:
+    """What words leave from line to line."""
+
+    motion: str | None = None
+    plane: str = "G17"
+    relative: bool = False
+    arc_absolute: bool = False
+    units: Fraction | None = None
+    feed: bool = False
+    to_old_height: bool | None = None
+    system: str = "G54"
+    tolerance: Fraction = Fraction(0)
+
+
+@dataclass
+class Interpreter:
+    """Runs blocks. ``position``: of the spindle's nose; ``zeros``: of the systems, where they are known."""
+
+    machine: Machine
+    position: Vector
+    zeros: dict[str, Vector]
+    loaded: int | None
+    modal: Modal
+    shift: Vector = ORIGIN
+    shifted: bool = True
+    # Whose length G43 adds; None without compensation.
+    offset: int | None = None
+    compensation: Vector = ORIGIN
+    chosen: int = 0
+    cycle: dict[str, Fraction] = field(default_factory=dict)
+    # Where a series of cycles began.
+    level: Fraction | None = None
+    # Of which tool, with which compensation all moves are, where lengths are not known.
+    basis: tuple[int | None, int | None] | None = None
+    blended: Fraction = Fraction(0)
+    # Whether the program, or the machine file, says how exactly the path is followed.
+    exact_path: bool = False
+    moves: list[Move] = field(default_factory=list)
+    notes: dict[str, str] = field(default_factory=dict)
+    refused: list[InputError] = field(default_factory=list)
+
+    def ask(self, key: Key) -> Value | None:
+        """Return the value of a parameter that the control gives; None where it gives none."""
+        here, scale = self.programmed(), self.modal.units or _MILLIMETRE
+        if isinstance(key, str):
+            named = {f"_{axis.lower()}": x / scale for axis, x in zip(_AXES, here, strict=True)}
+            flags = {
+                "_metric": scale == 1, "_imperial": scale != 1, "_absolute": not self.modal.relative,
+                "_incremental": self.modal.relative, "_selected_tool": self.chosen,
+            }  # fmt: skip
+            if key == "_current_tool":
+                return None if self.loaded is None else Fraction(self.loaded)
+            return named.get(key, Fraction(flags[key]) if key in flags else None)
+        if 5420 <= key < 5423:
+            return here[key - 5420] / scale
+        if 5211 <= key < 5214:
+            return self.shift[key - 5211] / scale
+        if 5401 <= key < 5404:
+            return None if self.offset and not self._known() else self.compensation[key - 5401] / scale
+        if 5423 <= key < 5429 or 5214 <= key < 5220 or 5404 <= key < 5410:
+            return Fraction(0)
+        tool = self.machine.tools.get(self.loaded or 0)
+        known = {
+            5220: Fraction(SYSTEMS.index(self.modal.system) + 1),
+            5400: None if self.loaded is None else Fraction(self.loaded),
+            5410: tool.diameter / scale if tool and tool.diameter is not None else None,
+        }  # fmt: skip
+        return known.get(key)
+
+    def programmed(self) -> Vector:
+        """Return the position as the program has it, in millimetres."""
+        return vector(s - z for s, z in zip(self.position, self.origin(), strict=True))
+
+    def origin(self) -> Vector:
+        """Return where the spindle's nose is at X0 Y0 Z0."""
+        shift = self.shift if self.shifted else ORIGIN
+        return added(self.zeros[self.modal.system], shift, self.compensation)
+
+    def refuse(self, place: Place, word: Word, why: str) -> None:
+        """Keep what is not understood: all of it is told at once."""
+        error = place.error(word.text, why)
+        if str(error) not in map(str, self.refused):
+            self.refused.append(error)
+        if len(self.refused) >= _TOLD:
+            self.tell_refused()
+
+    def tell_refused(self) -> None:
+        """Raise InputError where anything was not understood."""
+        if len(self.refused) == 1:
+            raise self.refused[0]
+        if self.refused:
+            first, *others = (str(error) for error in self.refused)
+            path = str(first).split(": line ")[0]
+            listed = "; ".join((first, *(other.removeprefix(f"{path}: ") for other in others)))
+            raise InputError(listed)
+
+    def run(self, block: Block) -> bool:
+        """Run a line; return whether it ends the program."""
+        place, codes = block.place, self._codes(block)
+        on_line = {word.code for group in codes.values() for word in group}
+        words = self._by_letter(block, on_line)
+        self._set_modal(place, codes, words)
+        if "T" in words:
+            self.chosen = int(words["T"].value)
+        for word in codes.get("tool change", ()):
+            self._change_tool(place, word, words)
+        for word in codes.get("length compensation", ()):
+            self._compensate(place, word, words)
+        for word in codes.get("work offset", ()):
+            self._choose_system(place, word)
+        words |= self._polar(place, words)
+        axes = {_AXES.index(letter): words[letter] for letter in _AXES if letter in words}
+        if not self._non_modal(place, codes, words, axes) and axes | self._arc_alone(words):
+            self._motion(place, codes, words, axes)
+        return bool(on_line & {"M2", "M30"})
+
+    def _codes(self, block: Block) -> dict[str, list[Word]]:
+        """Return the G and M words by their modal groups; refuse unknown ones and two of a group."""
+        codes: dict[str, list[Word]] = {}
+        for word in block.words:
+            if word.letter not in "GM":
+                continue
+            group = GROUPS.get(word.code)
+            if group is None:
+                why = "not known: check a program without it, or see what it does"
+                self.refuse(block.place, word, WHY_REFUSED.get(word.code, why))
+            elif group in codes and group != "no modal group":
+                both = f"{codes[group][0].text} and {word.text}"
+                raise block.place.error(
+                    word.text, f"{both} on one line exclude each other ({group}): keep one"
+                )
+            else:
+                codes.setdefault(group, []).append(word)
+        return codes
+
+    def _by_letter(self, block: Block, on_line: set[str]) -> dict[str, Word]:
+        """Return the words other than G and M by their letters; refuse unknown and repeated ones."""
+        words: dict[str, Word] = {}
+        # The motion in force takes letters where it moves by this line, and no other word takes the line.
+        groups = {GROUPS[code] for code in on_line}
+        by_it = not groups & {"motion", "cycle"} and not on_line & TAKING_AXES
+        moving = any(word.letter in f"XYZIJK{POLAR}" for word in block.words)
+        in_force = on_line | ({self.modal.motion or ""} if by_it and moving else set())
+        for index, word in enumerate(block.words):
+            letter = word.letter
+            if letter in "GM":
+                continue
+            if letter not in "XYZFSTNO" + POLAR and not TAKERS.get(letter, frozenset()) & in_force:
+                self.refuse(block.place, word, WHY_REFUSED.get(letter, "not known: correct it"))
+                continue
+            if letter in words:
+                raise block.place.error(word.text, f"{letter} stands twice on the line: keep one")
+            if letter == "O" and len(block.words) > 1:
+                raise block.place.error(word.text, "a program number stands alone on its line: move it")
+            if letter == "N" and index > 0:
+                raise block.place.error(word.text, "N must be the first word of its line: move it")
+            whole = "OTHL" + "P" * bool(in_force & (ARCS | {"G10"})) + "Q" * ("M61" in on_line)
+            if letter in whole and exact(word.value).denominator != 1:
+                raise block.place.error(word.text, "must be a whole number: correct it")
+            if letter == "L" and not 1 <= word.value <= _MOST_HOLES and in_force & CYCLES:
+                raise block.place.error(word.text, f"repeats 1 to {_MOST_HOLES} times: correct it")
+            if letter in _NOT_NEGATIVE + "PQ" * ("G5" not in in_force) and word.value < 0:
+                raise block.place.error(word.text, "must not be negative: correct it")
+            words[letter] = word
+        return words
+
+    def _set_modal(self, place: Place, codes: dict[str, list[Word]], words: dict[str, Word]) -> None:
+        modal, before = self.modal, self.modal.motion
+        changes: dict[str, object] = {}
+        for group, (word, *_) in codes.items():
+            code = word.code
+            if group == "motion":
+                changes["motion"] = code
+            elif group == "cycle" and "motion" not in codes:
+                changes["motion"] = None
+            elif group == "plane":
+                changes["plane"] = code
+            elif group == "distance":
+                changes["relative"] = code == "G91"
+            elif group == "arc distance":
+                changes["arc_absolute"] = code == "G90.1"
+            elif group == "units":
+                changes["units"] = _INCH if code == "G20" else _MILLIMETRE
+            elif group == "retract":
+                changes["to_old_height"] = code == "G98"
+        if changes:
+            self.modal = modal = replace(modal, **changes)  # pyright: ignore[reportArgumentType]
+        if modal.motion != before or "units" in codes:
+            self.cycle = {}
+        if modal.motion not in CYCLES:
+            self.level = None
+        if "F" in words:
+            if words["F"].value <= 0:
+                raise place.error(words["F"].text, "a feed must be positive: correct it")
+            self.modal = replace(self.modal, feed=True)
+        for word in codes.get("path mode", ()):
+            self._path_mode(place, word, words)
+
+    def _path_mode(self, place: Place, word: Word, words: dict[str, Word]) -> None:
+        tolerance = Fraction(0)
+        if word.code == "G64" and "P" in words:
+            # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
+            tolerance = sum(self.length(place, words.get(k, words["P"])) for k in "PQ")
+        elif word.code == "G64" and self.machine.tolerance is None:
+            why = "lets the control round corners: give P, or path_tolerance in a machine file"
+            self.refuse(place, word, why)
+        elif word.code == "G64":
+            tolerance = self.machine.tolerance or tolerance
+        self.modal, self.exact_path = replace(self.modal, tolerance=tolerance), True
+
+    def length(self, place: Place, word: Word) -> Fraction:
+        """Return the value of a word in millimetres, which are assumed where the program says nothing."""
+        if self.modal.units is None:
+            self.modal = replace(self.modal, units=_MILLIMETRE)
+            self.notes["units"] = f"line {place.line}: no G20 or G21 before it: millimetres assumed"
+        return exact(word.value) * (self.modal.units or 1)
+
+    def _change_tool(self, place: Place, word: Word, words: dict[str, Word]) -> None:
+        if word.code == "M61" and "Q" not in words:
+            raise place.error(word.text, "which tool it is: give Q")
+        number = int(words["Q"].value) if word.code == "M61" else self.chosen
+        if self.machine.tools:
+            if number not in self.machine.tools:
+                raise place.error(word.text, f"the machine file has no tool {number}: add it")
+            self.notes["tool"] = f"line {place.line}: how the machine moves to change tools is not checked"
+        elif self.moves or "tool" in self.notes:
+            raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
+        else:
+            self.notes["tool"] = f"line {place.line}: the tool of {word.text} is taken to be the one given"
+        self.loaded = number
+
+    def _compensate(self, place: Place, word: Word, words: dict[str, Word]) -> None:
+        self.offset, self.compensation = None, ORIGIN
+        if word.code == "G49":
+            return
+        number = int(words["H"].value) if "H" in words else self.loaded
+        self.offset = -1 if number is None else number
+        length = self._length(number)
+        if length is not None:
+            self.compensation = vector((Fraction(0), Fraction(0), length))
+        elif number == 0 or self.loaded not in (None, number):
+            raise place.error(word.text, f"the length of tool {number} is not known: give a machine file")
+        else:
+            self.notes["length"] = f"line {place.line}: {word.text} is taken for the tool's true length"
+
+    def _length(self, number: int | None) -> Fraction | None:
+        tool = self.machine.tools.get(-1 if number is None else number)
+        return tool.length if tool else None
+
+    def _known(self) -> bool:
+        """Return whether all lengths are known that say where the tool's origin is."""
+        return self._length(self.loaded) is not None and (
+            self.offset is None or self._length(self.offset) is not None
+        )
+
+    def _absolute(self, place: Place, word: Word) -> Vector:
+        """Return the machine coordinates of the frame; raise InputError where the tool's place in them is not
+        known.
+        """
+        zero = self.machine.offsets.get("G54")
+        if zero is None:
+            why = "is where only the machine knows: give offsets, and homes, in a machine file"
+            raise place.error(word.text, why)
+        if self.offset is not None and not self._known():
+            raise place.error(word.text, "with a tool of unknown length: give it in a machine file")
+        return zero
+
+    def _zero(self, place: Place, word: Word, system: str) -> Vector:
+        if system not in self.zeros:
+            raise place.error(
+                word.text, f"where {system} has its zero, only the machine knows: give a machine file"
+            )
+        return self.zeros[system]
+
+    def _choose_system(self, place: Place, word: Word) -> None:
+        if self.modal.motion in CYCLES:
+            raise place.error(word.text, "within a series of cycles: give G80 before it")
+        self._zero(place, word, word.code)
+        self.modal = replace(self.modal, system=word.code)
+
+    def _non_modal(
+        self, place: Place, codes: dict[str, list[Word]], words: dict[str, Word], axes: dict[int, Word]
+    ) -> bool:
+        """Do what words say that hold for their line alone; return whether they took the axes."""
+        group = codes.get("no modal group", [])
+        taking = [word for word in group if word.code in TAKING_AXES]
+        if len(group) > 1 or (taking and codes.keys() & {"motion", "cycle"}):
+            raise place.error(group[-1].text, "two words of the line take its axes: split it")
+        if not group or group[0].code == "G53":
+            return False
+        word, values = group[0], {k: self.length(place, axis) for k, axis in axes.items()}
+        code = word.code
+        if self.modal.motion in CYCLES and code not in ("G4", "G28", "G30"):
+            raise place.error(word.text, "within a series of cycles: give G80 before it")
+        if code == "G4" and axes:
+            why = "on a line with G4 a control may take it for a time: split the line"
+            raise place.error(next(iter(axes.values())).text, why)
+        if code in ("G92", "G52") and not axes:
+            raise place.error(word.text, "takes X, Y or Z: give one")
+        if code == "G10":
+            self._set_system(place, word, words, values)
+        elif code in ("G28", "G30"):
+            self._go_home(place, word, axes)
+        elif code in ("G92", "G52"):
+            here, shift = self.programmed(), self.shift if self.shifted else ORIGIN
+            new = {k: here[k] + shift[k] - v if code == "G92" else v for k, v in values.items()}
+            self.shift, self.shifted = vector(new.get(k, shift[k]) for k in range(3)), True
+        elif code == "G92.1":
+            self.shift = ORIGIN
+        elif code != "G4":
+            self.shifted = code == "G92.3"
+        return bool(taking)
+
+    def _set_system(
+        self, place: Place, word: Word, words: dict[str, Word], values: dict[int, Fraction]
+    ) -> None:
+        """Do G10 L2, which gives the zero of a system in machine coordinates, or L20, which gives it by where
+        the tool is.
+        """
+        kind, number = (int(words[k].value) if k in words else -1 for k in "LP")
+        if kind not in (2, 20) or not 0 <= number <= len(SYSTEMS):
+            return self.refuse(
+                place, word, "only G10 L2 and L20 of a system 0 to 9 are followed: write them so"
+            )
+        if "R" in words and words["R"].value:
+            why = "turned systems are followed by LinuxCNC's interpreter alone: give --reader rs274"
+            return self.refuse(place, words["R"], why)
+        system = SYSTEMS[number - 1] if number else self.modal.system
+        if kind == 2:
+            zero = self._absolute(place, word)
+            new = {k: v - zero[k] for k, v in values.items()}
+        else:
+            shift = self.shift if self.shifted else ORIGIN
+            new = {k: self.position[k] - self.compensation[k] - shift[k] - v for k, v in values.items()}
+        old = self.zeros.get(system)
+        if old is None and len(new) < 3:
+            self._zero(place, word, system)
+        self.zeros[system] = vector(new[k] if k in new else old[k] if old else Fraction(0) for k in range(3))
+        return None
+
+    def _go_home(self, place: Place, word: Word, axes: dict[int, Word]) -> None:
+        zero, home = self._absolute(place, word), self.machine.homes.get(word.code)
+        if home is None:
+            raise place.error(word.text, "goes where only the machine knows: give homes in a machine file")
+        if axes:
+            self._line(place, self._target(place, axes), rapid=True)
+        goal = [h - z for h, z in zip(home, zero, strict=True)]
+        moved = (goal[k] if k in axes or not axes else self.position[k] for k in range(3))
+        self._line(place, vector(moved), rapid=True)
+
+    def _target(self, place: Place, axes: dict[int, Word]) -> Vector:
+        """Return where the axis words of a line go."""
+        origin, target = self.origin(), list(self.position)
+        for k, word in axes.items():
+            value = self.length(place, word)
+            target[k] = target[k] + value if self.modal.relative else origin[k] + value
+        return vector(target)
+
+    def _polar(self, place: Place, words: dict[str, Word]) -> dict[str, Word]:
+        """Return the X and Y words of a polar position: radius @ and angle ^, what is not given as it is."""
+        given = [words.get(letter) for letter in POLAR]
+        if not any(given):
+            return {}
+        first = given[0] or given[1]
+        assert first
+        if self.modal.plane != "G17" or "X" in words or "Y" in words:
+            raise place.error(first.text, "polar positions are in XY, and instead of X and Y: correct it")
+        unit = self.modal.units or _MILLIMETRE
+        x, y = (float(c / unit) for c in self.programmed()[:2])
+        now = math.hypot(x, y), math.degrees(math.atan2(y, x))
+        radius, angle = (
+            old if word is None else float(word.value) + (old if self.modal.relative else 0)
+            for old, word in zip(now, given, strict=True)
+        )
+        to = radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle))
+        less = (x, y) if self.modal.relative else (0.0, 0.0)
+        return {k: Word(k, a - b, first.text) for k, a, b in zip("XY", to, less, strict=True)}
+
+    def _arc_alone(self, words: dict[str, Word]) -> dict[int, Word]:
+        """Return the centre of a whole circle that is given without axis words."""
+        here = self.modal.motion in ARCS
+        return {k: words[letter] for k, letter in enumerate("IJK") if here and letter in words}
+
+    def _motion(
+        self, place: Place, codes: dict[str, list[Word]], words: dict[str, Word], axes: dict[int, Word]
+    ) -> None:
+        motion = self.modal.motion
+        first = next(iter(axes.values()), None) or next(iter(self._arc_alone(words).values()))
+        if motion is None:
+            raise place.error(first.text, "an axis word, but no G0 or G1 on the line or in force: add one")
+        absolute = [word for word in codes.get("no modal group", ()) if word.code == "G53"]
+        if absolute:
+            if (
+                motion not in ("G0", "G1")
+                or self.modal.relative
+                or first.letter not in _AXES
+                or first.text[0] in POLAR
+            ):
+                raise place.error(
+                    absolute[0].text, "goes with G0 or G1, G90, and X, Y or Z: correct the line"
+                )
+            zero = self._absolute(place, absolute[0])
+            values = {k: self.length(place, word) - zero[k] for k, word in axes.items()}
+            target = vector(values.get(k, self.position[k]) for k in range(3))
+        else:
+            target = self._target(place, axes)
+        if motion != "G0" and not self.modal.feed:
+            word = next(iter(codes.get("motion", ())), first)
+            raise place.error(word.text, f"a {motion} move without a feed: give F on the line or before it")
+        if motion in CYCLES:
+            return self._drill(place, words, axes)
+        try:
+            self._line(place, target, motion == "G0", self._curve(place, words, target))
+        except ValueError as error:
+            if isinstance(error, InputError):
+                raise
+            raise place.error(first.text, str(error)) from error
+        return None
+
+    def _curve(self, place: Place, words: dict[str, Word], target: Vector) -> Curve | None:
+        """Return the curve of the spindle's nose to a target, None where it is straight."""
+        motion, start = self.modal.motion or "", self.position
+        given = {letter: self.length(place, words[letter]) for letter in "IJKR" if letter in words}
+        if motion in ARCS:
+            plane, clockwise = _PLANES[self.modal.plane], motion == "G2"
+            turns = int(words["P"].value) if "P" in words else 1
+            if turns < 1:
+                raise ValueError("an arc of no turns: give P1 or more")
+            if "R" in given:
+                if given.keys() & set("IJK"):
+                    raise ValueError("an arc by R and a centre: give one of them")
+                centre = centre_by_radius(start, target, plane, given["R"], clockwise)
+            else:
+                centre = self._centre(given, plane)
+            return arc(start, target, plane, centre, clockwise, turns)
+        if motion in ("G5", "G5.1"):
+            if self.modal.plane != "G17" or start[2] != target[2]:
+                raise ValueError("a spline is in the XY plane: give G17 and no Z")
+            if "I" not in given or "J" not in given:
+                raise ValueError("a spline without its first control point: give I and J")
+            first = vector((start[0] + given["I"], start[1] + given["J"], start[2]))
+            if motion == "G5.1":
+                return bezier([start, first, target])
+            if "P" not in words or "Q" not in words:
+                raise ValueError("a spline without its second control point: give P and Q")
+            x, y = (self.length(place, words[letter]) for letter in "PQ")
+            return bezier([start, first, vector((target[0] + x, target[1] + y, target[2])), target])
+        return None
+
+    def _centre(self, given: dict[str, Fraction], plane: tuple[int, int, int]) -> tuple[Fraction, Fraction]:
+        if "IJK"[plane[2]] in given:
+            raise ValueError(f"{'IJK'[plane[2]]} is not in the plane of the arc: correct it")
+        letters = ["IJK"[k] for k in plane[:2]]
+        if not given.keys() & set(letters):
+            raise ValueError(f"an arc without a centre: give {letters[0]} and {letters[1]}, or R")
+        if self.modal.arc_absolute:
+            if not given.keys() >= set(letters):
+                raise ValueError(f"G90.1 takes a whole centre: give {letters[0]} and {letters[1]}")
+            origin = self.origin()
+            first, second = (origin[k] + given[letter] for k, letter in zip(plane, letters, strict=False))
+        else:
+            first, second = (
+                self.position[k] + given.get(letter, 0) for k, letter in zip(plane, letters, strict=False)
+            )
+        return first, second
+
+    def _drill(self, place: Place, words: dict[str, Word], axes: dict[int, Word]) -> None:
+        """Go through a drilling cycle: to the place, down to R, to the bottom, and up again.
+
+        What it does on the way, as in pecking, is on the same line up and down.
+        """
+        a, b, c = _PLANES[self.modal.plane]
+        relative, origin = self.modal.relative, self.origin()
+        if "R" in words:
+            self.cycle["R"] = self.length(place, words["R"])
+        if c in axes:
+            self.cycle["bottom"] = self.length(place, axes[c])
+        if self.cycle.keys() < {"R", "bottom"}:
+            raise place.error(self.modal.motion or "", "a cycle without its depth: give R and Z")
+        if self.level is None:
+            self.level = self.position[c]
+        old = self.level
+        clear = old + self.cycle["R"] if relative else origin[c] + self.cycle["R"]
+        bottom = clear + self.cycle["bottom"] if relative else origin[c] + self.cycle["bottom"]
+        if bottom > clear:
+            raise place.error(self.modal.motion or "", "a cycle whose bottom is above R: correct it")
+        above = max(old, clear) if self.modal.to_old_height else clear
+        if self.modal.to_old_height is None and old > clear:
+            why = "goes up again to R with some controls, with others to where it was: give G98 or G99"
+            raise place.error(self.modal.motion or "", why)
+
+        def at(place_in_plane: Vector, height: Fraction) -> Vector:
+            return vector(height if k == c else place_in_plane[k] for k in range(3))
+
+        if self.position[c] < clear:
+            self._line(place, at(self.position, clear), rapid=True)
+        for _ in range(int(words["L"].value) if "L" in words else 1):
+            target = self._target(place, {k: axes[k] for k in (a, b) if k in axes})
+            self._line(place, at(target, self.position[c]), rapid=True)
+            self._line(place, at(target, clear), rapid=True)
+            self._line(place, at(target, bottom), rapid=False)
+            self._line(place, at(target, above), rapid=True)
+
+    def _line(self, place: Place, target: Vector, rapid: bool, curve: Curve | None = None) -> None:
+        """Move the spindle's nose, and the tool with it."""
+        tools = self.machine.tools
+        if tools and self.loaded is None:
+            raise place.error("move", "no tool is in the spindle: give `loaded` in the machine file")
+        down = self._length(self.loaded)
+        basis = None if self._known() else (self.loaded, self.offset)
+        if self.moves and basis != self.basis:
+            why = "moves of tools, or with offsets, whose lengths are not known: give all in a machine file"
+            raise place.error("move", why)
+        if basis is not None and self.offset is not None and self._length(self.offset) is not None:
+            raise place.error(
+                "move", f"with the length of tool {self.offset}, of another one of unknown length"
+            )
+        self.basis = basis
+        below = vector((Fraction(0), Fraction(0), -(down or Fraction(0))))
+        start, end = (added(p, below) for p in (self.position, target))
+        if curve is not None:
+            curve = curve.moved(below)
+        straight = curve is None and (not rapid or self.machine.straight)
+        # The corner between two moves is rounded by the larger tolerance of both.
+        slack = max(self.modal.tolerance, self.blended) + (curve.slack if curve is not None else 0)
+        self.blended = self.modal.tolerance
+        if not (rapid or self.exact_path):
+            told = "without G61 or G64 the path is taken for exactly followed"
+            self.notes.setdefault("path mode", f"line {place.line}: {told}")
+        self.moves.append(Move(place.line, start, end, rapid, straight, curve, slack, self.loaded or 0))
+        self.position = target

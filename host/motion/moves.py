@@ -1,0 +1,74 @@
+"""The moves of a program, and what was assumed in reading it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from triaxis.host.motion.curves import Curve
+from triaxis.host.quantise import Vector, vector
+from triaxis.host.stl import Facets
+
+# Chords that a curve is drawn with.
+_DRAWN = 32
+
+
+@dataclass(frozen=True)
+class Move:
+    """A move of the tool's origin from ``start`` to ``end`` in millimetres, of the program's line ``line``.
+
+    A rapid that is not straight may be anywhere in the box of both. ``slack``: how far the control may be off
+    all this.
+    """
+
+    line: int
+    start: Vector
+    end: Vector
+    rapid: bool
+    straight: bool = True
+    curve: Curve | None = None
+    slack: Fraction = Fraction(0)
+    tool: int = 0
+
+    def at(self, part: Fraction) -> Vector:
+        """Return the position after a part of it, 0..1."""
+        if self.curve is not None:
+            return self.curve.at(part)
+        return vector(a + (b - a) * part for a, b in zip(self.start, self.end, strict=True))
+
+    @property
+    def corners(self) -> Facets:
+        """Return points on the way, straight from one to the next to look at, (N, 3) in millimetres."""
+        parts = [Fraction(k, _DRAWN) for k in range(_DRAWN + 1)] if self.curve is not None else (0, 1)
+        return np.array([[float(c) for c in self.at(Fraction(part))] for part in parts])
+
+    @property
+    def extent(self) -> tuple[Vector, Vector]:
+        """Return the corners of a box that holds all of it."""
+        if self.curve is not None:
+            return self.curve.extent()
+        ends = list(zip(self.start, self.end, strict=True))
+        return vector(map(min, ends)), vector(map(max, ends))
+
+
+@dataclass(frozen=True)
+class Program:
+    """The moves of a file, and what was assumed in reading it, a line each."""
+
+    path: Path
+    moves: tuple[Move, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def stretches(self) -> "list[Program]":
+        """Return the parts between which the tool is changed."""
+        changes = [k for k in range(1, len(self.moves)) if self.moves[k].tool != self.moves[k - 1].tool]
+        ends = zip([0, *changes], [*changes, len(self.moves)], strict=True)
+        return [replace(self, moves=self.moves[start:end]) for start, end in ends]
+
+
+def assumed_start(moves: Sequence[Move]) -> str:
+    """Return the note of a program whose start nobody has said."""
+    return f"line {moves[0].line}: the first move starts at X0 Y0 Z0, which is assumed: give --start"
