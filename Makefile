@@ -24,7 +24,7 @@ WHOLE ?=
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
 .PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-skipping peers stress fpga-report
-.PHONY: fpga-timing activity bitstream cold lock clean
+.PHONY: fpga-timing activity bitstream cold package lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -157,6 +157,13 @@ activity: $(READY) ## count multiplier toggles with and without operand gating
 bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off allows it
 	@$(BIN)/triaxis fpga bitstream
 
+# From what git holds alone: setuptools would take what an earlier build left behind.
+package: $(READY) ## make the wheel in dist/: check, path, verdict, scene, sim outside a checkout
+	rm -rf build/package && mkdir -p build/package dist
+	git archive HEAD | tar -x -C build/package
+	$(BIN)/python -m pip wheel -q --no-deps --no-build-isolation -w dist build/package
+	@ls dist/*.whl
+
 LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)
 	$(LOCK) --group dev pyproject.toml -o requirements.lock
@@ -165,5 +172,5 @@ lock: ## renew the lock files from pyproject.toml (needs uv)
 	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock
 	$(LOCK) --group peers -c requirements.lock -o requirements-peers.lock
 
-clean: ## remove build/ and .venv
-	rm -rf build $(VENV)
+clean: ## remove build/, dist/ and .venv
+	rm -rf build dist $(VENV)
