@@ -30,6 +30,7 @@ SOURCES = (
 
 
 @pytest.mark.simulator
+@pytest.mark.regress
 def test_a_wheel_decides_outside_a_checkout(tmp_path):
     source, site, home = tmp_path / "source", tmp_path / "site", tmp_path / "home"
     source.mkdir()
