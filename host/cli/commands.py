@@ -131,6 +131,10 @@ COMMANDS = {
         "count what whole scenes cost the mesh engine", "bench.mesh_cycles",
         ("all bounds reached and all scenes right", "not"),
     ),
+    "bench path": Command(
+        "check a program of 100,000 moves, and ask others about continuous motion", "bench.paths",
+        ("what is clear is said to be, and nothing planted is missed", "not"),
+    ),
     "bench skipping": Command(
         "measure what skipping saves, and compare it with other broad phases", "bench.skipping.report",
         ("all bounds reached and all answers right", "not"),

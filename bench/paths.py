@@ -1,0 +1,275 @@
+"""How long programs of moves take to check, what is missed, and how others fare with continuous motion.
+
+A ball-nosed tool goes line by line over a relief of hills, a fixed height above what is under its tip.
+Collisions are planted as straight moves from one valley to the next: clear at both ends, through the hill
+between. Others are asked about single moves, at touching: no margin for rounding, no arcs, no rapids.
+"""
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from triaxis.bench.harness import FOLDER, Findings, Progress, report
+from triaxis.bench.peers.peer import Peer, Presence, Question, Reals, imported, installed_version, present
+from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.motion.moves import Program
+from triaxis.host.motion.path_check import check_path
+from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.program import read_program
+from triaxis.host.quantise import vector
+from triaxis.host.scenes import revolved
+from triaxis.host.stl import Facets, StlMesh
+
+RESULT = FOLDER / "path.json"
+# Moves, and squares of the relief a side, of two facets each; rows of moves.
+MOVES, SQUARES, ROWS = 100_000, 220, 40
+PLANTED, ASKED = 100, 50
+_SIZE, _RADIUS = 100.0, 5.0
+# Millimetres of the tip above the relief under it; wanted clearance.
+_ABOVE, _CLEARANCE = 1.5, Fraction(1, 2)
+# Between valleys, along X: the length of a wave.
+_WAVE = 14 * np.pi
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What a program took, in seconds of processor time; how many planted collisions were not found."""
+
+    moves: int
+    facets: int
+    tool_facets: int
+    read: float
+    prepare: float
+    check: float
+    poses: int
+    clear: bool
+    planted: int
+    missed: int
+
+
+@dataclass(frozen=True)
+class PeerFigures:
+    """Of moves that collide, and of those that do not: asked, wrong, seconds a move."""
+
+    name: str
+    moves: int
+    missed: int
+    false: int
+    seconds_per_move: float
+
+
+def add_path(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        f"Check a program of {MOVES:,} moves against {2 * SQUARES**2:,} facets, plant {PLANTED} collisions "
+        "in it, and ask packages for continuous motion about the same. Writes build/bench/path.json."
+    )
+    parser.set_defaults(run=lambda _: report(RESULT, _measured))
+
+
+def height(x: Reals, y: Reals) -> Reals:
+    """Return the relief's height."""
+    return -2 + 2 * np.sin(x / 7) * np.cos(y / 9)
+
+
+def relief(squares: int) -> Facets:
+    """Return the relief as facets (2 squares^2, 3, 3)."""
+    along = np.linspace(-_SIZE / 2, _SIZE / 2, squares + 1)
+    x, y = np.meshgrid(along, along, indexing="ij")
+    p = np.stack([x, y, height(x, y)], -1).astype(np.float32)
+    lower, upper = [p[:-1, :-1], p[1:, :-1], p[1:, 1:]], [p[:-1, :-1], p[1:, 1:], p[:-1, 1:]]
+    return np.concatenate([np.stack(half, 2).reshape(-1, 3, 3) for half in (lower, upper)])
+
+
+def ball_nosed(sides: int) -> Facets:
+    """Return the tool, its tip at the origin."""
+    turns = np.linspace(0, np.pi / 2, sides // 4 + 1)
+    nose = [(float(_RADIUS * np.sin(t)), float(_RADIUS * (1 - np.cos(t)))) for t in turns]
+    return revolved([*nose, (_RADIUS, 60.0), (0.0, 60.0)], sides)
+
+
+def program_text(moves: int) -> str:
+    """Return a program that goes over the relief in rows, there and back."""
+    lines = ["G21 G90 G61 F1000", f"G0 X{-_SIZE / 2} Y{-_SIZE / 2} Z20", "G1 Z2"]
+    for row, y in enumerate(np.linspace(-_SIZE / 2, _SIZE / 2, ROWS, endpoint=False)):
+        x = np.linspace(-_SIZE / 2, _SIZE / 2, moves // ROWS + 1)[1:] * (1 if row % 2 == 0 else -1)
+        z = height(x, np.full_like(x, y)) + _ABOVE
+        lines += [f"G1 X{a:.3f} Y{y:.3f} Z{c:.3f}" for a, c in zip(x, z, strict=True)]
+    return "\n".join(lines)
+
+
+def planted(count: int, rng: np.random.Generator) -> Reals:
+    """Return moves from valley to valley through a hill, (count, 2, 3): start and end."""
+    ends = np.empty((count, 2, 3))
+    # Where cos(y / 9) is 1 the valleys along x are deepest.
+    ends[..., 1] = rng.uniform(-3, 3, (count, 1))
+    ends[:, 0, 0] = -_WAVE / 4 + rng.uniform(-1, 1, count)
+    ends[:, 1, 0] = ends[:, 0, 0] + _WAVE
+    ends[..., 2] = height(ends[..., 0], ends[..., 1]) + _ABOVE
+    return ends.round(3)
+
+
+def measured(folder: Path, moves: int, squares: int, count: int, progress: Progress) -> Figures:
+    """Check the program, then parts of it with a collision each."""
+    tool, work = StlMesh(ball_nosed(squares), Fraction(0)), StlMesh(relief(squares), Fraction(0))
+    wanted = Wanted(_CLEARANCE, Fraction(1, 1000), Fraction(4, 1000), Fraction(1), None)
+    start = vector((Fraction(-50), Fraction(-50), Fraction(30)))
+    path = folder / "program.nc"
+
+    def scene_of(program: Program) -> Any:
+        return prepare_path(tool, work, ("tool", "relief"), program, wanted)
+
+    path.write_text(program_text(moves))
+    times = [time.process_time()]
+    program = read_program(path, start)
+    times.append(time.process_time())
+    scene = scene_of(program)
+    times.append(time.process_time())
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    result = check_path(scene, engine, surfaces_only=True)
+    times.append(time.process_time())
+    read, prepare, check = np.diff(times).tolist()
+    progress(1)
+    missed, rng = 0, np.random.default_rng(1)
+    for number, (first, last) in enumerate(planted(count, rng)):
+        part = program.moves[(number * 997) % len(program.moves) :][:50]
+        up = f"G0 X{first[0]} Y{first[1]} Z20\nG1 Z{first[2]}\nX{last[0]} Y{last[1]} Z{last[2]}"
+        ends = "\n".join(f"G1 X{float(m.end[0])} Y{float(m.end[1])} Z{float(m.end[2])}" for m in part)
+        path.write_text(f"G21 G90 G61 F1000\nG0 Z20\n{up}\nG0 Z20\n{ends}")
+        near = check_path(scene_of(read_program(path, start)), engine, surfaces_only=True).near
+        missed += near is None or near.line != 5
+        progress(1)
+    facets, tools = len(work.facets), len(tool.facets)
+    poses, clear = result.effort.poses, result.verdict == "clear"
+    return Figures(len(program.moves), facets, tools, read, prepare, check, poses, clear, count, missed)
+
+
+def asked_moves(count: int) -> tuple[Reals, list[bool]]:
+    """Return moves (2 count, 2, 3) and whether each collides: planted ones, short ones above the relief."""
+    rng = np.random.default_rng(2)
+    ends = np.empty((count, 2, 3))
+    ends[:, 0, :2] = rng.uniform(-40, 40, (count, 2))
+    ends[:, 1, :2] = ends[:, 0, :2] + rng.uniform(-0.1, 0.1, (count, 2))
+    ends[..., 2] = height(ends[..., 0], ends[..., 1]) + _ABOVE
+    return np.concatenate([planted(count, rng), ends]), [True] * count + [False] * count
+
+
+def _numbered(facets: Reals) -> tuple[Reals, Any]:
+    """Return vertices, each once, and their numbers (N, 3)."""
+    vertices, numbers = np.unique(facets.reshape(-1, 3), axis=0, return_inverse=True)
+    return vertices.astype(np.float64), numbers.reshape(-1, 3)
+
+
+def _fcl_motion(moves: Reals, tool: Reals, work: Reals) -> Question:
+    fcl = imported("fcl")
+
+    def object_of(facets: Reals) -> Any:
+        vertices, numbers = _numbered(facets)
+        model = fcl.BVHModel()
+        model.beginModel(len(vertices), len(numbers))
+        model.addSubModel(vertices, numbers)
+        model.endModel()
+        return fcl.CollisionObject(model)
+
+    first, second, still = object_of(tool), object_of(work), fcl.Transform()
+
+    def ask() -> Any:
+        found: list[bool] = []
+        for start, end in moves:
+            first.setTransform(fcl.Transform(start))
+            request, result = fcl.ContinuousCollisionRequest(), fcl.ContinuousCollisionResult()
+            found.append(fcl.continuousCollide(first, fcl.Transform(end), second, still, request, result) < 1)
+        return np.array(found)
+
+    return Question(ask)
+
+
+def _ipc_motion(moves: Reals, tool: Reals, work: Reals) -> Question:
+    ipctk = imported("ipctk")
+    (tool_at, tool_faces), (work_at, work_faces) = _numbered(tool), _numbered(work)
+    faces = np.concatenate([tool_faces, work_faces + len(tool_at)]).astype(np.int32)
+    both = np.concatenate([tool_at, work_at])
+    mesh = ipctk.CollisionMesh(both, ipctk.edges(faces), faces)
+
+    def ask() -> Any:
+        found: list[bool] = []
+        for start, end in moves:
+            here, there = both.copy(), both.copy()
+            here[: len(tool_at)] += start
+            there[: len(tool_at)] += end
+            found.append(not ipctk.is_step_collision_free(mesh, here, there))
+        return np.array(found)
+
+    return Question(ask)
+
+
+def peers(moves: Reals) -> tuple[Peer, ...]:
+    """Return the packages that are asked about these moves."""
+    return (
+        Peer("FCL, python-fcl", "python-fcl", "fcl.continuousCollide(BVHModel, BVHModel)",
+             partial(installed_version, "python-fcl", "fcl"), partial(_fcl_motion, moves)),
+        Peer("IPC Toolkit, ipctk", "ipctk", "ipctk.is_step_collision_free(mesh, V0, V1)",
+             partial(installed_version, "ipctk", "ipctk"), partial(_ipc_motion, moves)),
+    )  # fmt: skip
+
+
+def asked(peer: Peer, truth: Sequence[bool], squares: int) -> PeerFigures:
+    """Ask a package about moves of which it is known whether they collide."""
+    question = peer.load(ball_nosed(squares).astype(np.float64), relief(squares).astype(np.float64))
+    start = time.process_time()
+    found, wanted = question.ask(), np.array(truth)
+    seconds = (time.process_time() - start) / len(wanted)
+    return PeerFigures(
+        peer.name, len(wanted), int((wanted & ~found).sum()), int((~wanted & found).sum()), seconds
+    )
+
+
+def findings(ours: Figures, theirs: Sequence[PeerFigures], presence: Sequence[Presence]) -> Findings:
+    """Return what is shown and written: nothing may be missed, and what is clear must be said to be."""
+    problems = [f"{ours.missed} of {ours.planted} planted collisions were missed"] * (ours.missed > 0)
+    problems += ["the program, which is clear, is not said to be"] * (not ours.clear)
+    total = ours.read + ours.prepare + ours.check
+    table = Table("who", "moves", "facets", "missed", "false alarms", "ms a move")
+    table.add_row(
+        "triaxis path", f"{ours.moves:,}", f"{ours.facets:,}", f"{ours.missed} of {ours.planted}",
+        str(int(not ours.clear)), f"{1000 * total / ours.moves:.3g}",
+    )  # fmt: skip
+    for one in theirs:
+        table.add_row(
+            one.name, str(one.moves), "the same", f"{one.missed} of {one.moves // 2}", str(one.false),
+            f"{1000 * one.seconds_per_move:.3g}",
+        )  # fmt: skip
+    notes = [f"{one.name}: {one.why_absent}" for one in presence if one.version is None]
+    content = {
+        "moves": ours.moves, "facets": ours.facets, "tool_facets": ours.tool_facets,
+        "seconds_by_part": {"read": ours.read, "prepare": ours.prepare, "check": ours.check},
+        "poses": ours.poses, "planted": ours.planted, "missed": ours.missed, "clear": ours.clear,
+        "peers": [asdict(one) for one in theirs], "packages": [asdict(one) for one in presence],
+    }  # fmt: skip
+    summary = (
+        f"{ours.moves:,} moves against {ours.facets:,} facets in {total:.1f} s of processor time "
+        f"({ours.poses:,} poses), {ours.missed} of {ours.planted} planted collisions missed"
+    )
+    return Findings("triaxis bench path", summary, problems, content, [table], notes=notes)
+
+
+def _measured() -> Findings:
+    moves, truth = asked_moves(ASKED)
+    there, presence = present(peers(moves))
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with progress_bar("steps", 1 + PLANTED + len(there)) as progress:
+        ours = measured(FOLDER, MOVES, SQUARES, PLANTED, progress)
+        theirs: list[PeerFigures] = []
+        for peer, _ in there:
+            theirs.append(asked(peer, truth, SQUARES))
+            progress(1)
+    return findings(ours, theirs, presence)
