@@ -25,6 +25,7 @@ from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
 from triaxis.host.engines import BULK, STILL, Integers, SceneEngine, SceneRun, scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance
+from triaxis.host.least import least_distance
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.messages import Mode, Status
@@ -170,8 +171,11 @@ def _tell(
     Raises InputError where it is undecided whether one is inside the other.
     """
     near = run is not None and run.near_count > 0
+    # A board that says go is not kept waiting.
+    least = least_distance(meshes, options.distance == EUCLIDEAN) if board is None else None
     if options.json is not None:
-        write_report(options.json, _report(options, meshes, run, insides, board, status))
+        report = _report(options, meshes, run, insides, board, status)
+        write_report(options.json, {**report, "least_distance": least})
     _print_scene(options, meshes)
     if board is not None:
         print(f"board: {about(board.description)}")
@@ -179,6 +183,12 @@ def _tell(
         _print_run(options, meshes, run)
     if not near:
         print_without_near_facets(insides, f"no facets come within {float(options.clearance):g}", ("A", "B"))
+    if least is not None:
+        about_least = "" if least.exact else "about "
+        print(
+            f"least distance of facets: {about_least}{least.distance:g}, facet {least.a} of A, facet {least.b} "
+            "of B"
+        )
     if output:
         print(f"output: {output}")
     if not near:

@@ -8,7 +8,11 @@ import pytest
 
 from triaxis.golden.judge import judge
 from triaxis.host.engines import scene_engine
-from triaxis.host.euclidean import EuclideanEngine, squared_distance
+from triaxis.host.euclidean import EuclideanEngine, euclidean_distance, squared_distance
+from triaxis.host.least import least_distance
+from triaxis.host.quantise import NOWHERE
+from triaxis.host.scene import distance_of, prepare
+from triaxis.host.stl import StlMesh
 
 
 def nearest_by_descent(a, b):
@@ -57,6 +61,18 @@ def test_distances_are_those_of_other_methods(rng):
 )
 def test_known_distances(b, square):
     assert squared_distance([[0, 0, 0], [10, 0, 0], [0, 10, 0]], b) == square
+
+
+def test_the_least_distance_is_that_of_all_pairs(rng):
+    for _ in range(12):
+        a, b = (rng.uniform(-20, 20, (9, 1, 3)) + rng.uniform(-3, 3, (9, 3, 3)) for _ in "ab")
+        one, two = (StlMesh(mesh.astype(np.float32).astype(np.float64), Fraction(0)) for mesh in (a, b))
+        meshes = prepare(one, two, ("a", "b"), Fraction(1, 100), Fraction(0), None)
+        for euclidean, of in ((False, distance_of), (True, euclidean_distance)):
+            found = least_distance(meshes, euclidean)
+            distances = [float(of(one, i, two, j, NOWHERE)) for i in range(9) for j in range(9)]
+            assert (found.distance, found.exact) == (min(distances), True)
+            assert distances[9 * found.a + found.b] == min(distances)
 
 
 def test_what_only_corners_bring_near_is_cleared_and_nothing_else(rng):
