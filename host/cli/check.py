@@ -186,8 +186,8 @@ def _tell(
     if least is not None:
         about_least = "" if least.exact else "about "
         print(
-            f"least distance of facets: {about_least}{least.distance:g}, facet {least.a} of A, facet {least.b} "
-            "of B"
+            f"least distance of facets: {about_least}{least.distance:g}, facet {least.a} of A, "
+            f"facet {least.b} of B"
         )
     if output:
         print(f"output: {output}")
