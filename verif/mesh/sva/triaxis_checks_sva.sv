@@ -81,6 +81,10 @@ module triaxis_scrub_sva #(
       read_o == (scrub_i && count_i != '0) && (!read_o || 32'(index_o) == 32'(due_q)))
   else $error("the scrub reads another triangle than is due");
 
+  InReset :
+  assert property (@(posedge clk_i) !rst_ni && !$past(rst_ni) |-> index_o == '0)
+  else $error("the scrub does not begin anew with a reset");
+
   logic [23:0] beyond;
   logic [31:0] wrong_bits;
   always_comb begin
