@@ -36,6 +36,8 @@ class Command(NamedTuple):
 
 
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
+# How a report begins; a file of anything else is not to be lost.
+_OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
 
 COMMANDS = {
@@ -288,6 +290,8 @@ def _remove_older(option: str, value: str, answer: Answer, others: list[str], al
         raise InputError(f"{value}: is an input file: name another to write to")
     if any(_same(path, Path(other)) for other in also):
         raise InputError(f"{value}: named for two outputs: name another for one of them")
+    if answer.before is not None and path.is_file() and not _OURS.match(path.read_bytes()[:99]):
+        raise InputError(f"{value}: is there, and is no report: name another to write to")
     remove_older(path)
     if answer.before is not None:
         write_whole(path, answer.before)

@@ -37,6 +37,8 @@ _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
 _PLACES = 200
+# Of a start, in millimetres.
+_FARTHEST = 10**9
 
 _Profile = tuple[list[Clearance], Effort]
 
@@ -99,7 +101,11 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     start = None if options.start is None else tuple(options.start)
-    machine = read_machine(options.tool) if options.tool.suffix.lower() == ".toml" else Machine()
+    if start is not None and max(map(abs, start)) > _FARTHEST:
+        raise InputError(f"--start: at most {_FARTHEST:g} in each coordinate: correct it")
+    machine = (
+        read_machine(options.tool, options.scale) if options.tool.suffix.lower() == ".toml" else Machine()
+    )
     read = read_by_rs274 if options.reader == "rs274" else read_program
     program = read(options.moves, start, options.block_delete, machine)
     given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None
@@ -117,7 +123,9 @@ def run(options: argparse.Namespace) -> int:
         first = sum(len(one.scene.program.moves) for one in checked[:-1])
     profile = _profile(options, scene, others)
     if options.json is not None:
-        report = _report(scene, options, result, profile, first) | {"tools": [one.entry for one in checked]}
+        whole = len(program.moves), sum(move.length for move in program.moves)
+        report = _report(scene, options, result, profile, first, whole)
+        report |= {"tools": [one.entry for one in checked]}
         if board is not None:
             report |= self_tested(options)
         write_report(options.json, report)
@@ -158,7 +166,9 @@ class _Checked:
             "name": self.tool.name,
             "moves": len(self.scene.program.moves),
             "verdict": self.result.verdict,
-            "poses": self.result.effort.poses,
+            "facets": len(self.scene.a),
+            "levels": self.result.levels,
+            "effort": _effort_entry(self.result.effort),
         }
 
 
@@ -194,19 +204,21 @@ def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine)
 
 
 def _report(
-    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile, first: int
-) -> dict[str, Any]:
+    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile, first: int,
+    whole: tuple[int, float],
+) -> dict[str, Any]:  # fmt: skip
     """Return everything that is known of a checked path; lengths of the path in millimetres.
 
-    ``first``: the number of the first move of the scene in the whole program.
+    ``first``: the number of the first move of the scene in the whole program; ``whole``: moves and length of
+    that. What is not of the program is of the tool that decides, and of each tool in `tools`.
     """
     wanted, program = scene.wanted, scene.program
     return {
         "verdict": result.verdict,
         "program": {
             "file": program.path,
-            "moves": len(program.moves),
-            "length": float(lengths(scene).sum()),
+            "moves": whole[0],
+            "length": whole[1],
             "notes": program.notes,
         },
         "tool_facets": len(scene.a),

@@ -198,7 +198,7 @@ def _flow(place: Place, text: str, at: int) -> _Flow | None:
             name = lambda _: fixed  # noqa: E731
         else:
             value = scanner.value()
-            name = lambda memory: str(int(round(exact(value(memory)))))  # noqa: E731, RUF046
+            name = lambda memory: _whole(value(memory))  # noqa: E731
         scanner.blanks()
         word = _FLOW_WORD.match(text, scanner.at)
         if word is None:
@@ -436,6 +436,13 @@ class Execution:
         finally:
             memory.frames.pop()
             self._depth -= 1
+
+
+def _whole(value: Value) -> str:
+    number = exact(value)
+    if number.denominator != 1:
+        raise ValueError("a name that is a number is a whole one: correct it")
+    return str(int(number))
 
 
 def _named(flow: _Flow) -> str:

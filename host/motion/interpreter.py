@@ -34,6 +34,8 @@ ORIGIN: Vector = vector((Rational(0),) * 3)
 # Of a plane the two axes of its arcs, counter-clockwise from the first to the second, then the third.
 _PLANES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
 _NOT_NEGATIVE = "FSTNHDL"
+# Millimetres: what rounds to 0 is 0 to a control.
+_LEAST_TOLERANCE = Rational(1, 1000)
 # Holes that one line may drill.
 _MOST_HOLES = 10_000
 # Refused words that are told at a time.
@@ -151,10 +153,13 @@ class Interpreter:
             self._compensate(place, word, words)
         for word in codes.get("work offset", ()):
             self._choose_system(place, word)
-        words |= self._polar(place, words)
+        words |= self._polar(place, words, bool(on_line & (TAKING_AXES | {"G53"})))
         axes = {_AXES.index(letter): words[letter] for letter in _AXES if letter in words}
-        if not self._non_modal(place, codes, words, axes) and axes | self._arc_alone(words):
-            self._motion(place, codes, words, axes)
+        if not self._non_modal(place, codes, words, axes):
+            if axes | self._arc_alone(words):
+                self._motion(place, codes, words, axes)
+            elif on_line & (ARCS | CYCLES | {"G5", "G5.1", "G33", "G53"}):
+                raise place.error(block.words[0].text, "a motion without X, Y or Z: give one")
         return bool(on_line & {"M2", "M30"})
 
     def _codes(self, block: Block) -> dict[str, list[Word]]:
@@ -241,7 +246,8 @@ class Interpreter:
 
     def _path_mode(self, place: Place, word: Word, words: dict[str, Word]) -> None:
         tolerance = Fraction(0)
-        if word.code == "G64" and "P" in words:
+        # P0 is no tolerance of 0, but none at all.
+        if word.code == "G64" and "P" in words and self.length(place, words["P"]) > _LEAST_TOLERANCE:
             # The path may be left by P, and moves that are nearly in line joined by as much, or Q.
             tolerance = sum(self.length(place, words.get(k, words["P"])) for k in "PQ")
         elif word.code == "G64" and self.machine.tolerance is None:
@@ -399,18 +405,20 @@ class Interpreter:
             target[k] = target[k] + value if self.modal.relative else origin[k] + value
         return vector(target)
 
-    def _polar(self, place: Place, words: dict[str, Word]) -> dict[str, Word]:
+    def _polar(self, place: Place, words: dict[str, Word], taken: bool) -> dict[str, Word]:
         """Return the X and Y words of a polar position: radius @ and angle ^, what is not given as it is."""
         given = [words.get(letter) for letter in POLAR]
         if not any(given):
             return {}
         first = given[0] or given[1]
         assert first
-        if self.modal.plane != "G17" or "X" in words or "Y" in words:
-            raise place.error(first.text, "polar positions are in XY, and instead of X and Y: correct it")
+        if self.modal.plane != "G17" or "X" in words or "Y" in words or taken:
+            raise place.error(first.text, "polar positions are of a move in XY, without X and Y: correct it")
         unit = self.modal.units or _MILLIMETRE
         x, y = (float(c / unit) for c in self.programmed()[:2])
         now = math.hypot(x, y), math.degrees(math.atan2(y, x))
+        if now[0] < 1e-6 and (given[1] is None or self.modal.relative):
+            raise place.error(first.text, "from the zero, which has no angle: give @ and ^, and G90")
         radius, angle = (
             old if word is None else float(word.value) + (old if self.modal.relative else 0)
             for old, word in zip(now, given, strict=True)

@@ -44,7 +44,10 @@ SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 @dataclass(frozen=True)
 class Tool:
-    """A tool: its mesh, the tip at its origin, and its length; None where that is not known."""
+    """A tool: its mesh, the tip at its origin, and its length; None where that is not known.
+
+    Length and diameter are in millimetres, the mesh is in the unit of STL files.
+    """
 
     number: int
     mesh: StlMesh
@@ -65,8 +68,11 @@ class Machine:
     loaded: int | None = None
 
 
-def read_machine(path: Path) -> Machine:
-    """Read a machine file and the meshes of its tools; raise InputError at whatever is not understood."""
+def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
+    """Read a machine file and the meshes of its tools; raise InputError at whatever is not understood.
+
+    ``scale``: millimetres per unit of STL files, and of the parts of tools.
+    """
     try:
         content = tomllib.loads(read_input(path).decode(), parse_float=_decimal)
     except InputError:
@@ -84,7 +90,7 @@ def read_machine(path: Path) -> Machine:
     homes = _places(table, "homes", ("G28", "G30"))
     tools: dict[int, Tool] = {}
     for number, entry in enumerate(table.take("tools", list, []), 1):
-        tool = _tool(_Table(path, f"tool {number}: ", entry))
+        tool = _tool(_Table(path, f"tool {number}: ", entry), scale)
         if tool.number in tools:
             raise InputError(f"{path}: tool number {tool.number} stands twice: keep one")
         tools[tool.number] = tool
@@ -151,10 +157,10 @@ def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector
     return found
 
 
-def _tool(table: _Table) -> Tool:
+def _tool(table: _Table, scale: Fraction) -> Tool:
     number, length = table.take("number", int, None), table.take("length", Fraction, None)
-    if number is None or number < 0:
-        raise table.wrong("number", "given, and not negative")
+    if number is None or number < 1:
+        raise table.wrong("number", "given, and 1 or more: 0 is an empty spindle")
     if length is not None and length < 0:
         raise table.wrong("length", "not negative")
     parts, mesh = table.take("parts", list, []), table.take("mesh", str, None)
@@ -184,4 +190,4 @@ def _tool(table: _Table) -> Tool:
         part.finish()
     facets = np.concatenate([part.facets for part in found])
     rounding = max(part.rounding for part in found)
-    return Tool(number, StlMesh(facets, rounding), name, length, diameters[0] if diameters else None)
+    return Tool(number, StlMesh(facets, rounding), name, length, diameters[0] * scale if diameters else None)

@@ -45,6 +45,11 @@ class Move:
         return np.array([[float(c) for c in self.at(Fraction(part))] for part in parts])
 
     @property
+    def length(self) -> float:
+        """Return its Euclidean length in millimetres; a rapid is taken for straight."""
+        return float(np.linalg.norm(np.diff(self.corners, axis=0), axis=1).sum())
+
+    @property
     def extent(self) -> tuple[Vector, Vector]:
         """Return the corners of a box that holds all of it."""
         if self.curve is not None:

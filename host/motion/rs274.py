@@ -19,7 +19,7 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place, read_input
 from triaxis.host.motion.curves import Curve, arc
-from triaxis.host.motion.expression import number
+from triaxis.host.motion.expression import ARGUMENTS, number
 from triaxis.host.motion.gcode import AFTER_THE_END
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start
@@ -30,10 +30,13 @@ _INCH = Rational(254, 10)
 # Seconds: against hanging alone. What it printed until then is not looked at.
 _LONGEST = 3600
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
-_CALL = re.compile(r"\s*\d+ N(\d+|\.+)\s+([\w.]+)\((.*)\)", re.ASCII)
+# Six digits of a line leave no blank before the call.
+_CALL = re.compile(r"\s*\d+ N(\d+|\.+)\s*([A-Z][\w.]*)\((.*)\)\s*", re.ASCII)
 _ERROR = re.compile(r"^(?!executing|File ended).*\S", re.MULTILINE)
 # Of the last decimal that is printed.
 _HALF = Rational(1, 20000)
+# The same of degrees, in radians and more.
+_HALF_ANGLE = Rational(9, 10**7)
 _OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
@@ -64,6 +67,9 @@ class _Told:
     joined: Fraction = Fraction(0)
     blended: Fraction = Fraction(0)
     position: Vector | None = None
+    # Whether the program may turn systems; how far from their zero anything was, in X and Y together.
+    turns: bool = False
+    farthest: Fraction = Fraction(0)
     # The line of the last change of a tool; whether compensation has changed since the last move of Z.
     changed: int = -1
     stale: bool = False
@@ -110,9 +116,12 @@ class _Told:
                 )
             self.tolerance = self.tolerance or self.machine.tolerance or Fraction(0)
 
-    def _change_tool(self, line: int, tool: int) -> None:
-        if self.machine.tools and tool not in self.machine.tools:
-            raise ValueError(f"the machine file has no tool {tool}: add it")
+    def _change_tool(self, line: int, row: int) -> None:
+        """Take the row of the tool table, from 1 on, of the tool that is in the spindle now."""
+        tools = [-1, *self.machine.tools]
+        if self.machine.tools and not 0 < row < len(tools):
+            raise ValueError("no tool is in the spindle then: change to one of the machine file")
+        tool = tools[row] if self.machine.tools else row
         if not self.machine.tools and (self.moves or "tool" in self.notes):
             raise ValueError("changes the tool, and so its shape: give a machine file with tools")
         if any(self.offsets["compensation"]) or self.stale:
@@ -144,6 +153,7 @@ class _Told:
     def _place(self, position: list[Fraction]) -> Vector:
         """Return where the spindle's nose is, in the frame of WORK.stl."""
         x, y, z = (p + s for p, s in zip(position, self.offsets["shift"], strict=True))
+        self.farthest = max(self.farthest, abs(x) + abs(y))
         if self.angle:
             cos, sin = Fraction(math.cos(self.angle)), Fraction(math.sin(self.angle))
             x, y = (Rational(round(v * 10**9), 10**9) for v in (x * cos - y * sin, x * sin + y * cos))
@@ -182,8 +192,9 @@ class _Told:
         self._go(line, start, False)
 
     def _error(self) -> Fraction:
-        """Return how far a position may be off, for what was printed of it and of offsets."""
-        return _HALF * self.unit + sum(self.errors.values(), Fraction(0))
+        """Return how far a position may be off, for what was printed of it, of offsets and of an angle."""
+        error = _HALF * self.unit + sum(self.errors.values(), Fraction(0))
+        return error + self.farthest * _HALF_ANGLE if self.turns else error
 
     def _go(self, line: int, target: Vector, rapid: bool, curve: Curve | None = None) -> None:
         start, self.position = self.position, target
@@ -224,20 +235,20 @@ _CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] 
 
 def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine: Machine) -> Program:
     """Read a program as `program.read_program` does; raise InputError where the interpreter refuses it."""
-    text = read_input(path).decode("utf-8", errors="replace")
+    lines = _lines_of(path)
     if shutil.which(_PROGRAM) is None:
         raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
-    lines = re.split(r"\r\n|\n|\r", text)
     _refuse_unknown(path, lines, machine)
     x, y, z = (float(c) for c in start or NOWHERE)
-    # Where it begins, with which tool; then no motion is in force.
-    first = [f"N0 M61 Q{machine.loaded}"] if machine.loaded is not None else []
+    # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
+    first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
     first += [f"N0 G21 G90 G0 X{x:.9f} Y{y:.9f} Z{z:.9f}", "N0 G80"]
     numbered = [
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
         for count, line in enumerate(lines, 1)
     ]
-    program = ["%", *first, *(line for line in numbered if _PERCENT.fullmatch(line) is None), "%", ""]
+    body = [line for line in numbered if _PERCENT.fullmatch(line) is None]
+    program = ["%", *first, *body, "N0 M2", "%", ""]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "program.ngc").write_text("\n".join(program))
@@ -258,9 +269,12 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         told = _ERROR.findall(done.stderr)
         raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
     state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0))
+    state.turns = any(_TURNS.search(_bare(line)) for line in lines)
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
+            if told.strip():
+                raise InputError(f"{path}: {_PROGRAM} says {told.strip()[:40]!r}, which is not understood")
             continue
         line = int(match[1]) if match[1].isdigit() else 0
         try:
@@ -279,47 +293,78 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())))
 
 
-# What the interpreter would take for 0, in words that say that it is needed: what is needed for each.
-_MACHINE_WORDS = re.compile(
-    r"G\s*0*(?:53|28|30)(?![\d.])|G\s*0*10(?=[^.\d].*L\s*0*2(?![\d.])|\D*[\[#])|G\s*[\[#]", re.IGNORECASE
-)
-_HOMES = {
-    name: re.compile(rf"{name[0]}\s*0*{name[1:]}(?![\d.])|G\s*[\[#]", re.IGNORECASE)
-    for name in ("G28", "G30")
-}
-_LENGTH_WORDS = re.compile(r"G\s*0*43(?:\s*\.\s*[12])?(?!\d)|G\s*[\[#]", re.IGNORECASE)
-_RADIUS_WORDS = re.compile(r"G\s*0*4[12](?:\s*\.\s*1)?(?!\d)|G\s*[\[#]", re.IGNORECASE)
-_LENGTH_PARAMETERS = re.compile(r"#\s*(?:5[123]\d\d|540[1-9])")
-_COMMENT = re.compile(r"\([^)]*\)|;.*")
-_PERCENT = re.compile(r"\s*(?:N\d+\s*)?%\s*")
+# What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.
+_ANY_WORD, _END = r"[gm][\[#]", r"(\.0*)?(?![\d.])"
+_MACHINE_WORDS = re.compile(rf"g0*(53|28|30){_END}|g0*10{_END}(?=.*l0*2{_END}|.*l[\[#])|{_ANY_WORD}")
+_HOMES = {name: re.compile(rf"g0*{name[1:]}{_END}|{_ANY_WORD}") for name in ("G28", "G30")}
+_LENGTH_WORDS = re.compile(rf"g0*43(\.0*[12]?)?(?!\d)|g0*10{_END}(?=.*l0*1{_END}|.*l[\[#])|{_ANY_WORD}")
+_RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
+_LOADING = re.compile(rf"m0*61{_END}")
+_TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
+_READ, _SET = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(\d+|<[^>]*>)=")
+_INDIRECT = re.compile(r"##|#\[")
+_CALLED, _DEFINED = re.compile(r"o(<[^>]*>|\d+|[\[#]).*?call"), re.compile(r"o(<[^>]*>|\d+)sub")
+# Of names that begin with _, those that mean the same on each machine; the others are the control's.
+_NAMES = ("x", "y", "z", "metric", "imperial", "absolute", "incremental", "value")
+_MEANT = frozenset(f"<_{name}>" for name in _NAMES)
+_COMMENT, _PERCENT = re.compile(r"\([^)]*\)|;.*"), re.compile(r"\s*(?:N\d+\s*)?%\s*")
+
+
+def _bare(line: str) -> str:
+    """Return a line without comments and blanks, which the interpreter passes over within numbers, too."""
+    return "".join(_COMMENT.sub("", line).split()).lower()
 
 
 def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
     """Raise InputError at words for which the interpreter would take what it is not told for 0."""
     tools = machine.tools.values()
     needed = [
-        (_LENGTH_PARAMETERS, True, "is a length in inches here: leave --reader out"),
         (_MACHINE_WORDS, "G54" not in machine.offsets,
          "needs machine coordinates: give the offset of G54 in a machine file"),
-        *(
-            (words, name not in machine.homes, f"goes home: give {name} in a machine file")
-            for name, words in _HOMES.items()
-        ),
+        *((words, name not in machine.homes, f"goes home: give {name} in a machine file")
+          for name, words in _HOMES.items()),
         (_LENGTH_WORDS, not tools or any(tool.length is None for tool in tools),
          "needs the length of each tool: give all in a machine file"),
         (_RADIUS_WORDS, not tools or any(tool.diameter is None for tool in tools),
          "needs the diameter of each tool: give parts with diameters in a machine file"),
+        (_LOADING, True, "its tool is not known to the interpreter: change tools with M6"),
+        (_INDIRECT, True, "may be any parameter: name it, or leave --reader out"),
     ]  # fmt: skip
-    closed = False
-    for count, line in enumerate(lines, 1):
-        bare = _COMMENT.sub(" ", line)
-        if bare.strip() == "%":
-            closed = any(_COMMENT.sub(" ", before).strip() for before in lines[: count - 1])
-        elif closed and bare.strip():
-            raise Place(path, count).error(bare.split()[0], AFTER_THE_END)
-        for pattern, missing, why in needed:
-            if missing and (match := pattern.search(bare)):
-                raise Place(path, count).error(match[0], why)
+    files, texts = [path], {path: [_bare(line) for line in lines]}
+    for file in files:
+        files += [more for more in _called(file, texts[file]) if more not in texts]
+        texts |= {more: list(map(_bare, _lines_of(more))) for more in files if more not in texts}
+    given = {name for text in texts.values() for line in text for name in _SET.findall(line)}
+    for file, text in texts.items():
+        for count, line in enumerate(text, 1):
+            for pattern, missing, why in needed:
+                if missing and (match := pattern.search(line)):
+                    raise Place(file, count).error(match[0], why)
+            for name in _READ.findall(line):
+                own = name.isdigit() and 5420 <= int(name) <= 5422
+                argument = name.isdigit() and int(name) <= ARGUMENTS
+                if name not in given | _MEANT and not own and not argument:
+                    why = "has a value that the program does not give it: set it before"
+                    raise Place(file, count).error(f"#{name}", why)
+    ends = [count for count, line in enumerate(texts[path], 1) if line == "%"]
+    closed = ends[1] if len(ends) > 1 else ends[0] if ends and any(texts[path][: ends[0] - 1]) else None
+    for count, line in enumerate(texts[path], 1):
+        if closed is not None and count > closed and line:
+            raise Place(path, count).error(line[:20], AFTER_THE_END)
+
+
+def _lines_of(path: Path) -> list[str]:
+    return re.split(r"\r\n|\n|\r", read_input(path).decode("utf-8", errors="replace"))
+
+
+def _called(path: Path, lines: Sequence[str]) -> list[Path]:
+    """Return the files beside a program of subroutines that it calls and does not hold."""
+    text = "\n".join(lines)
+    defined, names = set(_DEFINED.findall(text)), set(_CALLED.findall(text))
+    if names & {"[", "#"}:
+        raise InputError(f"{path}: calls a subroutine whose name is computed: name it, or leave --reader out")
+    beside = [path.parent / f"{name.strip('<>')}.ngc" for name in sorted(names - defined)]
+    return [file for file in beside if file.exists()]
 
 
 def _tool_table(machine: Machine) -> str:

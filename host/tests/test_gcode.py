@@ -371,12 +371,17 @@ NOT_KNOWN_THERE = [
     ("G0 X1\nG55 X2", "", "where G55 has its zero"), ("G53 G0 X1", "", "needs machine coordinates"),
     ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
     ("G30", MACHINE, "give G30 in a machine file"), ("G43 H1\nG0 Z1", "", "needs the length of each tool"),
-    ("F9 G41 D1 G1 X1", "", "needs the diameter"), ("G0 X#5221", MACHINE, "a length in inches"),
+    ("F9 G41 D1 G1 X1", "", "needs the diameter"), ("G0 X#5221", MACHINE, "does not give it"),
     ("G43 H2 G0 Z9\nT1 M6", MACHINE, "mistakes where the tool is"),
     ("G43 H2 G0 Z9\nG20", MACHINE, "a change of units"),
     ("T1 M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
-    ("G0 A1", "", "only X, Y and Z move"),
+    ("G0 A1", "", "only X, Y and Z move"), ("M61 Q2", MACHINE, "change tools with M6"),
+    ("G10 L2.0 P1 X1", "", "needs machine coordinates"), ("G5 3 G0 X-9", "", "needs machine coordinates"),
+    ("#1=5221\nG0 X##1", "", "may be any parameter"), ("G0 X#100", "", "does not give it"),
+    ("O1 if [#<_task> EQ 1]\nO1 endif", "", "does not give it"),
+    ("o<below> call", "", "needs machine coordinates"),
+    ("G0 X1\nG64", "", "round corners"),
 ]  # fmt: skip
 
 
@@ -385,6 +390,7 @@ NOT_KNOWN_THERE = [
 def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why):
     program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
     program.write_text(f"G21\n{text}\n")
+    (tmp_path / "below.ngc").write_text("o<below> sub\nG53 G0 X1\no<below> endsub\n")
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):
         read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
@@ -399,6 +405,28 @@ def test_whole_circles_stay_whole_where_decimals_are_lost(tmp_path):
     circle, down, up, last = read_by_rs274(program, ORIGIN, False, Machine()).moves[1:]
     assert circle.curve and max(circle.extent[1]) > 49
     assert down.end[2] == -5 and up.end[2] == last.end[2] == 0
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_linuxcnc_is_understood_to_the_last_line(tmp_path):
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    # From six digits on a line's number and what follows stand together.
+    program.write_text("G21 G61 G90 F100\nG0 X0\n" + "(c)\n" * 99_997 + "G1 X1\nG1 X14\n")
+    assert [move.line for move in read_by_rs274(program, ORIGIN, False, Machine()).moves] == [
+        2,
+        100_000,
+        100_001,
+    ]
+    # Rows of the tool table in another order than numbers; a radius that H and D do not name; no end.
+    file.write_text(
+        "loaded = 7\n[[tools]]\nnumber = 7\nlength = 10\nparts = [{ diameter = 2, length = 10 }]\n"
+        "[[tools]]\nnumber = 3\nlength = 20\nparts = [{ diameter = 9, length = 10 }]\n"
+    )
+    program.write_text("G21 F9\nG43 G0 Z40\nG41 G1 X3 Y-9\nX8\nY9\nG40 Y20\nG49 Z70\nT3 M6\nG43 H3 Z60\n")
+    moves = read_by_rs274(program, ORIGIN, False, read_machine(file)).moves
+    assert [move.tool for move in moves] == [7] * (len(moves) - 1) + [3]
+    assert (moves[0].end[2], moves[-1].end[2]) == (40, 60) and max(move.end[1] for move in moves[:-2]) >= 9
+    assert abs(moves[1].end[1] + 8) < 0.001 or abs(moves[2].end[1] + 8) < 0.001
 
 
 def test_without_linuxcnc_its_reader_is_refused(tmp_path, monkeypatch):
@@ -417,6 +445,10 @@ def test_compensation_of_a_tool_of_unknown_length(read):
 
 # What controls do differently, or what a reader that passes over a word would get wrong.
 NOT_PASSED_OVER = [
+    ("G64 P0\nG0 X1", "G64", "round corners"), ("O[2.5] call", "O", "whole"),
+    ("G92 @5 ^0\nG0 X1", "@5", "of a move"),
+    ("G0 @30", "@30", "no angle"), ("G0 X1\nF9 G82 R5 P1", "F9", "without X, Y or Z"),
+    ("G53", "G53", "without X, Y"),
     ("G64 P-1\nG0 X1", "P-1", "negative"), ("G0 X1\nG5 F9 X3 I1 J1 P1 Q1 T-3", "T-3", "negative"),
     ("O1 sub\nG0 X#2\nO1 endsub\nO1 call [1]", "X#2", "does not give it"),
     ("G98 F9 G81 X1 R2 Z-1\nG20\nX1", "G81", "without its depth"),
@@ -427,7 +459,7 @@ NOT_PASSED_OVER = [
     ("#1=[1 GE 1.0000005]\nG0 X1", "#", "equal to some controls only"),
     ("#1=EXISTS[#<_task>]\nG0 X1", "#", "may be the control's"), ("G0 X#5210", "X#5210", "does not give it"),
     ("G0 X#5400", "X#5400", "does not give it"),
-    ("F9 G2 X0 I5\nG53 X10", "G53", "goes with G0 or G1"), ("G0 X1\nG53 @10", "G53", "goes with G0 or G1"),
+    ("F9 G2 X0 I5\nG53 X10", "G53", "goes with G0 or G1"), ("G0 X1\nG53 @10", "@10", "of a move"),
     ("F9 G2 X0 I5\nG54 P5", "P5", "not on the line"), ("F9 G2 X0 I5\nG1 X5 R1", "R1", "not on the line"),
     ("F9 G98 G81 X1 R2 Z-1\nG0 X2 R5", "R5", "not on the line"),
     ("F9 G2 X0 I5\nR10", "R10", "not on the line"),
