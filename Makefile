@@ -165,7 +165,7 @@ package: $(READY) ## make the wheel in dist/: check, path, verdict, scene, sim o
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
 	$(BIN)/python -m pip wheel -q --no-deps --no-build-isolation -w dist build/package
-	@ls dist/*.whl
+	@rm -rf build/package && ls dist/*.whl
 
 LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)
