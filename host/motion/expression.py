@@ -42,6 +42,10 @@ def exact(value: Value) -> Fraction:
     return Rational(round(value * 10**9), 10**9) if isinstance(value, (float, int)) else value
 
 
+class NoParameterError(ValueError):
+    """A number that no parameter has."""
+
+
 class InexactError(ValueError):
     """A comparison that controls answer differently."""
 
@@ -164,7 +168,7 @@ class Scanner:
             self.expect("[", "EXISTS takes a name")
             key = self.parameter()
             self.expect("]", "EXISTS takes one name")
-            return lambda memory: Fraction(memory.exists(key(memory)))
+            return lambda memory: _exists(memory, key)
         if name == "atan":
             above = self.bracket()
             self.expect("/", "ATAN takes two values")
@@ -209,8 +213,15 @@ def _checked(function: Callable[..., float], *values: float) -> float:
 def _key(value: Value) -> int:
     key = int(value + Fraction(1, 2) if value > 0 else 0)
     if abs(value - key) > 1e-4 or not 1 <= key <= _LARGEST_PARAMETER:
-        raise ValueError(f"there is no parameter {float(value):g}: give a whole number from 1 on")
+        raise NoParameterError(f"there is no parameter {float(value):g}: give a whole number from 1 on")
     return key
+
+
+def _exists(memory: Memory, key: Callable[[Memory], Key]) -> Fraction:
+    try:
+        return Fraction(memory.exists(key(memory)))
+    except NoParameterError:
+        return Fraction(0)
 
 
 def _differ(a: float, b: float) -> bool:

@@ -341,7 +341,7 @@ class Interpreter:
         code = word.code
         if self.modal.motion in CYCLES and code not in ("G4", "G28", "G30"):
             raise place.error(word.text, "within a series of cycles: give G80 before it")
-        if code == "G4" and axes:
+        if code == "G4" and axes and "P" not in words:
             why = "on a line with G4 a control may take it for a time: split the line"
             raise place.error(next(iter(axes.values())).text, why)
         if code in ("G92", "G52") and not axes:
@@ -455,7 +455,8 @@ class Interpreter:
             target = vector(values.get(k, self.position[k]) for k in range(3))
         else:
             target = self._target(place, axes)
-        if motion != "G0" and not self.modal.feed:
+        # The feed of a thread is the spindle's.
+        if motion not in ("G0", "G33") and not self.modal.feed:
             word = next(iter(codes.get("motion", ())), first)
             raise place.error(word.text, f"a {motion} move without a feed: give F on the line or before it")
         if motion in CYCLES:

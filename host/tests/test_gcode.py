@@ -176,7 +176,7 @@ COMPUTED = [
     ("G0 X[2 GT 1] Y[[1 EQ 1] AND [1 LT 0]] Z[1 OR 0 XOR 1]", [(1, 0, 0)]),
     ("G0 X SIN[30] Y[ATAN[1]/[1]] Z[SQRT[2]*SQRT[2]]", [(0.5, 45, 2)]),
     ("G0 X[ROUND[-2.5]] Y[FIX[-1.5]] Z[FUP[1.2]]", [(-3, -2, 2)]),
-    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<b>]] Z##50", [(1, 0, 50)]),
+    ("#<_a>=1 #50=50\nG0 X[EXISTS[#<_a>]] Y[EXISTS[#<b>]] Z[##50+EXISTS[#9999]]", [(1, 0, 50)]),
     ("O1 sub\nG0 X#1 Y#2\nO1 endsub [#1*2]\nO1 call [3] [4]\nG0 Z#<_value>", [(3, 4, 0), (3, 4, 6)]),
     ("O<t> sub\nO2 if [#1 GT 3]\nO<t> return\nO2 endif\nG0 X#1\nO<t> call [#1+1]\nO<t> endsub\nO<T> call [2]",
      [(2, 0, 0), (3, 0, 0)]),
