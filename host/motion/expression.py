@@ -18,7 +18,7 @@ Value = Fraction | float
 Key = int | str
 
 # Digits of a number: more than any control takes, few enough to keep exact sums small.
-_DIGITS = 15
+_DIGITS = 18
 NUMBER = r"\d+\.?\d*|\.\d+"
 _NUMBER, _NAME = re.compile(NUMBER, re.ASCII), re.compile(r"<([^<>\[\]#]+)>")
 _OPERATOR = re.compile(r"\*\*|[-+*/]|(?:mod|and|xor|or|eq|ne|gt|ge|lt|le)(?![a-z])", re.IGNORECASE)
