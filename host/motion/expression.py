@@ -95,7 +95,7 @@ Expression = Callable[[Memory], Value]
 def number(text: str) -> Fraction:
     """Return a decimal; raise ValueError where it has more digits than any control takes."""
     whole, _, part = text.partition(".")
-    if len(whole) + len(part) - ("-" in whole or "+" in whole) > _DIGITS:
+    if len((whole + part).lstrip("+-0")) > _DIGITS or len(part) > 2 * _DIGITS:
         raise ValueError(f"more than {_DIGITS} digits: round it")
     return Rational(int(whole + part), 10 ** len(part)) if part else Rational(int(whole))
 

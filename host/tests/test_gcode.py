@@ -120,7 +120,7 @@ REFUSED = [
     ("G0 (a (b) X1", 1, "(a (b) X1", "comment within a comment"),
     ("G0 X1 /Y2", 1, "/Y2", "beginning of a line"),
     ("G0 X1234567890123456789", 1, "X1234567890123456789", "more than 18 digits"),
-    ("G0 X0.123456789012345678", 1, "X0.123456789012345678"[:20], "more than 18 digits"),
+    ("G0 X0.1234567890123456789", 1, "X0.1234567890123456789"[:20], "more than 18 digits"),
     ("%\nG0 Z1\n%\nG1 Z-50 F9", 4, "G1", "after the end of the program"),
     ("%\nG0 Z1\nM30\n%\n%\nO2\nG0 Z-50\n%", 6, "O2", "after the end of the program"),
     ("G0 X1 M30\nG0 X2\n%", 2, "G0", "after the end of the program"),
