@@ -59,7 +59,7 @@ def _vtk(a: Reals, b: Reals) -> Question:
     return one_by_one(test, [tuple(map(tuple, pair)) for pair in np.concatenate([a, b], 1).tolist()])
 
 
-def _fcl_model(facets: Reals) -> Any:
+def fcl_model(facets: Reals) -> Any:
     """Return a hierarchy over facets (N, 3, 3): python-fcl has no other way, for a single triangle either."""
     fcl = imported("fcl")
     bvh = fcl.BVHModel()
@@ -72,14 +72,14 @@ def _fcl_model(facets: Reals) -> Any:
 def _python_fcl(a: Reals, b: Reals) -> Question:
     fcl = imported("fcl")
     request = fcl.CollisionRequest()
-    pairs = _each(lambda triangle: _fcl_model(triangle[None]), a, b)
+    pairs = _each(lambda triangle: fcl_model(triangle[None]), a, b)
     return one_by_one(fcl.collide, [(*pair, request) for pair in pairs])
 
 
 def _python_fcl_meshes(a: Reals, b: Reals) -> Question:
     """It makes a Python object of each contact, within its time."""
     fcl = imported("fcl")
-    first, second = _fcl_model(a), _fcl_model(b)
+    first, second = fcl_model(a), fcl_model(b)
 
     def ask() -> npt.NDArray[np.int64]:
         request, result = fcl.CollisionRequest(num_max_contacts=_ALL_CONTACTS), fcl.CollisionResult()

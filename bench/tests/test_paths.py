@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from triaxis.bench import paths
+from triaxis.bench.paths import report as paths
 from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates

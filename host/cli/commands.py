@@ -134,7 +134,7 @@ COMMANDS = {
         ("all bounds reached and all scenes right", "not"),
     ),
     "bench path": Command(
-        "check a program of 100,000 moves, and ask others about continuous motion", "bench.paths",
+        "check a program of 100,000 moves, and ask others about continuous motion", "bench.paths.report",
         ("what is clear is said to be, and nothing planted is missed", "not"),
     ),
     "bench skipping": Command(

@@ -10,7 +10,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,8 @@ import numpy as np
 from rich.table import Table
 
 from triaxis.bench.harness import FOLDER, Findings, Progress, report
-from triaxis.bench.peers.peer import Peer, Presence, Question, Reals, imported, installed_version, present
+from triaxis.bench.paths.continuous import peers
+from triaxis.bench.peers.peer import Peer, Presence, Reals, present
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.motion.moves import Program
@@ -161,65 +161,6 @@ def asked_moves(count: int) -> tuple[Reals, list[bool]]:
     ends[:, 1, :2] = ends[:, 0, :2] + rng.uniform(-0.1, 0.1, (count, 2))
     ends[..., 2] = height(ends[..., 0], ends[..., 1]) + _ABOVE
     return np.concatenate([planted(count, rng), ends]), [True] * count + [False] * count
-
-
-def _numbered(facets: Reals) -> tuple[Reals, Any]:
-    """Return vertices, each once, and their numbers (N, 3)."""
-    vertices, numbers = np.unique(facets.reshape(-1, 3), axis=0, return_inverse=True)
-    return vertices.astype(np.float64), numbers.reshape(-1, 3)
-
-
-def _fcl_motion(moves: Reals, tool: Reals, work: Reals) -> Question:
-    fcl = imported("fcl")
-
-    def object_of(facets: Reals) -> Any:
-        vertices, numbers = _numbered(facets)
-        model = fcl.BVHModel()
-        model.beginModel(len(vertices), len(numbers))
-        model.addSubModel(vertices, numbers)
-        model.endModel()
-        return fcl.CollisionObject(model)
-
-    first, second, still = object_of(tool), object_of(work), fcl.Transform()
-
-    def ask() -> Any:
-        found: list[bool] = []
-        for start, end in moves:
-            first.setTransform(fcl.Transform(start))
-            request, result = fcl.ContinuousCollisionRequest(), fcl.ContinuousCollisionResult()
-            found.append(fcl.continuousCollide(first, fcl.Transform(end), second, still, request, result) < 1)
-        return np.array(found)
-
-    return Question(ask)
-
-
-def _ipc_motion(moves: Reals, tool: Reals, work: Reals) -> Question:
-    ipctk = imported("ipctk")
-    (tool_at, tool_faces), (work_at, work_faces) = _numbered(tool), _numbered(work)
-    faces = np.concatenate([tool_faces, work_faces + len(tool_at)]).astype(np.int32)
-    both = np.concatenate([tool_at, work_at])
-    mesh = ipctk.CollisionMesh(both, ipctk.edges(faces), faces)
-
-    def ask() -> Any:
-        found: list[bool] = []
-        for start, end in moves:
-            here, there = both.copy(), both.copy()
-            here[: len(tool_at)] += start
-            there[: len(tool_at)] += end
-            found.append(not ipctk.is_step_collision_free(mesh, here, there))
-        return np.array(found)
-
-    return Question(ask)
-
-
-def peers(moves: Reals) -> tuple[Peer, ...]:
-    """Return the packages that are asked about these moves."""
-    return (
-        Peer("FCL, python-fcl", "python-fcl", "fcl.continuousCollide(BVHModel, BVHModel)",
-             partial(installed_version, "python-fcl", "fcl"), partial(_fcl_motion, moves)),
-        Peer("IPC Toolkit, ipctk", "ipctk", "ipctk.is_step_collision_free(mesh, V0, V1)",
-             partial(installed_version, "ipctk", "ipctk"), partial(_ipc_motion, moves)),
-    )  # fmt: skip
 
 
 def asked(peer: Peer, truth: Sequence[bool], squares: int) -> PeerFigures:
