@@ -9,7 +9,6 @@ import numpy as np
 
 from triaxis.coverage.counts import Counts
 from triaxis.coverage.cover_model import Codes, CoverItem, CoverModel, Coverpoint
-from triaxis.golden.pairs import MAX_WIDTH
 
 Happened = tuple[str, str]
 View = Sequence[Happened]
@@ -17,7 +16,7 @@ View = Sequence[Happened]
 _HERE = Path(__file__).parent
 _SOURCES = tuple(_HERE / name for name in ("bins.cpp", "board_coverage.py", "cover_model.py"))
 
-COMMANDS = ("HELLO", "LOAD", "MOVE", "RUN", "RESULTS", "STATUS", "ABORT")
+COMMANDS = ("HELLO", "LOAD", "RUN", "RESULTS", "STATUS", "ABORT")
 GO, RUNNING, STOP = STATES = ("go", "run", "stop")
 LINE = (
     "bad CRC", "too short", "too long", "bad stuffing", "END after ESC", "no stop bit", "frame still held",
@@ -31,31 +30,31 @@ _WHICHES, _ALWAYS_FAIL = 32, 3
 def _done() -> Iterator[str]:
     """Executed in a state, or sent again in it. What changes something is refused during a run."""
     for command, state in product(COMMANDS, STATES):
-        if state != RUNNING or command not in ("LOAD", "MOVE", "RUN"):
+        if state != RUNNING or command not in ("LOAD", "RUN"):
             yield f"{command}, {state}"
         # The last command was another one where go is said, or a run goes on, but for these.
         if state == STOP or command in ("RUN", "RESULTS", "STATUS"):
             yield f"{command} again, {state}"
 
 
-def _refused(width: int) -> Iterator[str]:
+def _refused() -> Iterator[str]:
     for command in COMMANDS:
         yield from (f"{code} of {command}" for code in ("LENGTH", "SESSION", "SEQUENCE"))
-    yield from (f"BUSY of {command}" for command in ("LOAD", "MOVE", "RUN"))
+    yield from (f"BUSY of {command}" for command in ("LOAD", "RUN"))
     yield from (f"VALUE of {command}" for command in ("HELLO", "LOAD", "RUN", "RESULTS"))
-    if width < MAX_WIDTH:
-        yield "VALUE of MOVE"
     yield from ("UNKNOWN of another", "PLACE of LOAD", "OVERFULL of LOAD", "COUNTS of RUN", "EMPTY of RUN")
 
 
 def _ends() -> Iterator[str]:
-    what = ("HELLO", "LOAD", "MOVE", "RUN", "ABORT", "refusal", "line", "watchdog", "fault")
+    what = ("HELLO", "LOAD", "RUN", "ABORT", "refusal", "line", "watchdog", "fault")
     yield from (f"{one} ends {state}" for one, state in product(what, ("go", "a promise of go")))
+    yield from (f"{one} ends go" for one in ("deadline", "end of a run"))
 
 
 def _moments() -> Iterator[str]:
-    """Clocks from the end of a run, or of the watchdog's time, to what would end or need it."""
-    for command, what in (("ABORT", "run"), ("MOVE", "run"), ("HELLO", "silence"), ("RUN", "silence")):
+    """Clocks from the end of a run, of the watchdog's time, or of a hold, to what would end or need it."""
+    yield from (f"end of a run {clocks:+d}, deadline" for clocks in range(-2, 1))
+    for command, what in (("ABORT", "run"), ("RUN", "run"), ("HELLO", "silence"), ("RUN", "silence")):
         # An ABORT two clocks before the end ends the run itself, later.
         for clocks in range(-1 if command == "ABORT" else -2, 3):
             yield f"{command} {clocks:+d}, {what}"
@@ -78,6 +77,13 @@ def _tried() -> Iterator[str]:
     yield from (f"{kind}, no fault" for kind in TRIALS[:-_ALWAYS_FAIL])
 
 
+def _holds() -> Iterator[str]:
+    """How runs end that hold, while go is said from the one before."""
+    yield from ("begun while go is said", "late, rest", "late, run")
+    yield from (f"clear, go, {when}" for when in ("in time", "last clock"))
+    yield from (f"{how}, in time" for how in ("near", "out of range"))
+
+
 _FAULTS = (
     "a run while it stands",
     "found between runs",
@@ -88,14 +94,19 @@ _FAULTS = (
 
 
 @cache
-def board_model(width: int) -> CoverModel[View]:
-    """Return the coverage model of a board: that of all whose sizes leave the same to be seen."""
+def board_model() -> CoverModel[View]:
+    """Return the coverage model of a board, of any size."""
     ring = (*product(("none", "some", "32"), ("run", "ended")),)
     items = (
         ("board_done", "commands executed, or sent again x what the outputs say", _done()),
-        ("board_refused", "codes of refusals x command", _refused(width)),
+        ("board_refused", "codes of refusals x command", _refused()),
         ("board_ends", "what ends go, or a run or its result that could still give it", _ends()),
-        ("board_moments", "commands, clocks from the end of a run or of the watchdog's time", _moments()),
+        (
+            "board_moments",
+            "commands, ends of runs: clocks from the end of a run, of the watchdog's time, of a hold",
+            _moments(),
+        ),
+        ("board_holds", "runs that hold: when one begins, how it ends, what comes late", _holds()),
         ("board_runs", "mode x how a run ended", _runs()),
         (
             "board_line",
@@ -111,8 +122,7 @@ def board_model(width: int) -> CoverModel[View]:
         ("board_faults", "what comes while a fault stands, and after", iter(_FAULTS)),
         ("board_near", "near pairs in a reply x whether the run goes on", map(", ".join, ring)),
     )
-    name = "board" if width < MAX_WIDTH else f"board_w{width}"
-    return CoverModel(name, tuple(_item(*item) for item in items), _SOURCES)
+    return CoverModel("board", tuple(_item(*item) for item in items), _SOURCES)
 
 
 def _item(name: str, meaning: str, bins: Iterator[str]) -> CoverItem[View]:
@@ -128,9 +138,9 @@ def _item(name: str, meaning: str, bins: Iterator[str]) -> CoverItem[View]:
 class BoardCoverage:
     """Collects the coverage of a board."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self) -> None:
         """Start with zero counts."""
-        self.model = board_model(width)
+        self.model = board_model()
         self.counts = Counts.empty(self.model)
 
     def sample(self, happened: View) -> None:

@@ -14,6 +14,7 @@ MOST_BOARD_DEPTH = 32768
 TOP_TIMES = {
     "clocks_per_bit": 50,
     "watchdog_clocks": 10_000_000,
+    "hold_clocks": 100_000,
     "digit_clocks": 12_500,
     "beat_clocks": 50_000,
 }
@@ -24,8 +25,8 @@ _PLAIN, _REAL = "_plain", "_real"
 class BoardParameters:
     """Parameters of nexys4ddr_top; see its header. The defaults suit simulation: a small, fast board.
 
-    ``clocks_per_bit`` and ``watchdog_clocks`` are in clocks of 10 ns. ``certify``: each "clear" of the core
-    is shown again. Raises InputError where they are out of range.
+    Times are in clocks of 10 ns; ``hold_clocks``: the unit of a run's hold. ``certify``: each "clear" of the
+    core is shown again. Raises InputError where they are out of range.
     """
 
     width: int = 16
@@ -35,6 +36,7 @@ class BoardParameters:
     lanes: int = 8
     clocks_per_bit: int = 4
     watchdog_clocks: int = 10_000_000
+    hold_clocks: int = 100_000
     build_id: int = 0
     digit_clocks: int = 16
     beat_clocks: int = 50
@@ -85,6 +87,7 @@ class BoardParameters:
             "Certify": int(self.certify),
             "ClocksPerBit": self.clocks_per_bit,
             "WatchdogClocks": self.watchdog_clocks,
+            "HoldClocks": self.hold_clocks,
             "BuildId": self.build_id,
             "DigitClocks": self.digit_clocks,
             "BeatClocks": self.beat_clocks,
@@ -94,7 +97,7 @@ class BoardParameters:
 _NAME = re.compile(r"board_w(\d+)_m(\d+)_d(\d+)_g(\d+)_l(\d+)(_plain)?(_real)?")
 # In which times are short enough to be waited for again and again, and no powers of two, by which a counter
 # could be right without being asked; the number has bytes that framing escapes.
-_TIMES = {"watchdog_clocks": 60_000, "clocks_per_bit": 6, "digit_clocks": 15}
+_TIMES = {"watchdog_clocks": 60_000, "hold_clocks": 1_700, "clocks_per_bit": 6, "digit_clocks": 15}
 _BUILD_ID = 0xC0DBDCDD
 
 

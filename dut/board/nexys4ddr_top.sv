@@ -23,6 +23,7 @@ module nexys4ddr_top
     parameter bit Certify = 1'b1,  // as in triaxis_mesh
     parameter int unsigned ClocksPerBit = 50,  // 2,000,000 baud
     parameter int unsigned WatchdogClocks = 10_000_000,  // 100 ms
+    parameter int unsigned HoldClocks = ClocksPerMs,  // of a run's hold: 1 ms
     parameter int unsigned BeatClocks = 50_000,  // 1 kHz
     parameter int unsigned DigitClocks = 12_500,  // the displays are scanned in 1 ms
     parameter logic [31:0] BuildId = '0  // first bits of a hash of everything in the bitstream
@@ -61,6 +62,9 @@ module nexys4ddr_top
   if (Group > 255) begin : g_bad_group
     $fatal(1, "Group must be at most 128: it has 8 bits on the link");
   end
+  if (HoldClocks == 0) begin : g_bad_hold
+    $fatal(1, "HoldClocks must be at least 1");
+  end
   if (WatchdogClocks == 0 || WatchdogMs > 65535) begin : g_bad_watchdog
     $fatal(1, "WatchdogClocks must be 1 .. 65,535 ms");
   end
@@ -96,7 +100,7 @@ module nexys4ddr_top
       .error_o(link_error)
   );
 
-  logic hello, load, move, run, free, abort, refused, foreign, kick, forget;
+  logic hello, load, run, free, abort, refused, foreign, kick, forget;
   logic expired, busy, reply_valid, reply_ready;
   logic [1:0] alive;
   logic [IndexWidth:0] count_a, count_b;
@@ -129,7 +133,6 @@ module nexys4ddr_top
       .written_i(ring_written),
       .hello_o(hello),
       .load_o(load),
-      .move_o(move),
       .run_o(run),
       .free_o(free),
       .abort_o(abort),
@@ -180,7 +183,6 @@ module nexys4ddr_top
   logic [GroupPairWidth-1:0] groups_skipped, groups_opened;
   logic [PairCountWidth-1:0] pairs_skipped, tested, near_count;
 
-  pose_t pose;
   summary_t summary, done_summary;
   status_e engine_status, shown_status;
   run_state_e run_state;
@@ -192,13 +194,13 @@ module nexys4ddr_top
   typedef struct packed {
     logic busy;
     logic aborting;
-    pose_t pose;
     byte_t number;
     run_state_e state;
     logic [1:0] mode;
     pose_t run_pose;
     logic [31:0] margin;
     trial_t trial;
+    hold_t hold;
     status_e engine_status;
     summary_t summary;
     logic tvalid;
@@ -217,19 +219,18 @@ module nexys4ddr_top
         .clk_i(clk_100mhz_i),
         .rst_ni(rst_n),
         .forget_i(forget),
-        .move_i(move),
         .run_i(run),
         .abort_i(cut),
         .fields_i(request.fields),
         .busy_o(runs[i].busy),
         .aborting_o(runs[i].aborting),
-        .pose_o(runs[i].pose),
         .run_number_o(runs[i].number),
         .run_state_o(runs[i].state),
         .run_mode_o(runs[i].mode),
         .run_pose_o(runs[i].run_pose),
         .run_margin_o(runs[i].margin),
         .run_trial_o(runs[i].trial),
+        .run_hold_o(runs[i].hold),
         .engine_status_o(runs[i].engine_status),
         .summary_o(runs[i].summary),
         .run_tvalid_o(runs[i].tvalid),
@@ -244,7 +245,6 @@ module nexys4ddr_top
 
   assign busy = runs[0].busy;
   assign aborting = runs[0].aborting;
-  assign pose = runs[0].pose;
   assign run_state = runs[0].state;
   assign run_mode = runs[0].mode;
   assign trial = runs[0].trial;
@@ -402,7 +402,7 @@ module nexys4ddr_top
       .expected_i(expected),
       .status_i(status),
       .signatures_i(signatures),
-      .pose_i(pose),
+      .hold_i(runs[0].hold),
       .written_i(ring_written),
       .reply_o(reply),
       .body_bytes_o(body_bytes),
@@ -429,18 +429,23 @@ module nexys4ddr_top
 
   // --- Outputs --------------------------------------------------------------------------------------
 
+  // A run that leaves go as it is until its end: its hold is the last of its fields.
+  logic keep;
+  assign keep = request.fields[8*RunBytes-1-:$bits(hold_t)] != '0;
+
   logic [1:0] says_go, says_stop;
   for (genvar i = 0; i < 2; i++) begin : g_safety
     (* keep_hierarchy = "yes", dont_touch = "yes" *)
     triaxis_safety #(
-        .NearWidth(PairCountWidth)
+        .NearWidth (PairCountWidth),
+        .HoldClocks(HoldClocks)
     ) u_safety (
         .clk_i(clk_100mhz_i),
         .rst_ni(rst_n),
         .hello_i(hello),
         .load_i(load),
-        .move_i(move),
         .run_i(run),
+        .keep_i(keep),
         .abort_i(abort),
         .link_error_i(link_error),
         .refused_i(refused),
@@ -449,6 +454,7 @@ module nexys4ddr_top
         .done_i(done),
         .engine_status_i(done_status),
         .near_i(near_count),
+        .hold_i(runs[i].hold),
         .go_o(says_go[i]),
         .stop_o(says_stop[i])
     );

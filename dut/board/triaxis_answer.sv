@@ -14,7 +14,7 @@ module triaxis_answer
     input sequence_t expected_i,
     input status_block_t status_i,
     input logic [1:0][31:0] signatures_i,
-    input pose_t pose_i,
+    input hold_t hold_i,
     input logic [31:0] written_i,
     output reply_t reply_o,
     output body_bytes_t body_bytes_o,
@@ -28,14 +28,16 @@ module triaxis_answer
   near_pairs_t pairs;
   logic many;
   load_block_t held_mesh;
+  run_block_t begun;
   assign from = request_i.fields[31:0];
   assign held = written_i - from;
   assign many = held[31:PairBits] != '0;
   assign pairs = many ? near_pairs_t'(NearMax) : near_pairs_t'(held[PairBits-1:0]);
   assign held_mesh.count = request_i.fields[0] ? status_i.count_b : status_i.count_a;
   assign held_mesh.signature = signatures_i[request_i.fields[0]];
+  assign begun = '{hold: hold_i, number: status_i.run_number};
 
-  // Only the bytes that are sent count. The number of a run is the first of a status.
+  // Only the bytes that are sent count.
   logic [BodyBits-1:0] body;
   body_bytes_t body_bytes;
   always_comb begin
@@ -50,11 +52,10 @@ module triaxis_answer
         body[0+:$bits(held_mesh)] = held_mesh;
         body_bytes = body_bytes_t'(LoadBytes);
       end
-      CmdMove: begin
-        body[0+:$bits(pose_i)] = pose_i;
-        body_bytes = body_bytes_t'(MoveBytes);
+      CmdRun: begin
+        body[0+:$bits(begun)] = begun;
+        body_bytes = body_bytes_t'(BegunBytes);
       end
-      CmdRun: body_bytes = body_bytes_t'(1);
       CmdResults: body_bytes = body_bytes_t'(BodyBytes);
       default: ;
     endcase

@@ -23,7 +23,7 @@ package triaxis_board_pkg;
 
   typedef logic [7:0] byte_t;
 
-  localparam byte_t ProtocolVersion = 8'd5;
+  localparam byte_t ProtocolVersion = 8'd6;
 
   // --- Framing --------------------------------------------------------------------------------------
 
@@ -44,11 +44,10 @@ package triaxis_board_pkg;
   typedef enum byte_t {
     CmdHello = 8'h01,
     CmdLoad = 8'h02,
-    CmdMove = 8'h03,
-    CmdRun = 8'h04,
-    CmdResults = 8'h05,
-    CmdStatus = 8'h06,
-    CmdAbort = 8'h07
+    CmdRun = 8'h03,
+    CmdResults = 8'h04,
+    CmdStatus = 8'h05,
+    CmdAbort = 8'h06
   } command_e;
 
   typedef enum byte_t {
@@ -65,11 +64,10 @@ package triaxis_board_pkg;
     CodeOverfull = 8'd10
   } code_e;
 
-  // Fields of a payload, the longest being MOVE's; LOAD's triangles come after its fields.
-  localparam int unsigned FieldBytes = 12;
+  // Fields of a payload, the longest being RUN's; LOAD's triangles come after its fields.
+  localparam int unsigned FieldBytes = 24;
   localparam int unsigned LoadFieldBytes = 4;
-  localparam int unsigned MoveBytes = 12;
-  localparam int unsigned RunBytes = 10;
+  localparam int unsigned RunBytes = 24;
   localparam int unsigned ResultsBytes = 4;
 
   localparam int unsigned LoadMax = 12;  // triangles a frame
@@ -105,14 +103,36 @@ package triaxis_board_pkg;
 
   typedef logic [2:0][31:0] pose_t;  // z, y, x
 
-  // Of what two runners must have alike: two bits of control, state, mode, margin, trial, two poses, number,
+  // For how long a run's end permits, in HoldClocks; 0: for as long as nothing ends it. See triaxis_safety.
+  typedef logic [15:0] hold_t;
+
+  // RUN's fields, the last first.
+  typedef struct packed {
+    hold_t hold;
+    pose_t pose;
+    triaxis_mesh_pkg::trial_t trial;
+    logic [15:0] count_b;
+    logic [15:0] count_a;
+    logic [31:0] margin;
+    byte_t mode;
+  } run_fields_t;
+
+  // What a RUN is answered.
+  typedef struct packed {
+    hold_t hold;
+    byte_t number;
+  } run_block_t;
+
+  // Of what two runners must have alike: two bits of control, state, mode, margin, trial, pose, hold, number,
   // status, summary.
   localparam int unsigned RunnerSeenWidth = 2 + $bits(
       run_state_e
   ) + 2 + 32 + $bits(
       triaxis_mesh_pkg::trial_t
-  ) + 2 * $bits(
+  ) + $bits(
       pose_t
+  ) + $bits(
+      hold_t
   ) + 8 + $bits(
       triaxis_mesh_pkg::status_e
   ) + $bits(
@@ -171,6 +191,7 @@ package triaxis_board_pkg;
   localparam int unsigned StatusBytes = $bits(status_block_t) / 8;
   localparam int unsigned HelloBytes = $bits(hello_block_t) / 8;
   localparam int unsigned LoadBytes = $bits(load_block_t) / 8;
+  localparam int unsigned BegunBytes = $bits(run_block_t) / 8;
   // Command, sequence number, session, code.
   localparam int unsigned ReplyHeadBytes = HeaderBytes + 1;
   localparam int unsigned BodyBytes = StatusBytes + 5;  // RESULTS: status, from, k; then the pairs

@@ -32,7 +32,6 @@ module triaxis_command
     // A clock each: accepted commands, before anything is changed; what was answered.
     output logic hello_o,
     output logic load_o,
-    output logic move_o,
     output logic run_o,
     output logic free_o,
     output logic abort_o,
@@ -138,7 +137,6 @@ module triaxis_command
   assign hello_o = execute && request_q.command == CmdHello;
   assign load_start = execute && request_q.command == CmdLoad;
   assign load_o = load_accepted;
-  assign move_o = execute && request_q.command == CmdMove;
   assign run_o = execute && request_q.command == CmdRun;
   assign free_o = execute && request_q.command == CmdResults;
   assign abort_o = execute && request_q.command == CmdAbort;

@@ -50,7 +50,6 @@ module triaxis_judge
   always_comb begin
     case (command_i)
       CmdLoad: wanted_bytes = load_bytes;
-      CmdMove: wanted_bytes = 14'(MoveBytes);
       CmdRun: wanted_bytes = 14'(RunBytes);
       CmdResults: wanted_bytes = 14'(ResultsBytes);
       default: wanted_bytes = '0;
@@ -65,17 +64,18 @@ module triaxis_judge
   assign held = fields_i[0] ? count_b_i : count_a_i;
   assign after_load = {1'b0, first} + 17'(load_triangles[$clog2(LoadMax+1)-1:0]);
 
-  logic load_value, move_value, run_value, results_value;
+  run_fields_t run;
+  logic load_value, run_value, results_value;
   assign load_value = fields_i[7:1] == '0 && load_triangles != '0 && load_triangles <= 8'(LoadMax);
+  assign run = fields_i[0+:$bits(run)];
   logic [2:0] fits;
-  for (genvar k = 0; k < 3; k++) begin : g_move
+  for (genvar k = 0; k < 3; k++) begin : g_pose
     // The sign and all above it; at W = 32 the sign alone, and all poses fit.
     logic signed [31:0] top;
-    assign top = $signed(fields_i[32*k+:32]) >>> W;
+    assign top = $signed(run.pose[k]) >>> W;
     assign fits[k] = top == '0 || top == '1;
   end
-  assign move_value = fits == '1;
-  assign run_value = fields_i[7:0] <= 8'(ModeCount) && (fields_i[39:8] >> M) == '0;
+  assign run_value = run.mode <= 8'(ModeCount) && (run.margin >> M) == '0 && fits == '1;
   assign results_value = fields_i[31:0] - freed_i <= written_i - freed_i;
 
   code_e load_code, run_code, command_code;
@@ -86,13 +86,12 @@ module triaxis_judge
     else load_code = CodeOk;
 
     if (!run_value) run_code = CodeValue;
-    else if (fields_i[55:40] != count_a_i || fields_i[71:56] != count_b_i) run_code = CodeCounts;
+    else if (run.count_a != count_a_i || run.count_b != count_b_i) run_code = CodeCounts;
     else if (count_a_i == '0 || count_b_i == '0) run_code = CodeEmpty;
     else run_code = CodeOk;
 
     case (command_i)
       CmdLoad: command_code = busy_i ? CodeBusy : load_code;
-      CmdMove: command_code = busy_i ? CodeBusy : move_value ? CodeOk : CodeValue;
       CmdRun:  command_code = busy_i ? CodeBusy : run_code;
       default: command_code = CodeOk;
     endcase
@@ -111,7 +110,8 @@ module triaxis_judge
     else code_o = command_code;
   end
 
-  logic [8*FieldBytes-73:0] unused_fields;
-  assign unused_fields = fields_i[8*FieldBytes-1:72];
+  // Any will do.
+  logic unused_run;
+  assign unused_run = ^{run.trial, run.hold};
 
 endmodule

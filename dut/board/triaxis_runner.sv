@@ -1,10 +1,10 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Computes: the engine's runs: the pose they are made at, their number, and the summary of the last.
+// Computes: the engine's runs: what they are asked with, their number, and the summary of the last.
 // While a run is going on its summary reads zero. Runs are kept twice on the board, and seen_o is what two
 // runners must have alike.
-// Widths: a pose has W+1 bits a coordinate, at most 32 of which a MOVE can give; the engine's numbers
+// Widths: a pose has W+1 bits a coordinate, at most 32 of which a RUN can give; the engine's numbers
 // are at most 32 bits (Depth <= 32,768).
 // Latency: 1 clock.
 
@@ -20,20 +20,19 @@ module triaxis_runner
     input logic rst_ni,
     // Commands, a clock each. None but abort_i comes while busy_o.
     input logic forget_i,
-    input logic move_i,
     input logic run_i,
     input logic abort_i,
     input logic [8*FieldBytes-1:0] fields_i,
 
     output logic busy_o,
     output logic aborting_o,
-    output pose_t pose_o,  // the present one
     output byte_t run_number_o,
     output run_state_e run_state_o,
     output logic [1:0] run_mode_o,
     output pose_t run_pose_o,
     output logic [31:0] run_margin_o,
     output trial_t run_trial_o,
+    output hold_t run_hold_o,
     output status_e engine_status_o,
     output summary_t summary_o,
 
@@ -51,29 +50,33 @@ module triaxis_runner
   logic [1:0] mode_q;
   logic [31:0] margin_q;
   trial_t trial_q;
+  hold_t hold_q;
   logic waiting_q;  // the engine takes the run in this clock
   logic aborting_q;
-  pose_t pose_q, run_pose_q;
+  pose_t pose_q;
   byte_t run_number_q;
   run_state_e run_state_q;
   status_e engine_status_q;
   summary_t summary_q;
 
+  run_fields_t asked;
+  assign asked = fields_i[0+:$bits(asked)];
+
   assign busy_o = run_state_q == RunGoing;
   assign aborting_o = aborting_q;
-  assign pose_o = pose_q;
   assign run_number_o = run_number_q;
   assign run_state_o = run_state_q;
   assign run_mode_o = mode_q;
-  assign run_pose_o = run_pose_q;
+  assign run_pose_o = pose_q;
   assign run_margin_o = margin_q;
   assign run_trial_o = trial_q;
+  assign run_hold_o = hold_q;
   assign engine_status_o = engine_status_q;
   assign summary_o = summary_q;
 
   assign run_tvalid_o = waiting_q;
   for (genvar k = 0; k < 3; k++) begin : g_pose
-    assign run_tdata_o[k*RunBits+:RunBits] = RunBits'($signed(run_pose_q[k]));
+    assign run_tdata_o[k*RunBits+:RunBits] = RunBits'($signed(pose_q[k]));
   end
   assign run_tuser_o[M+:2] = mode_q;
   assign run_tuser_o[M+2+:$bits(trial_t)] = trial_q;
@@ -108,20 +111,20 @@ module triaxis_runner
       mode_q <= '0;
       margin_q <= '0;
       trial_q <= '0;
+      hold_q <= '0;
       pose_q <= '0;
-      run_pose_q <= '0;
       run_number_q <= '0;
       engine_status_q <= StatusNone;
     end else begin
       waiting_q <= run_i;
       if (done_tvalid_i) aborting_q <= 1'b0;
       else if (abort_i) aborting_q <= busy_o;
-      if (move_i) pose_q <= fields_i[95:0];
       if (run_i) begin
-        mode_q <= fields_i[1:0];
-        margin_q <= fields_i[39:8];
-        trial_q <= fields_i[72+:$bits(trial_t)];
-        run_pose_q <= pose_q;
+        mode_q <= asked.mode[1:0];
+        margin_q <= asked.margin;
+        trial_q <= asked.trial;
+        hold_q <= asked.hold;
+        pose_q <= asked.pose;
         run_number_q <= run_number_q + 8'd1;
         engine_status_q <= StatusNone;
       end
@@ -130,13 +133,17 @@ module triaxis_runner
         mode_q <= '0;
         margin_q <= '0;
         trial_q <= '0;
+        hold_q <= '0;
         pose_q <= '0;
-        run_pose_q <= '0;
         run_number_q <= '0;
         engine_status_q <= StatusNone;
       end
     end
   end
+
+  // What the judge has looked at.
+  logic unused_asked;
+  assign unused_asked = ^{asked.count_a, asked.count_b, asked.mode[7:2]};
 
   assign seen_o = {
     waiting_q,
@@ -145,8 +152,8 @@ module triaxis_runner
     mode_q,
     margin_q,
     trial_q,
+    hold_q,
     pose_q,
-    run_pose_q,
     run_number_q,
     engine_status_q,
     summary_q

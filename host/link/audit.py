@@ -5,7 +5,7 @@ that was asked for, and complete: one that left pairs out cannot pass for clear.
 """
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,6 @@ from triaxis.host.link.messages import (
     Description,
     Flag,
     Mode,
-    Pose,
     Results,
     RunEnd,
     RunRequest,
@@ -65,8 +64,11 @@ def check_description(board: Description) -> None:
         raise contradiction(f"certifies {board.certifies}, must be 0 or 1")
 
 
-def check_status(status: Status, group: int) -> None:
-    """Raise LinkError where the fields of a status contradict each other; ``group``: triangles of one."""
+def check_status(status: Status, group: int, holds: bool = False) -> None:
+    """Raise LinkError where the fields of a status contradict each other.
+
+    ``group``: triangles of one; ``holds``: go may be said while the run goes on.
+    """
     for what, value, known in (("state", status.state, State), ("end", status.end, RunEnd),
                                ("mode", status.mode, Mode)):  # fmt: skip
         if value not in set(known):
@@ -82,7 +84,7 @@ def check_status(status: Status, group: int) -> None:
     elif status.end in _WHOLE:
         _check_counters(status, group)
     if status.flags & Flag.GO:
-        _check_go(status)
+        _check_go(status, holds)
 
 
 def _check_unfinished(status: Status) -> None:
@@ -94,7 +96,12 @@ def _check_unfinished(status: Status) -> None:
         raise contradiction(f"numbers of a run in state {State(status.state).name}")
 
 
-def _check_go(status: Status) -> None:
+def _check_go(status: Status, holds: bool) -> None:
+    if holds and status.state == State.RUNNING:
+        # Of the runs before: this one may have found what ends it.
+        if status.flags & ~Flag.NEAR_WAITING != Flag.GO:
+            raise contradiction("go, although the watchdog has run out, or a check has failed")
+        return
     if (status.state, status.end, status.near) != (State.DONE, RunEnd.COMPLETE, 0):
         raise contradiction("go, and no complete run that found nothing near")
     if status.flags != Flag.GO:
@@ -153,9 +160,9 @@ def _pairs(groups: int, sizes: Sequence[tuple[int, int]]) -> int:
     return pairs
 
 
-def check_results(results: Results, group: int) -> None:
+def check_results(results: Results, group: int, holds: bool = False) -> None:
     """Raise LinkError where the status of an answer to RESULTS contradicts itself or its near pairs."""
-    check_status(results.status, group)
+    check_status(results.status, group, holds)
     # What has been taken is freed, so that what waits is here.
     must_be("near pairs wait", bool(results.status.flags & Flag.NEAR_WAITING), len(results.near) > 0)
 
@@ -186,7 +193,6 @@ class BoardRun:
     """What was asked for, and what came back. ``near``: (i in A, j in B) as loaded, shape (K, 2)."""
 
     request: RunRequest
-    pose: Pose
     number: int
     status: Status
     near: npt.NDArray[np.int64]
@@ -200,7 +206,7 @@ def audit(run: BoardRun) -> None:
     must_be("state", status.state, State.DONE)
     must_be("run number", status.run, run.number)
     must_be("mode", status.mode, request.mode)
-    must_be("pose", (status.x, status.y, status.z), astuple(run.pose))
+    must_be("pose", (status.x, status.y, status.z), (request.x, request.y, request.z))
     must_be("margin", status.margin, request.margin)
     must_be("triangles", (status.count_a, status.count_b), (request.count_a, request.count_b))
     if status.end in _MEANING:

@@ -10,7 +10,9 @@ from triaxis.host.engines import Progress, unwatched
 from triaxis.host.link.audit import BoardRun, check_description, check_later, check_results, check_status
 from triaxis.host.link.exchange import Exchange, Line, LinkError, SessionLostError
 from triaxis.host.link.messages import (
+    LOADED_POSE,
     PROTOCOL,
+    Begun,
     Code,
     Command,
     Description,
@@ -21,7 +23,6 @@ from triaxis.host.link.messages import (
     Pose,
     Results,
     ResultsRequest,
-    RunNumber,
     RunRequest,
     State,
     Status,
@@ -65,8 +66,8 @@ class Board:
 
     def _forget(self) -> None:
         self._counts = [0, 0]
-        self._pose = Pose(0, 0, 0)
         self._runs = 0
+        self._holds = False
 
     def hello(self, seconds: float = _TAKEOVER_SECONDS) -> Description:
         """Take the board in a new session, empty; wait so long for another master's end."""
@@ -124,26 +125,32 @@ class Board:
             progress(len(some))
         self._counts[mesh] = len(triangles)
 
-    def move(self, pose: Pose) -> None:
-        """Place mesh A, in steps of the grid from where it was loaded."""
-        self._expect("pose", self._ask(Command.MOVE, Pose, pose), pose)
-        self._pose = pose
-
-    def run(self, mode: Mode, margin: int, progress: Progress = unwatched, trial: int = 0) -> BoardRun:
+    def run(
+        self,
+        mode: Mode,
+        margin: int,
+        pose: Pose = LOADED_POSE,
+        progress: Progress = unwatched,
+        trial: int = 0,
+        hold: int = 0,
+    ) -> BoardRun:
         """Run to the end; ``progress`` is told of near pairs. The caller audits what comes back.
 
-        ``trial``: what the run tries, see `trial_of`; 0 in use.
+        ``trial`` and ``hold``: see `RunRequest`.
         """
-        request = RunRequest(mode, margin, *self._counts, trial=trial)
-        number = self._ask(Command.RUN, RunNumber, request).number
+        request = RunRequest(
+            mode, margin, *self._counts, trial=trial, x=pose.x, y=pose.y, z=pose.z, hold=hold
+        )
+        begun = self._ask(Command.RUN, Begun, request)
         self._runs += 1
-        self._expect("run number", number, self._runs % 256)
+        self._expect("run number and hold", begun, Begun(self._runs % 256, hold))
+        self._holds = hold > 0
         try:
             status, near = self._results(progress)
         except KeyboardInterrupt:
             self.abort()
             raise
-        return BoardRun(request, self._pose, number, status, near)
+        return BoardRun(request, begun.number, status, near)
 
     def _results(self, progress: Progress) -> tuple[Status, npt.NDArray[np.int64]]:
         parts = [np.empty((0, 2), np.int64)]
@@ -152,7 +159,7 @@ class Board:
         deadline = self._line.now() + silence
         while True:
             results = self._ask(Command.RESULTS, Results, ResultsRequest(count))
-            check_results(results, self.description.group)
+            check_results(results, self.description.group, self._holds)
             self._expect("first near pair", results.start, count)
             if len(results.near):
                 deadline = self._line.now() + silence
@@ -184,7 +191,7 @@ class Board:
 
     def _status(self, command: Command) -> Status:
         status = self._ask(command, Status)
-        check_status(status, self.description.group)
+        check_status(status, self.description.group, self._holds)
         return status
 
     def _ask(self, command: Command, answer: type[_Answer], request: Record | bytes = b"") -> _Answer:

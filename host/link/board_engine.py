@@ -62,8 +62,7 @@ class BoardEngine:
                 self._board.load(Mesh.A, self._a[self._order_a], self._progress)
                 self._board.load(Mesh.B, self._b[self._order_b], self._progress)
             self._loaded = True
-            self._board.move(pose)
-            return self._board.run(mode, margin)
+            return self._board.run(mode, margin, pose)
         except SessionLostError:
             self._loaded = False
             if attempts == 1:

@@ -10,12 +10,12 @@ import numpy.typing as npt
 from triaxis.host.link.wire import CRC_BYTES, I32, LONGEST, U8, U16, U32, LayoutError, Record
 
 # The version of the protocol, and what a reply adds to its command.
-PROTOCOL = 5
+PROTOCOL = 6
 REPLY = 0x80
 
 
 # What the host may ask for, and what the board says to it.
-Command = IntEnum("Command", "HELLO LOAD MOVE RUN RESULTS STATUS ABORT", start=1)
+Command = IntEnum("Command", "HELLO LOAD RUN RESULTS STATUS ABORT", start=1)
 Code = IntEnum(
     "Code",
     ("OK", "UNKNOWN_COMMAND", "BAD_LENGTH", "OTHER_SESSION", "BAD_SEQUENCE", "BUSY", "BAD_VALUE",
@@ -92,22 +92,33 @@ class Loaded(Record):
     signature: U32
 
 
-class Pose(Record):
-    """Where A stands, in steps of the grid: MOVE and its answer."""
+class Pose(NamedTuple):
+    """Where A stands, in steps of the grid from where it was loaded."""
 
-    x: I32
-    y: I32
-    z: I32
+    x: int
+    y: int
+    z: int
+
+
+LOADED_POSE = Pose(0, 0, 0)
 
 
 class RunRequest(Record):
-    """RUN: the counts must be those that the board holds. ``trial``: see `trial_of`; 0 in use."""
+    """RUN: the counts must be those that the board holds. ``trial``: see `trial_of`; 0 in use.
+
+    ``hold``: for so many milliseconds go stands from the run's end on, where it is clear; go that is said as
+    the run begins stays until then. 0: go ends as the run begins, and has no time.
+    """
 
     mode: U8
     margin: U32
     count_a: U16
     count_b: U16
     trial: U8 = 0
+    x: I32 = 0
+    y: I32 = 0
+    z: I32 = 0
+    hold: U16 = 0
 
 
 def trial_of(kind: TrialKind, which: int) -> int:
@@ -115,10 +126,11 @@ def trial_of(kind: TrialKind, which: int) -> int:
     return kind * WHICHES + which
 
 
-class RunNumber(Record):
-    """Which run has begun: the answer to RUN. The first after HELLO is 1; 255 is followed by 0."""
+class Begun(Record):
+    """Which run has begun, and its hold: RUN's answer. The first after HELLO is 1; 255 is followed by 0."""
 
     number: U8
+    hold: U16
 
 
 class ResultsRequest(Record):

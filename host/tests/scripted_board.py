@@ -10,18 +10,17 @@ import numpy as np
 from triaxis.host.link.messages import (
     PROTOCOL,
     REPLY,
+    Begun,
     Code,
     Command,
     Description,
     Flag,
     Loaded,
     LoadHead,
-    Pose,
     ReplyHead,
     RequestHead,
     Results,
     ResultsRequest,
-    RunNumber,
     RunRequest,
     Status,
     twice,
@@ -73,12 +72,10 @@ class ScriptedLine:
             head, triangles = LoadHead.split(payload)
             self.signature = zlib.crc32(triangles, self.signature if head.first else 0)
             return Code.OK, twice(Loaded(head.first + head.count, self.signature).pack())
-        if command == Command.MOVE:
-            pose = Pose.unpack(payload)
-            return Code.OK, twice(pose.pack())
         if command == Command.RUN:
-            self.status = replace(self.status, mode=RunRequest.unpack(payload).mode)
-            return Code.OK, twice(RunNumber(1).pack())
+            run = RunRequest.unpack(payload)
+            self.status = replace(self.status, mode=run.mode)
+            return Code.OK, twice(Begun(1, run.hold).pack())
         if command == Command.RESULTS:
             start = ResultsRequest.unpack(payload).start
             some = np.array(self.near[start : start + 3], np.int64).reshape(-1, 2)

@@ -18,11 +18,11 @@ from triaxis.host.cli import engine as engine_module
 from triaxis.host.cli import main
 from triaxis.host.cli.board import simulated_parameters
 from triaxis.host.enclosure import NOT_ASKED
-from triaxis.host.engines import STILL, unwatched
+from triaxis.host.engines import STILL
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
-from triaxis.host.link.messages import Mesh, Mode, RunEnd, TrialKind, trial_of
+from triaxis.host.link.messages import LOADED_POSE, Mesh, Mode, RunEnd, TrialKind, trial_of
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies
 from triaxis.host.tests.test_cli import TRIAXIS
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
@@ -232,7 +232,7 @@ def test_a_run_that_is_interrupted_is_aborted(top, rng):
     for mesh in Mesh:
         board.load(mesh, rng.integers(-9, 9, (40, 3, 3)))
     with pytest.raises(KeyboardInterrupt):
-        board.run(Mode.ALL, 20, interrupt)
+        board.run(Mode.ALL, 20, progress=interrupt)
     assert board.status().end == RunEnd.ABORTED
 
 
@@ -320,7 +320,7 @@ def test_unplugged(loading, top, boxes, report, capsys):
     assert top.stop
 
 
-@pytest.mark.parametrize(("step", "why"), [("move", "before the run: check again"), ("run", "after the run")])
+@pytest.mark.parametrize(("step", "why"), [("load", "before the run: check again"), ("run", "after the run")])
 def test_clear_without_go_says_why(step, why, top, board_check, boxes, monkeypatch):
     real = getattr(Board, step)
 
@@ -351,8 +351,8 @@ def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(
 ):
     real = Board.run
 
-    def tried(board, mode, margin, progress=unwatched, trial=0):
-        return real(board, mode, margin, progress, trial * (trial >> 5 != TrialKind.WALK))
+    def tried(board, mode, margin, pose=LOADED_POSE, trial=0):
+        return real(board, mode, margin, pose, trial=trial * (trial >> 5 != TrialKind.WALK))
 
     monkeypatch.setattr(Board, "run", tried)
     status, out, error = board_check(*boxes, "--json", report)
@@ -366,8 +366,8 @@ def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(
 def test_a_fault_in_use_is_unknown_and_a_further_check_is_right(top, board_check, boxes, monkeypatch):
     real = Board.run
 
-    def failing(board, mode, margin, progress=unwatched, trial=0):
-        return real(board, mode, margin, progress, trial or trial_of(TrialKind.WALK, 3))
+    def failing(board, mode, margin, pose=LOADED_POSE, trial=0):
+        return real(board, mode, margin, pose, trial=trial or trial_of(TrialKind.WALK, 3))
 
     with monkeypatch.context() as patched:
         patched.setattr(Board, "run", failing)

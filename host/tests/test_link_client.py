@@ -11,7 +11,7 @@ from triaxis.host.engines import STILL
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
-from triaxis.host.link.messages import Code, Command, Flag, Mode, Pose, ReplyHead, Results, twice
+from triaxis.host.link.messages import Begun, Code, Command, Flag, Mode, ReplyHead, Results, twice
 from triaxis.host.link.wire import Deframer, encode
 from triaxis.host.tests.scripted_board import BOARD, ScriptedLine
 
@@ -157,6 +157,9 @@ def test_a_later_status_is_of_the_same_run():
             board.still(engine.status)
 
 
+BEGUN = twice(Begun(1, 0).pack())
+
+
 def test_a_board_that_cannot_be_is_none():
     for lie in (
         {"width": 7}, {"width": 33}, {"margin_bits": 17}, {"depth": 0}, {"depth": 48}, {"group": 0},
@@ -169,16 +172,16 @@ SAID = [
     (Command.LOAD, Code.OTHER_SESSION, b"", "was reset, or another master has taken it; verdict unknown"),
     (Command.LOAD, Code.OVERFULL, b"", "LOAD was refused: OVERFULL; verdict unknown"),
     (Command.RUN, Code.COUNTS_DIFFER, b"", "RUN: COUNTS_DIFFER: state lost; verdict unknown"),
-    (Command.MOVE, Code.BAD_VALUE, b"", "MOVE was refused: BAD_VALUE; verdict unknown"),
+    (Command.RUN, Code.BAD_VALUE, b"", "RUN was refused: BAD_VALUE; verdict unknown"),
     (Command.HELLO, Code.OTHER_SESSION, b"", "belongs to another master: end that program, then repeat"),
     # Answers to another question.
     (Command.LOAD, Code.OK, twice(bytes([5, 0, 0, 0, 0, 0])), "triangles loaded: 5, expected 6"),
     (Command.LOAD, Code.OK, twice(bytes([6, 0, 0, 0, 0, 0])), "signature of the mesh loaded: 0, expected"),
     (Command.LOAD, Code.OK, bytes(6), "a payload and its inverted copy differ: not this protocol"),
-    (Command.MOVE, Code.OK, twice(bytes(11) + b"\x01"), "pose: Pose(x=0, y=0, z=16777216), expected Pose("),
-    (Command.RUN, Code.OK, twice(b"\x02"), "run number: 2, expected 1"),
+    (Command.RUN, Code.OK, twice(bytes([2, 0, 0])), "hold: Begun(number=2, hold=0), expected Begun(number=1"),
+    (Command.RUN, Code.OK, twice(bytes([1, 7, 0])), "hold: Begun(number=1, hold=7), expected Begun(number=1"),
     (Command.RESULTS, Code.OK, twice(bytes(7)), "must be 51: not this protocol"),
-    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 05: load the bitstream"),
+    (Command.HELLO, Code.OK, b"\x03" + bytes(12), "speaks protocol 03, this program 06: load the bitstream"),
 ]
 
 
@@ -204,10 +207,10 @@ def test_silence_is_said(command):
 def test_the_same_frame_is_sent_again_until_it_is_answered():
     line = ScriptedLine()
     silences = iter([None, None])
-    line.answers[Command.MOVE] = lambda: next(silences, (Code.OK, twice(Pose(*STILL).pack())))
+    line.answers[Command.RUN] = lambda: next(silences, (Code.OK, BEGUN))
     assert check(line).near_count == 0
-    moves = [frame for frame in line.frames if frame[1] == Command.MOVE]
-    assert (len(moves), len(set(moves))) == (3, 1)
+    runs = [frame for frame in line.frames if frame[1] == Command.RUN]
+    assert (len(runs), len(set(runs))) == (3, 1)
     assert len(set(line.frames)) == len(line.frames) - 2
 
 
@@ -219,7 +222,7 @@ def test_sessions_differ_are_never_0_and_a_lost_one_is_begun_again():
     assert len(sessions) == 20 and bytes(4) not in sessions
     line = ScriptedLine()
     lost = iter([(Code.BAD_SEQUENCE, b"\x07")])
-    line.answers[Command.MOVE] = lambda: next(lost, (Code.OK, twice(Pose(*STILL).pack())))
+    line.answers[Command.RUN] = lambda: next(lost, (Code.OK, BEGUN))
     assert check(line).near_count == 0
     assert sum(frame[1] == Command.HELLO for frame in line.frames) == 2
 
@@ -237,7 +240,7 @@ def test_replies_to_others_are_not_heard(field):
         wrong = replace(head, **{field: getattr(head, field) ^ 0x40})
         status = replace(line.status, flags=Flag.WATCHDOG_EXPIRED)
         line.heard += encode(wrong.pack() + twice(status.pack()))
-        line.heard += encode(b"") + encode(b"\x86")
+        line.heard += encode(b"") + encode(b"\x85")
         return true(command, payload)
 
     line.answer = also_a_wrong_one

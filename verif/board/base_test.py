@@ -43,8 +43,7 @@ class BoardCoverageSubscriber(uvm_subscriber):
 
     def build_phase(self) -> None:
         """Start with empty counts."""
-        parameters = settings_of(self).board_parameters
-        self.coverage = BoardCoverage(parameters.width)
+        self.coverage = BoardCoverage()
         self.happened: list[Happened] = []
 
     def write(self, tt: Happened) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
@@ -86,6 +85,8 @@ class BoardTest(EnvironmentTest):
         self.parameters = self.settings.board_parameters
         self.env = create(BoardEnv, "env", self)
         self.session, self.sequence = SESSION, 0
+        # Where A is in the runs to come.
+        self.pose = (0, 0, 0)
 
     def pin_model(self) -> BoardBfm:
         """Return the pins in the place of the board's model."""
@@ -162,8 +163,9 @@ class BoardTest(EnvironmentTest):
     # --- Commands -----------------------------------------------------------------------------------------
 
     async def hello(self) -> None:
-        """Take the board."""
+        """Take the board; runs to come are where meshes were loaded."""
         await self.ask(Command.HELLO)
+        self.move()
 
     async def status(self) -> None:
         """Ask for the status."""
@@ -181,27 +183,33 @@ class BoardTest(EnvironmentTest):
         await self.load(0, a)
         await self.load(1, b)
 
-    async def move(self, x: int = 0, y: int = 0, z: int = 0) -> None:
-        """Ask for a pose."""
-        await self.ask(Command.MOVE, struct.pack("<3i", x, y, z))
+    def move(self, x: int = 0, y: int = 0, z: int = 0) -> None:
+        """Have the runs to come at a pose."""
+        self.pose = (x, y, z)
 
-    def asked(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> bytes:
+    def asked(
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
+    ) -> bytes:
         """Return the payload of a RUN on the meshes that the board holds; ``tries``: a `Trial`, and which."""
         counts = (len(mesh) for mesh in self.env.scoreboard.reference.meshes)
         kind, which = tries
-        return RUN.pack(mode, margin, *counts, kind * WHICHES + which)
+        return RUN.pack(mode, margin, *counts, kind * WHICHES + which, *self.pose, hold)
 
-    async def start(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> None:
+    async def start(
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
+    ) -> None:
         """Start a run; its reply has come."""
-        await self.ask(Command.RUN, self.asked(mode, margin, tries))
+        await self.ask(Command.RUN, self.asked(mode, margin, tries, hold))
 
     async def idle(self) -> None:
         """Wait until no run goes on."""
         await self.line(until=Until.IDLE)
 
-    async def run(self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0)) -> None:
+    async def run(
+        self, mode: int = Mode.ALL, margin: int = 0, tries: tuple[int, int] = (0, 0), hold: int = 0
+    ) -> None:
         """Run to the end, and ask how it ended."""
-        await self.start(mode, margin, tries)
+        await self.start(mode, margin, tries, hold)
         await self.idle()
         await self.status()
 

@@ -75,7 +75,8 @@ class Run:
 
     ``fails``: a check fails in it, by its end, where nothing ends it before; ``may_fail``: one may, at any
     clock of it. ``persists``: it fails for as long as it goes on.
-    ``scrub_finds``: one fails after it.
+    ``scrub_finds``: one fails after it. ``hold``: for how long it permits, in the board's units; 0: without
+    an end.
     """
 
     number: int = 0
@@ -83,6 +84,7 @@ class Run:
     margin: int = 0
     pose: tuple[int, int, int] = (0, 0, 0)
     tries: tuple[int, int] = (0, 0)
+    hold: int = 0
     state: State = State.NEVER
     start: int = 0
     ended: int = 0

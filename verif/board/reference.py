@@ -21,6 +21,7 @@ from triaxis.sim.mesh_engine import Trial
 from triaxis.verif.board.board_state import Due, Frame, Pins, Run
 from triaxis.verif.board.frame_receiver import FrameReceiver
 from triaxis.verif.board.protocol import (
+    BEGUN,
     COUNTERS,
     END,
     HEAD,
@@ -52,7 +53,7 @@ _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
 _NOT_COUNTED = 1
 
 # Clocks from the end of a frame until it is executed: header, fields, verdict.
-EXECUTED = 23
+EXECUTED = 35
 # Clocks from the verdict until then: what ends between changes nothing.
 _JUDGED = 1
 # How long HELLO and ABORT take where no run has to end first.
@@ -109,6 +110,8 @@ class BoardReference:
         # A check has failed; in doubt: nobody can know, since an error before it lights the same LED.
         self.fault = self.in_doubt = self._acknowledged = False
         self.errors = 0
+        # The clock from which go is not said any more.
+        self.deadline: int | None = None
         self.kicked = self._silent = -1
         self._beat_due, self._go_number = False, next(self._numbers)
 
@@ -120,7 +123,6 @@ class BoardReference:
     def _forget(self) -> None:
         self.reply_check.near = 0
         self.meshes = [_NO_MESH, _NO_MESH]
-        self.pose = (0, 0, 0)
         self.run = Run()
 
     def _wrong(self, what: str) -> None:
@@ -150,6 +152,7 @@ class BoardReference:
         """Compare the pins with what they must be at the end of this clock."""
         pins, run = self.pins, self.run
         self._look_for_fault()
+        self._look_at_deadline()
         if self.held and any(0 < press - self.clock <= self._untold for press in self.presses):
             # It may have been executed, and the button takes the reply that would tell.
             return
@@ -194,6 +197,12 @@ class BoardReference:
         self.in_doubt = self.error
         if self.pins.wrong and not self.error:
             self._fail()
+
+    def _look_at_deadline(self) -> None:
+        """End go at its deadline, and what a run that goes on promises."""
+        if self.go and self.deadline is not None and self.clock >= self.deadline:
+            self._happened("board_holds", f"late, {'run' if self.busy else 'rest'}")
+            self._disturb("deadline")
 
     def _fail(self) -> None:
         """Let a check fail: from the next clock on there is no go, until the next HELLO."""
@@ -241,8 +250,17 @@ class BoardReference:
         self._moment(self.held or self._answered)
         if not run.maybe_aborted:
             self._happened("board_runs", f"{Mode(run.mode).name}, {said}")
+        was_go, due = self.go, self.deadline
         if self.armed and clear and (not run.maybe_aborted or self.pins.go):
             self._say_go()
+        elif self.go:
+            self._disturb("end of a run")
+        if was_go:
+            self._happened(
+                "board_holds", f"{said}, {'in time' if due is None or self.clock < due else 'last clock'}"
+            )
+            if due is not None:
+                self._happened("board_moments", f"end of a run {self.clock - due:+d}, deadline")
 
     def _tell_trial(self) -> None:
         """Tell what came of what a run has tried, or of a fault before it."""
@@ -263,7 +281,14 @@ class BoardReference:
             self._fail()
 
     def _say_go(self) -> None:
-        """Say go from this clock on; the beat begins with it."""
+        """Say go from this clock on, for as long as the run holds; the beat begins with it."""
+        hold = self.run.hold * self.parameters.hold_clocks
+        self.deadline = self.clock + hold if hold else None
+        if self.deadline:
+            # It is looked at where anything happens.
+            self._at(self.deadline, lambda _: None)
+        if self.go:
+            return
         self.go = True
         if self._acknowledged:
             self._happened("board_faults", "go after it was acknowledged")
@@ -388,7 +413,7 @@ class BoardReference:
             return Code.OK if self.run.freed <= first <= self._last_pair() else Code.VALUE
         if hello or self._repeats(frame):
             return Code.OK
-        if command in (Command.LOAD, Command.MOVE, Command.RUN):
+        if command in (Command.LOAD, Command.RUN):
             return Code.BUSY if busy else self._command_code(command, payload)
         return Code.OK
 
@@ -403,16 +428,16 @@ class BoardReference:
         if command == Command.LOAD:
             triangles = payload[3] if len(payload) > 3 else 0
             return 4 + triangles * 9 * coordinate_bytes(self.parameters.width)
-        return {Command.MOVE: 12, Command.RUN: RUN.size, Command.RESULTS: 4}.get(Command(command), 0)
+        return {Command.RUN: RUN.size, Command.RESULTS: 4}.get(Command(command), 0)
 
     def _command_code(self, command: int, payload: bytes) -> Code:
         if command == Command.LOAD:
             return self._load_code(payload)
-        if command == Command.MOVE:
-            reach = 1 << self.parameters.width
-            return Code.OK if all(-reach <= v < reach for v in struct.unpack("<3i", payload)) else Code.VALUE
-        mode, margin, *counts, _ = RUN.unpack(payload)
+        mode, margin, *counts, _, x, y, z, _ = RUN.unpack(payload)
+        reach = 1 << self.parameters.width
         if mode > Mode.COUNT or margin > self.parameters.max_margin:
+            return Code.VALUE
+        if not all(-reach <= value < reach for value in (x, y, z)):
             return Code.VALUE
         if counts != [len(mesh) for mesh in self.meshes]:
             return Code.COUNTS
@@ -448,7 +473,11 @@ class BoardReference:
     def _act(self, frame: Frame) -> None:
         """Let a frame that is executed have the effects that come first."""
         frame.acted, frame.state = True, self._state
-        if frame.command not in (Command.RESULTS, Command.STATUS):
+        self._look_at_deadline()
+        holds = frame.command == Command.RUN and RUN.unpack(frame.payload)[-1]
+        if holds and self.go:
+            self._happened("board_holds", "begun while go is said")
+        if frame.command not in (Command.RESULTS, Command.STATUS) and not (holds and self.go):
             self._disturb(Command(frame.command).name)
         if frame.command in (Command.HELLO, Command.RUN):
             # Silence that is noticed in the same clock is not forgotten.
@@ -544,24 +573,23 @@ class BoardReference:
             mesh, first = payload[0], struct.unpack_from("<H", payload, 1)[0]
             given = loaded_triangles(payload, self.parameters.width)
             self.meshes[mesh] = np.concatenate([self.meshes[mesh], given]) if first else given
-        elif command == Command.MOVE:
-            self.pose = struct.unpack("<3i", payload)
         elif command == Command.RUN:
-            mode, margin, _, _, trial = RUN.unpack(payload)
-            self._start(mode, margin, divmod(trial, WHICHES))
+            mode, margin, _, _, trial, *pose, hold = RUN.unpack(payload)
+            number = (self.run.number + 1) % 256
+            tries = divmod(trial, WHICHES)
+            self._start(Run(number, mode, margin, tuple(pose), tries, hold, State.RUNNING, self.clock))
             self.armed = alive and not self.fault
         elif command == Command.RESULTS:
             (self.run.freed,) = struct.unpack("<I", payload)
             self._expect_end(self.run)
 
-    def _start(self, mode: int, margin: int, tries: tuple[int, int]) -> None:
+    def _start(self, run: Run) -> None:
         a, b = self.meshes
-        run = Run((self.run.number + 1) % 256, mode, margin, self.pose, tries, State.RUNNING, self.clock)
-        moved = a + np.array(self.pose, np.int64)
+        moved = a + np.array(run.pose, np.int64)
         low, high = coordinate_range(self.parameters.width)
         run.overflow = bool(moved.min() < low or moved.max() > high)
         if not run.overflow:
-            run.answer = scene_answer(moved, b, margin, self.parameters.group)
+            run.answer = scene_answer(moved, b, run.margin, self.parameters.group)
         self._try(run)
         if run.answer:
             run.pairs = run.answer.near_pairs
@@ -615,10 +643,8 @@ class BoardReference:
         elif code == Code.OK:
             if command == Command.HELLO:
                 payload = self._description()
-            elif command == Command.MOVE:
-                payload = struct.pack("<3i", *self.pose)
             elif command == Command.RUN:
-                payload = bytes([self.run.number])
+                payload = BEGUN.pack(self.run.number, self.run.hold)
             else:
                 status = self._status()
         first = struct.unpack("<I", frame.payload)[0] if command == Command.RESULTS and status else 0

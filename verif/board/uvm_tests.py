@@ -53,8 +53,7 @@ class BoardSmokeTest(BoardTest):
         await self.hello()
         await self.again(Command.HELLO)
         await self.scene(self.flat(), self.flat(5))
-        await self.move(1, -2, 3)
-        await self.again(Command.MOVE, struct.pack("<3i", 1, -2, 3))
+        self.move(1, -2, 3)
         for mode in Mode:
             payload = self.asked(mode)
             await self.start(mode)
@@ -65,7 +64,7 @@ class BoardSmokeTest(BoardTest):
         await self.again(Command.STATUS)
         await self.results(0)
         await self.again(Command.RESULTS, bytes(4))
-        await self.move(0, 0, 5)
+        self.move(0, 0, 5)
         payload = self.asked()
         await self.start()
         await self.idle()
@@ -117,14 +116,17 @@ class BoardGoTest(BoardTest):
             await self.results(0)
         await self.in_runs()
 
-    async def in_runs(self) -> None:
-        """Begin a clear run that takes some time, and have it spoiled."""
+    async def in_runs(self, hold: int = 0) -> None:
+        """Begin a clear run that takes some time, while go is said if it holds, and have it spoiled."""
         count = min(64, self.parameters.depth)
         for name, end in sorted(self.ends.items()):
-            if name in ("load", "move", "silence", "trial"):
+            if name in ("load", "silence", "trial"):
                 continue
             await self.needed(count)
-            await self.line(framed(self.frame(Command.RUN, self.asked())), Until.SENT)
+            if hold:
+                await self.start(hold=hold)
+                await self.idle()
+            await self.line(framed(self.frame(Command.RUN, self.asked(hold=hold))), Until.SENT)
             self.sequence += 1
             await self.line(until=Until.ANSWERED, gap=int(self.rng.integers(1, 400)))
             await end()
@@ -134,8 +136,7 @@ class BoardGoTest(BoardTest):
     async def needed(self, count: int) -> None:
         """Load a clear scene of so many triangles, where it is not there any more."""
         a, b = self.env.scoreboard.reference.meshes
-        if self.env.scoreboard.reference.pose != (0, 0, 0):
-            await self.move()
+        self.move()
         if (len(a), len(b)) != (count, count):
             await self.scene(self.flat(0, count), self.corners(count))
 
@@ -145,7 +146,6 @@ class BoardGoTest(BoardTest):
         line, ask = self.silent, self.ask
         return {
             "load": lambda: self.load(0, self.flat()),
-            "move": self.move,
             "abort": lambda: ask(Command.ABORT),
             "hello": self.hello,
             "reset": self.pressed,
@@ -163,8 +163,8 @@ class BoardGoTest(BoardTest):
             "length": lambda: ask(Command.STATUS, b"\0"),
             "session": lambda: ask(Command.STATUS, session=1),
             "sequence": lambda: ask(Command.STATUS, ahead=2),
-            "value": lambda: ask(Command.RUN, RUN.pack(3, 0, 1, 1, 0)),
-            "counts": lambda: ask(Command.RUN, RUN.pack(0, 0, 9, 9, 0)),
+            "value": lambda: ask(Command.RUN, RUN.pack(3, 0, 1, 1, 0, 0, 0, 0, 0)),
+            "counts": lambda: ask(Command.RUN, RUN.pack(0, 0, 9, 9, 0, 0, 0, 0, 0)),
             "place": lambda: ask(Command.LOAD, load_payload(0, 99, self.flat(), self.parameters.width)),
             "silence": lambda: self.clocks(self.parameters.watchdog_clocks),
             "trial": self.trial,
@@ -190,6 +190,86 @@ class BoardGoTest(BoardTest):
 
 
 @listed(
+    "V1",
+    Runs((BOARD,), 300, seeds=3, smoke=(BOARD,)),
+    Runs((SHIPPED,), 150, seeds=1, smoke=(SHIPPED,)),
+    why_seeds="Three: it takes other poses, holds and moments with each.",
+)
+class BoardHoldTest(BoardGoTest):
+    """A machine that moves while its next segment is checked: go stays to a deadline, and ends as it must."""
+
+    async def stimulus(self) -> None:
+        """Have segments follow one another, and break them off in every way."""
+        await self.hello()
+        await self.needed(1)
+        while self.unfinished:
+            await self.followed()
+            await self.broken_off()
+            await self.late()
+        await self.at_the_deadline()
+        await self.in_runs(hold=60)
+
+    async def followed(self) -> None:
+        """Go on without a stop, at any clear pose; once without a hold between, or with the longest."""
+        await self.needed(1)
+        for number in range(12):
+            self.move(*self.rng.integers(20, 200, 3).tolist())
+            if number == 6:
+                await self.start(hold=int(self.rng.choice([0, 0xFFFF])))
+                await self.idle()
+            await self.start(int(self.rng.integers(3)), hold=int(self.rng.integers(8, 30)))
+            await self.idle()
+            if self.rng.integers(2):
+                await self.status()
+
+    async def broken_off(self) -> None:
+        """Have a segment that is near, in each mode, or out of range; the next begins anew."""
+        far = (1 << min(self.parameters.width, 31)) - 1
+        for mode in Mode:
+            for pose in ((0, 0, 0), (-4, -4, 0), (far, 0, 0)):
+                await self.needed(1)
+                await self.start(hold=40)
+                await self.idle()
+                self.move(*pose)
+                await self.start(mode, self.parameters.max_margin, hold=40)
+                await self.idle()
+                await self.status()
+                await self.all_results()
+
+    async def late(self) -> None:
+        """Let the deadline pass, at rest and in a run that takes longer; any hold that there is."""
+        for hold in (1, 2, 5):
+            await self.needed(1)
+            await self.start(hold=hold)
+            await self.idle()
+            await self.clocks(hold * self.parameters.hold_clocks + 99)
+            await self.status()
+        count = min(64, self.parameters.depth)
+        await self.needed(count)
+        for hold in (3, 40):
+            for _ in range(2):
+                await self.start(hold=hold)
+                await self.idle()
+            await self.status()
+
+    async def at_the_deadline(self) -> None:
+        """Have a segment end at each clock around the deadline of the one before."""
+        reference, hold, wait = self.env.scoreboard.reference, 13, 0
+        await self.needed(min(64, self.parameters.depth))
+        for number in range(9):
+            await self.run(hold=hold)
+            due = reference.run.ended + hold * self.parameters.hold_clocks
+            frame = framed(self.frame(Command.RUN, self.asked(hold=hold)))
+            await self.line(frame[:-1], Until.NOW, gap=_BYTE * 60 + wait)
+            await self.line(frame[-1:], gap=_SHORT)
+            await self.idle()
+            self.sequence = reference.sequence
+            await self.status()
+            after = reference.run.ended - due
+            wait += 1 if number else -3 - after
+
+
+@listed(
     "V2",
     Runs((BOARD,), 45, seeds=1, smoke=(BOARD,)),
     why_seeds=_ONE_SEED,
@@ -212,7 +292,7 @@ class BoardFramesTest(BoardTest):
         await self.damaged()
         await self.cut_off()
         await self.levels()
-        await self.move()
+        self.move()
         await self.too_early()
         await self.clear_run()
 
@@ -316,29 +396,29 @@ class BoardRefusalsTest(BoardTest):
 
     async def sessions(self) -> None:
         """Ask without a session, of no session, of another; with numbers that are not due."""
-        for command in range(2, 8):
+        for command in range(2, 7):
             await self.ask(command)
         for command in (Command.STATUS, Command.HELLO):
             await self.ask(command, session=0)
         self.sequence = 2**32 - 4
         await self.hello()
-        for command in range(1, 8):
+        for command in range(1, 7):
             await self.ask(command, session=SESSION + 1)
             await self.ask(command, session=SESSION ^ 1 << 31)
         for ahead in (2, 3, 128, 256, 257, 1 << 16, 1 << 24, 1 << 31, -1, 0):
             # 0 is the number of the last command, but of another one.
             await self.ask(Command.ABORT, ahead=ahead)
             await self.status()
-        for command in (Command.LOAD, Command.MOVE, Command.RUN, Command.RESULTS):
+        for command in (Command.LOAD, Command.RUN, Command.RESULTS):
             await self.ask(command, ahead=2)
         await self.ask(Command.HELLO, ahead=-5)
-        for command in (0, 8, 0x0F, 0x7F, 0x81, 0xFF):
+        for command in (0, 7, 8, 0x0F, 0x7F, 0x81, 0xFF):
             await self.ask(command)
         await self.status()
 
     async def lengths(self) -> None:
         """Ask with payloads of other lengths than there are."""
-        right = {Command.HELLO: 0, Command.MOVE: 12, Command.RUN: 10, Command.RESULTS: 4, Command.STATUS: 0}
+        right = {Command.HELLO: 0, Command.RUN: RUN.size, Command.RESULTS: 4, Command.STATUS: 0}
         for command, length in {**right, Command.ABORT: 0}.items():
             for wrong in sorted({0, 1, length - 1, length + 1, 100} - {length, -1}):
                 await self.ask(command, bytes(wrong))
@@ -381,21 +461,22 @@ class BoardRefusalsTest(BoardTest):
         await self.status()
 
     async def moves(self) -> None:
-        """Move to the ends of the range, and a step beyond."""
+        """Run at the ends of the range, and a step beyond."""
         reach = 1 << self.parameters.width
         for place in range(3):
             for value in (reach, -reach - 1, 2**31 - 1, -(2**31)):
                 if -(2**31) <= value < 2**31:
-                    await self.ask(Command.MOVE, struct.pack("<3i", *np.roll([value, 0, 0], place).tolist()))
+                    self.move(*np.roll([value, 0, 0], place).tolist())
+                    await self.start()
             ends = np.roll([min(reach, 2**31) - 1, -min(reach, 2**31), 0], place).tolist()
-            await self.move(*ends)
+            self.move(*ends)
             await self.run(Mode(place))
         # As far as 32 bits reach: without the sign it would be a step.
         below = -self.flat(0, 3)
         await self.scene(below, below)
-        await self.move(min(reach, 2**31) - 1)
+        self.move(min(reach, 2**31) - 1)
         await self.run()
-        await self.move()
+        self.move()
 
     async def runs(self) -> None:
         """Run in modes and with margins that there are not, of other counts, of nothing."""
@@ -405,7 +486,7 @@ class BoardRefusalsTest(BoardTest):
             (3, 0, 3, 2), (4, 0, 3, 2), (255, 0, 3, 2), (1, most + 1, 3, 2), (1, 1 << 31, 3, 2), (1, 0, 2, 2),
             (1, 0, 3, 3), (1, 0, 2, 3), (1, 0, 3 + 256, 2), (1, 0, 3, 2 + 256), (1, 0, 0, 0),
         ):  # fmt: skip
-            await self.ask(Command.RUN, RUN.pack(mode, margin, a, b, 0))
+            await self.ask(Command.RUN, RUN.pack(mode, margin, a, b, 0, 0, 0, 0, 0))
         for margin in sorted({0, min(4, most), min(5, most), most}):
             await self.run(Mode.ALL, margin)
         await self.results(99)
@@ -422,11 +503,11 @@ class BoardRefusalsTest(BoardTest):
         await self.results(1)
 
     async def forgotten(self) -> None:
-        """Run at a pose with a margin, move on, say HELLO: the last run, then nothing, is at that pose."""
-        await self.move(1, -2, 3)
+        """Run at a pose with a margin, say HELLO: the last run, then nothing, is at that pose."""
+        self.move(1, -2, 3)
         await self.run(Mode.COUNT, self.parameters.max_margin)
-        await self.move(4, 5, -6)
         await self.status()
+        self.move()
         await self.hello()
         await self.status()
         await self.scene(self.flat(0, 3), self.flat(5, 2))
@@ -517,7 +598,7 @@ class BoardSilenceTest(BoardTest):
                     self.session ^= 1
                 kicked = reference.kicked
                 frame = framed(self.frame(command, self.asked() if command == Command.RUN else b""))
-                await self.line(frame[:-1], Until.NOW, gap=_BYTE * 40 + wait)
+                await self.line(frame[:-1], Until.NOW, gap=_BYTE * 60 + wait)
                 await self.line(frame[-1:], gap=_SHORT)
                 after = reference.arrived + EXECUTED - kicked
                 wait += 1 if number else self.parameters.watchdog_clocks - 5 - after
@@ -575,7 +656,7 @@ class BoardAbortTest(BoardTest):
                     await self.status()
                     await self.scene(self.flat(0, count), self.corners(count))
         await self.at_the_end(Command.ABORT)
-        await self.at_the_end(Command.MOVE, struct.pack("<3i", 1, 2, 3))
+        await self.at_the_end(Command.RUN)
         await self.clear_run()
         await self.scene(self.cloud(count, 20), self.cloud(count, 20))
         for _ in range(4):
@@ -584,20 +665,21 @@ class BoardAbortTest(BoardTest):
         await self.run(Mode.ALL)
         await self.all_results()
 
-    async def at_the_end(self, command: int, payload: bytes = b"") -> None:
+    async def at_the_end(self, command: int) -> None:
         """Ask for what ends a clear run, or would disturb it, at each clock around its end."""
         await self.scene(self.flat(0, 64), self.corners(64))
         reference, wait = self.env.scoreboard.reference, 0
         for number in range(13):
-            await self.move()
+            self.move()
             await self.clear_run()
             length = reference.run.ended - reference.run.start
-            after = await self.ended_by(command, Mode.COUNT, wait, payload)
+            after = await self.ended_by(command, Mode.COUNT, wait)
             # How long after its run's beginning the first came says how long the others wait for the end.
             wait += 1 if number else length - 6 - after
 
-    async def ended_by(self, command: int, mode: int, wait: int, payload: bytes = b"") -> int:
+    async def ended_by(self, command: int, mode: int, wait: int) -> int:
         """Begin a run and end it some time later; return how many clocks after its beginning."""
+        payload = self.asked() if command == Command.RUN else b""
         ended = framed(self.frame(command, payload, ahead=2))
         frame = framed(self.frame(Command.RUN, self.asked(mode)))
         # The last byte of the one and the whole other come while the run goes on; the other's end at a clock
@@ -664,7 +746,7 @@ class BoardFullTest(BoardTest):
     async def every_pair(self) -> None:
         """Take near pairs from all over the longest list that there is, and pass over the others."""
         depth = self.parameters.depth
-        await self.move()
+        self.move()
         await self.scene(self.flat(0, depth), self.flat(0, depth))
         await self.start(Mode.ALL)
         for first in range(RING, depth * depth + 1, RING):
@@ -727,7 +809,7 @@ class BoardFullTest(BoardTest):
     async def busy(self) -> None:
         """Ask for what would disturb a run that goes on."""
         await self.load(0, self.flat())
-        await self.move(1, 1, 1)
+        self.move(1, 1, 1)
         await self.start()
         await self.status()
         await self.again(Command.STATUS)
@@ -756,7 +838,7 @@ class BoardFullTest(BoardTest):
 
     async def meanwhile(self) -> None:
         """Ask for near pairs while a long run goes on that has none, and while one goes on that has a few."""
-        await self.move()
+        self.move()
         between = np.tile(np.array([[10, 3, 0], [3, 10, 0], [9, 5, 0]], np.int64), (63, 1, 1))
         for a, b in (
             (self.flat(0, 64), self.corners(64)),
@@ -773,7 +855,7 @@ class BoardFullTest(BoardTest):
             await self.scene(self.flat(0, count_a), self.flat(0, count_b))
             await self.run(Mode.COUNT)
             await self.digits()
-        await self.move(0, 0, 9)
+        self.move(0, 0, 9)
         await self.clear_run()
         await self.digits()
 
@@ -827,7 +909,7 @@ class BoardTrialsTest(BoardTest):
             for which in (*range(6), WHICHES - 1):
                 await self.hello()
                 await self.scene(a, b)
-                await self.move(0, 0, -1)
+                self.move(0, 0, -1)
                 await self.run(Mode(int(self.rng.integers(3))), 0, (Trial.MEMORY, which))
 
     async def modes(self) -> None:
@@ -842,9 +924,9 @@ class BoardTrialsTest(BoardTest):
         await self.hello()
         for kind in list(Trial)[1:]:
             await self.needed()
-            await self.move(0, 0, (1 << min(self.parameters.width, 31)) - 1)
+            self.move(0, 0, (1 << min(self.parameters.width, 31)) - 1)
             await self.run(Mode.COUNT, 0, (kind, 1))
-            await self.move()
+            self.move()
 
     async def stands(self) -> None:
         """Have a fault outlast runs, refusals, silence, ABORT; any HELLO ends it, and so does the button."""
@@ -988,7 +1070,7 @@ class BoardResetsTest(BoardTest):
     async def executing(self) -> None:
         """Press it at every second clock in which LOAD, RUN, HELLO are executed; a clear run comes after."""
         width = self.parameters.width
-        for command, clocks in ((Command.LOAD, 110), (Command.RUN, 90), (Command.HELLO, 30)):
+        for command, clocks in ((Command.LOAD, 122), (Command.RUN, 102), (Command.HELLO, 42)):
             for clock in range(0, clocks, 2 * self.stride):
                 await self.hello()
                 await self.scene(self.flat(0, 2), self.flat(5, 2))
@@ -1075,7 +1157,8 @@ class BoardMixedTest(BoardTest):
 
     async def some_run(self) -> None:
         """Run in some mode at some margin, and read what is near."""
-        await self.start(int(self.rng.integers(3)), int(self.rng.choice([0, 0, self.parameters.max_margin])))
+        margin, hold = self.rng.choice([0, 0, self.parameters.max_margin]), self.rng.choice([0, 0, 1, 9, 60])
+        await self.start(int(self.rng.integers(3)), int(margin), hold=int(hold))
         if self.rng.integers(2):
             await self.idle()
         await self.all_results()
@@ -1094,9 +1177,9 @@ class BoardMixedTest(BoardTest):
             await self.some_scene()
 
     async def some_move(self) -> None:
-        """Move far away, or near."""
+        """Run far away, or near."""
         reach = int(self.rng.choice([20, 700, 1 << self.parameters.width - 1]))
-        await self.move(*self.rng.integers(-reach, reach, 3).tolist())
+        self.move(*self.rng.integers(-reach, reach, 3).tolist())
         await self.run()
 
     async def some_talk(self) -> None:

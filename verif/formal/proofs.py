@@ -517,18 +517,23 @@ _BOARD = (
     "board/nexys4ddr_top",
 )  # fmt: skip
 
+# As it ships: of the top's own times those that go rests on.
+_BOARD_SIZES = {
+    "W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000, "HoldClocks": 100_000,
+}  # fmt: skip
+
 
 def _board_twice() -> SbyProof:
     return SbyProof(
         name="board_twice",
         claim="Whatever the one of two does, the other permits nothing but from the end of a complete run "
-        "that found nothing near, and on its own sign of life, with no change, error or fault since; go is "
-        "that of the one, stop the contrary of the other; for any states of the two. Two runners that "
-        "differ in anything that they say or ask for, a byte that is broken, and what is tried of these, "
-        "are a fault in the next clock, and nothing else is, until the next HELLO; a fault is told to the "
-        "host.",
+        "that found nothing near, to the deadline that it counts itself, and on its own sign of life, with "
+        "no change, error or fault since; go is that of the one, stop the contrary of the other; for any "
+        "states of the two. Two runners that differ in anything that they say or ask for, a byte that is "
+        "broken, and what is tried of these, are a fault in the next clock, and nothing else is, until the "
+        "next HELLO; a fault is told to the host.",
         method=Method.WINDOW,
-        parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
+        parameters=_BOARD_SIZES,
         assumptions=("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),
         top="triaxis_board_twice_formal",
         dut_files=tuple(f"{file}.sv" for file in _BOARD),
@@ -541,16 +546,17 @@ def _board_twice() -> SbyProof:
 def _board_go() -> SbyProof:
     return SbyProof(
         name="board_go",
-        claim="For all time, from power-up: go is said only where the last run that the engine took was "
-        "complete and found nothing near; it was the run last acknowledged to the host, at the pose, "
-        "margin, mode and trial asked for, and the pose is still that; its meshes are those acknowledged, "
-        "byte by byte, as many triangles as the run named, and nothing was loaded since; no frame was"
-        " damaged or refused since the run was asked for; a command that was no repeat was "
-        "acknowledged at most WatchdogClocks + 1 clocks ago; and no fault stands, or has come since that run "
-        "was asked for, and a fault stands until a HELLO. Go and stop always differ; the beat ends with go. "
-        "The signatures that a LOAD is answered with are the engine's.",
+        claim="For all time, from power-up: go is said only where the last run that the engine ended was "
+        "complete and found nothing near, and its hold, if it has one, is not over; a run that has begun "
+        "since then holds; both are as they were acknowledged to the host: pose, margin, mode and trial "
+        "asked for; the meshes are those acknowledged, byte by byte, as many triangles as the runs named, "
+        "and nothing was loaded since; no frame was damaged or refused since the last run was asked for; a "
+        "command that was no repeat was acknowledged at most WatchdogClocks + 1 clocks ago; and no fault "
+        "stands, or has come since that run was asked for, and a fault stands until a HELLO. Go and stop "
+        "always differ; the beat ends with go. The signatures that a LOAD is answered with are the "
+        "engine's.",
         method=Method.INDUCTION,
-        parameters={"W": _WIDTH, "M": _WIDTH, "Depth": 4096, "WatchdogClocks": 10_000_000},
+        parameters=_BOARD_SIZES,
         assumptions=(
             "frames are whole, have their CRC and stay until they are released: shown by `board_frame`, "
             "`board_slip` and `board_bytes`; they come at any clocks",
@@ -645,7 +651,7 @@ def board_proofs() -> tuple[SbyProof, ...]:
             "board_runs",
             "For all time: what is said of a run is what the engine said at its end, every number of the "
             "summary whole, until the next run or HELLO, and zeros before; the run is the one that was asked "
-            "for, trial included, at the pose of the last MOVE, and its number counts the runs since HELLO.",
+            "for, pose, trial and hold included, and its number counts the runs since HELLO.",
             ("board/triaxis_runner",),
             {"W": _WIDTH, "M": _WIDTH},
             10,

@@ -11,16 +11,13 @@ from triaxis.coverage.cover_model import CoverModel
 from triaxis.coverage.html import write_page
 from triaxis.coverage.mesh_coverage import mesh_model
 from triaxis.coverage.report import ModelReport, report
-from triaxis.golden.pairs import MAX_WIDTH, MIN_WIDTH
-from triaxis.sim.board_parameters import is_board_configuration, parse_board_configuration
+from triaxis.sim.board_parameters import is_board_configuration
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.mesh_configuration import is_mesh_configuration, parse_mesh_configuration
 from triaxis.verif.mesh.sampling import mesh_build
 from triaxis.verif.testbench.settings import coverage_file
 
 _CORE = "core_"
-# Those of the board, by name.
-_BOARDS = {model.name: model for model in map(board_model, (MIN_WIDTH, MAX_WIDTH))}
 
 
 def model_of(config: str) -> CoverModel[Any]:
@@ -29,7 +26,7 @@ def model_of(config: str) -> CoverModel[Any]:
     Raises InputError for other names.
     """
     if is_board_configuration(config):
-        return board_model(parse_board_configuration(config).width)
+        return board_model()
     if is_mesh_configuration(config):
         return mesh_model(mesh_build(parse_mesh_configuration(config)))
     return core_model(parse_configuration(config))
@@ -37,7 +34,8 @@ def model_of(config: str) -> CoverModel[Any]:
 
 def model_named(name: str) -> CoverModel[Any]:
     """Return the model of that name; those of the engine have the names of their configurations."""
-    return _BOARDS.get(name) or model_of(name.removeprefix(_CORE))
+    board = board_model()
+    return board if name == board.name else model_of(name.removeprefix(_CORE))
 
 
 def merge_coverage(

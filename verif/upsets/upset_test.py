@@ -13,13 +13,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import partial
 from heapq import heapify, heappop, heappush
-from itertools import count
+from itertools import count, pairwise
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from triaxis.host.link.messages import Loaded, Mode, Pose, RunNumber, RunRequest
+from triaxis.host.link.messages import Begun, Loaded, Mode, Pose, RunRequest
 from triaxis.sim.player import Register
 from triaxis.sim.simulated_board import EVENT, NEVER, BoardPlayer
 from triaxis.verif.board.base_test import BoardTest
@@ -41,7 +41,9 @@ from triaxis.verif.upsets.verdict import (
 
 # Triangles of each mesh, the number of the one in B that comes near, and where it does.
 _TRIANGLES, _NEAREST = 8, 2
-_NEAR, _CLEAR = Pose(0, 0, 3), Pose(0, 0, 0)
+_NEAR, _CLEAR, _FURTHER = Pose(0, 0, 3), Pose(0, 0, 0), Pose(0, 0, -9)
+# Of a run: until the next one has ended, and until before that one begins.
+_HOLD, _SHORT_HOLD = 20, 3
 # Bytes of the longest frame and its answer, and of the longest answer: RESULTS.
 _SHORT, _LONG = 130, 170
 _BYTE_BITS = 10
@@ -158,7 +160,8 @@ class Talk:
 
 
 class BoardUpsetsTest(BoardTest):
-    """Clear and go, near and stop, by a pose and by a load; go that a damaged frame ends; then silence.
+    """Clear and go, near and stop, by a pose and by a load; go that one run leaves to the next, and that a near
+    one, a deadline, a damaged frame end; then silence.
 
     ``pairs``: so many upsets, drawn at random; those of a file to ``replay``, one a line, where there is one.
     """
@@ -167,7 +170,6 @@ class BoardUpsetsTest(BoardTest):
         """Load the meshes; upset copies of the board in a talk; have the talk itself checked."""
         await self.hello()
         await self.scene(*self.meshes())
-        await self.ask(Command.MOVE, _CLEAR.pack())
         script = self.script()
         # Until after the watchdog has run out.
         end = script[-1].clock + self.parameters.watchdog_clocks + 2 * self.clocks_of(_LONG)
@@ -194,14 +196,13 @@ class BoardUpsetsTest(BoardTest):
 
     def script(self) -> tuple[Asked, ...]:
         """Return what a host sends, one after another."""
-        request = RunRequest(Mode.ALL, 0, _TRIANGLES, _TRIANGLES)
         script: list[Asked] = []
         clock = ahead = number = 0
 
         def ask(
             command: Command,
             payload: bytes,
-            answer: Loaded | Pose | RunNumber | None = None,
+            answer: Begun | Loaded | None = None,
             run: AskedRun | None = None,
         ) -> None:
             nonlocal clock, ahead
@@ -210,11 +211,12 @@ class BoardUpsetsTest(BoardTest):
             script.append(Asked(clock, framed(self.frame(command, payload, ahead)), head, answer, run))
             clock += self.clocks_of(_LONG if run else _SHORT)
 
-        def run(pose: Pose, near: bool) -> None:
+        def run(pose: Pose, near: bool, hold: int = 0) -> None:
             nonlocal number
             number += 1
-            ask(Command.RUN, request.pack(), RunNumber(number))
-            ask(Command.RESULTS, bytes(4), run=AskedRun(request, pose, number, near))
+            request = RunRequest(Mode.ALL, 0, _TRIANGLES, _TRIANGLES, 0, *pose, hold)
+            ask(Command.RUN, request.pack(), Begun(number, hold))
+            ask(Command.RESULTS, bytes(4), run=AskedRun(request, number, near))
 
         def load(near: bool) -> None:
             second = self.meshes(near)[1]
@@ -223,9 +225,11 @@ class BoardUpsetsTest(BoardTest):
             ask(Command.LOAD, payload, Loaded(_TRIANGLES, zlib.crc32(held)))
 
         run(_CLEAR, near=False)
-        ask(Command.MOVE, _NEAR.pack(), _NEAR)
         run(_NEAR, near=True)
-        ask(Command.MOVE, _CLEAR.pack(), _CLEAR)
+        run(_CLEAR, near=False, hold=_HOLD)
+        run(_FURTHER, near=False, hold=_HOLD)
+        run(_NEAR, near=True, hold=_HOLD)
+        run(_CLEAR, near=False, hold=_SHORT_HOLD)
         run(_CLEAR, near=False)
         damaged = bytearray(framed(self.frame(Command.STATUS)))
         damaged[3] ^= 1
@@ -249,8 +253,10 @@ class BoardUpsetsTest(BoardTest):
         with np.load(file) as kept:
             without = Undisturbed(kept["events"], tuple(kept["states"].tolist()))
         due = permitted(without.events, end)
-        clear = [asked.run for asked in script if asked.run and not asked.run.near]
-        assert len(due) == len(clear), f"go {len(due)} times, {len(clear)} runs are clear"
+        asked = [one.run for one in script if one.run]
+        clear = sum(not run.near for run in asked)
+        kept = sum(run.request.hold > 0 and not (before.near or run.near) for before, run in pairwise(asked))
+        assert len(due) == clear - kept, f"go {len(due)} times, {clear} runs are clear, {kept} keep it"
         truth = replace(truth, due=tuple(due))
         fate, how = truth.judge(without.events, len(script))
         assert fate is Fate.NO_EFFECT, f"without an upset: {fate}: {how}"

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from triaxis.host.link.audit import BoardRun, audit, check_results
 from triaxis.host.link.exchange import LinkError
-from triaxis.host.link.messages import Loaded, Pose, Results, RunNumber, RunRequest, twice
+from triaxis.host.link.messages import Begun, Loaded, Results, RunRequest, twice
 from triaxis.sim.simulated_board import PINS, TX
 from triaxis.verif.board.protocol import END, Code, Reply
 
@@ -87,7 +87,6 @@ class AskedRun:
     """A run, whose results are asked for; ``near``: whether anything is near then."""
 
     request: RunRequest
-    pose: Pose
     number: int
     near: bool
 
@@ -103,7 +102,7 @@ class Asked:
     clock: int
     data: bytes
     head: tuple[int, int, int] | None = None
-    answer: Loaded | Pose | RunNumber | None = None
+    answer: Begun | Loaded | None = None
     run: AskedRun | None = None
 
 
@@ -207,9 +206,9 @@ def _near(asked: Asked, reply: Reply, group: int) -> int:
         return 0
     assert asked.run
     results = Results.unpack(twice(reply.payload) + reply.pairs.astype("<u2").tobytes())
-    check_results(results, group)
+    run = asked.run
+    check_results(results, group, run.request.hold > 0)
     if results.start:
         raise ValueError(f"near pairs from {results.start} on")
-    run = asked.run
-    audit(BoardRun(run.request, run.pose, run.number, results.status, results.near))
+    audit(BoardRun(run.request, run.number, results.status, results.near))
     return results.status.near

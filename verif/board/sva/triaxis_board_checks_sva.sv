@@ -66,7 +66,7 @@ bind triaxis_runner triaxis_runner_sva u_shown_sva (
       run_mode_o,
       run_margin_o,
       run_trial_o,
-      pose_o,
+      run_hold_o,
       run_pose_o,
       run_number_o,
       engine_status_o,

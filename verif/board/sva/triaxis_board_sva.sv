@@ -6,7 +6,9 @@
 
 module triaxis_board_sva
   import triaxis_board_pkg::*;
-(
+#(
+    parameter int unsigned HoldClocks = ClocksPerMs
+) (
     input logic clk_i,
     input logic rst_ni,
     // The engine's streams.
@@ -30,6 +32,7 @@ module triaxis_board_sva
     input code_e code,
     input logic executes,
     input logic changes,
+    input logic keeps,  // with changes: go stays
     input logic ends,
     input logic forgets,
     input logic busy,
@@ -43,6 +46,9 @@ module triaxis_board_sva
     input logic acknowledges,
     input logic fault,
     // Go.
+    input logic done,
+    input logic clear,
+    input hold_t hold,
     input logic wrong,
     input logic go_o,
     input logic stop_o,
@@ -130,8 +136,31 @@ module triaxis_board_sva
   else $error("go and stop are the same");
 
   GoEnds :
-  assert property (@(posedge clk_i) disable iff (!rst_ni) ends || changes || wrong |=> !go_o)
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      ends || (changes && !keeps) || wrong |=> !go_o)
   else $error("go is said after what ends it");
+
+  // Clocks since the last run ended, that one among them.
+  logic [63:0] since;
+  always_ff @(posedge clk_i) since <= done ? 64'd1 : since + 64'd1;
+
+  GoEndsWithARun :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) done && !clear |=> !go_o)
+  else $error("go is said after a run that was not clear");
+
+  GoEndsInTime :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      go_o && !busy && hold != '0 |-> since <= 64'(hold) * 64'(HoldClocks))
+  else $error("go is said after the deadline of the last run");
+
+  // While a run goes on, the deadline is that of the one before.
+  hold_t hold_before;
+  always_ff @(posedge clk_i) if (done) hold_before <= hold;
+  GoEndsInTimeOfTheLast :
+  assert property (@(posedge clk_i) disable iff (!rst_ni)
+      go_o && busy && hold_before != '0 |->
+      since <= 64'(hold_before) * 64'(HoldClocks))
+  else $error("go is said during a run after the deadline of the one before");
 
   FaultEndsGo :
   assert property (@(posedge clk_i) disable iff (!rst_ni) fault |=> !go_o)
@@ -158,7 +187,9 @@ module triaxis_board_sva
 
 endmodule
 
-bind nexys4ddr_top triaxis_board_sva u_sva (
+bind nexys4ddr_top triaxis_board_sva #(
+    .HoldClocks(HoldClocks)
+) u_sva (
     .clk_i(clk_100mhz_i),
     .rst_ni(rst_n),
     .load_tvalid,
@@ -177,8 +208,9 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .byte_valid(u_transmitter.reply_valid),
     .byte_taken(u_transmitter.reply_ready),
     .code,
-    .executes(hello || load || move || run || free || abort),
-    .changes(load || move || run),
+    .executes(hello || load || run || free || abort),
+    .changes(load || run),
+    .keeps(run && keep),
     .ends(hello || abort),
     .forgets(forget),
     .busy,
@@ -190,6 +222,9 @@ bind nexys4ddr_top triaxis_board_sva u_sva (
     .tries(trial.kind != triaxis_mesh_pkg::TrialNothing),
     .acknowledges(hello),
     .fault,
+    .done,
+    .clear(done_status == triaxis_mesh_pkg::StatusComplete && near_count == '0),
+    .hold(runs[0].hold),
     .wrong(link_error || refused || alive != '1),
     .go_o,
     .stop_o,

@@ -41,13 +41,16 @@ BROKEN = (
     ("RunsTakenAtOnce", "judge", "busy_i ? CodeBusy : run_code", "run_code", "Full"),
     ("RepliesTakenAtOnce", "command", "if (full_i && reply_ready_i)", "if (full_i)", "Go"),
     ("OnlyWhatIsAcceptedIsDone", "command", "Act && code_q == CodeOk", "Act", "Refusals"),
-    ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : move_value", "move_value", "Abort"),
+    ("NothingChangesDuringRuns", "judge", "busy_i ? CodeBusy : load_code", "load_code", "Full"),
     ("ForgetsAtRest", "command", "state_q == HelloEnd && load_done", "state_q == HelloEnd", "Abort"),
     ("ForgetsMeshes", "loader", "emptied = both_q && mesh_q", "emptied = both_q", "Smoke"),
     ("FreesWhatWasAsked", "reply", "number_q <= first_pair_i;", "number_q <= first_pair_i + 32'd1;", "Smoke"),
     ("RingBounded", "near_ring", "freed_q <= number_i;", "freed_q <= number_i + 32'd1;", "Smoke"),
     ("Antivalent", "safety", "stop_q <= !go_d;", "stop_q <= !go_q;", "Smoke"),
     ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
+    ("GoEndsWithARun", "safety", "!late && !done_i) ||", "!late) ||", "Hold"),
+    ("GoEndsInTime", "safety", "left_q  <= hold_i;", "left_q  <= hold_i + hold_t'(1);", "Hold"),
+    ("GoEndsInTimeOfTheLast", "safety", "left_q  <= hold_i;", "left_q  <= hold_i + hold_t'(2);", "Hold"),
     ("FaultEndsGo", "safety", " || !alive_i || fault_i", " || !alive_i", "Trials"),
     ("FaultStands", "top", " || (board_fault_q && !hello)", "", "Trials"),
     ("NoFalseAlarm", "frame_rx", "{^data_i, data_i}", "{|data_i, data_i}", "Smoke"),
@@ -66,6 +69,7 @@ BROKEN = (
 # Those that press the button.
 PRESSED = (
     "BoardGoTest",
+    "BoardHoldTest",
     "BoardFullTest",
     "BoardSilenceTest",
     "BoardResetsTest",
@@ -94,10 +98,10 @@ def test_passes(tmp_path, seed, test):
 @pytest.mark.parametrize("late", [False, True])
 def test_the_pins_say_what_the_library_says(tmp_path, seed, late):
     # Go a clock late, which breaks no rule of sva/: the scoreboard sees it.
-    right = "  assign go_d = (go_q || (armed_q && clear)) && !changed && !fault;"
+    right = "  assign go_d = ((go_q && !late && !done_i) || (armed_q && clear)) && !changed && !fault;"
     wrong = (
         "  logic late_q;\n  always_ff @(posedge clk_i) late_q <= armed_q && clear;\n"
-        "  assign go_d = (go_q || late_q) && !changed && !fault;"
+        "  assign go_d = ((go_q && !late && !done_i) || late_q) && !changed && !fault;"
     )
     change = ("board/triaxis_safety.sv", right, wrong)
     dut = broken_rtl(tmp_path, change) if late else DUT

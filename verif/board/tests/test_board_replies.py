@@ -22,6 +22,7 @@ from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import Exchange, LinkError
 from triaxis.host.link.messages import (
     REPLY,
+    Begun,
     Code,
     Command,
     Description,
@@ -34,7 +35,6 @@ from triaxis.host.link.messages import (
     ReplyHead,
     Results,
     ResultsHead,
-    RunNumber,
     Status,
 )
 from triaxis.sim.simulated_board import SimulatedTop
@@ -51,7 +51,7 @@ NEAR_B = TRIANGLE + np.array([0, 0, 1]) + np.arange(10)[:, None, None] * np.arra
 CLEAR_B = NEAR_B + np.array([0, 0, 50])
 
 ANSWERS = {
-    Command.HELLO: Description, Command.LOAD: Loaded, Command.MOVE: Pose, Command.RUN: RunNumber,
+    Command.HELLO: Description, Command.LOAD: Loaded, Command.RUN: Begun,
     Command.RESULTS: Results, Command.STATUS: Status,
 }  # fmt: skip
 # So many random values a field.
@@ -218,9 +218,8 @@ def record(top, mode, b, pose=HERE, margin=MARGIN, runs=1):
     board.hello()
     board.load(Mesh.A, A)
     board.load(Mesh.B, b)
-    board.move(pose)
     for _ in range(runs):
-        board.run(mode, margin)
+        board.run(mode, margin, pose)
     board.status()
     return exchange.replies
 
@@ -268,6 +267,6 @@ def test_no_altered_reply_makes_clear_of_a_run_that_was_not_asked_for(what, top,
     replies = [reply if command_of(reply) in status else same_of(clear, replies, i)
                for i, reply in enumerate(replies)]  # fmt: skip
     (last,) = [i for i, reply in enumerate(replies) if command_of(reply) == Command.RESULTS][-1:]
-    run = Recorded(Mode.COUNT, [*replies[:5], replies[last], replies[-1]])
+    run = Recorded(Mode.COUNT, [*replies[:4], replies[last], replies[-1]])
     assert run.heard(Replaying(run.replies)) == (None, False)
-    assert dangerous(rng, run, clear, [5])["dangerous"] == 0
+    assert dangerous(rng, run, clear, [4])["dangerous"] == 0

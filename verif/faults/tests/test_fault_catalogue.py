@@ -214,7 +214,7 @@ def test_a_fault_of_the_engine_is_caught(seed):
 @pytest.mark.simulator
 def test_a_fault_of_the_board_is_caught(seed):
     """By the pins, at the clock in which they should have changed."""
-    outcome = catch(fault_of("board-go-kept-on-move"), seed)
+    outcome = catch(fault_of("board-go-kept-on-run"), seed)
     assert outcome.catch and outcome.catch.test == "BoardGoTest"
     assert "go, stop and LEDs are" in outcome.catch.message
 

@@ -15,7 +15,8 @@ module triaxis_board_twice_formal
     parameter int unsigned W = 16,
     parameter int unsigned M = 16,
     parameter int unsigned Depth = 4096,
-    parameter int unsigned WatchdogClocks = 10_000_000
+    parameter int unsigned WatchdogClocks = 10_000_000,
+    parameter int unsigned HoldClocks = ClocksPerMs
 ) (
     input logic clk_i
 );
@@ -25,7 +26,8 @@ module triaxis_board_twice_formal
       .W(W),
       .M(M),
       .Depth(Depth),
-      .WatchdogClocks(WatchdogClocks)
+      .WatchdogClocks(WatchdogClocks),
+      .HoldClocks(HoldClocks)
   ) u_top (
       .clk_100mhz_i(clk_i),
       .cpu_reset_ni(1'b1),
@@ -41,17 +43,32 @@ module triaxis_board_twice_formal
 
   // Go of each, and what it is made of.
   typedef logic [$clog2(WatchdogClocks+1)-1:0] left_t;
+  typedef logic [$clog2(HoldClocks+1)-1:0] part_t;
+  typedef struct packed {
+    logic  timed;
+    hold_t left;
+    part_t part;
+  } deadline_t;
   logic [1:0] armed, going, alive;
+  deadline_t [1:0] deadline;
+  hold_t [1:0] hold;
   left_t left[2];
   for (genvar i = 0; i < 2; i++) begin : g_copy
     assign armed[i] = u_top.g_safety[i].u_safety.armed_q;
     assign going[i] = u_top.g_safety[i].u_safety.go_q;
-    assign left[i]  = u_top.g_watchdog[i].u_watchdog.left_q;
+    assign left[i] = u_top.g_watchdog[i].u_watchdog.left_q;
     assign alive[i] = left[i] != '0;
+    assign hold[i] = u_top.runs[i].hold;
+    assign deadline[i] = '{
+            timed: u_top.g_safety[i].u_safety.timed_q,
+            left: u_top.g_safety[i].u_safety.left_q,
+            part: u_top.g_safety[i].u_safety.part_q
+        };
   end
 
-  logic changed, wrong, complete, tried, tried_frame;
-  assign changed = u_top.hello || u_top.load || u_top.move || u_top.run || u_top.abort;
+  logic holds, changed, wrong, complete, tried, tried_frame;
+  assign holds = u_top.request.fields[191:176] != '0;
+  assign changed = u_top.hello || u_top.load || (u_top.run && !holds) || u_top.abort;
   assign wrong = u_top.link_error || u_top.refused || u_top.fault;
   assign complete = u_top.done && u_top.done_status == StatusComplete && u_top.near_count == '0;
   assign tried = u_top.busy && u_top.trial.kind == TrialBoard;
@@ -62,6 +79,9 @@ module triaxis_board_twice_formal
     logic [1:0] going;
     logic [1:0] alive;
     left_t [1:0] left;
+    deadline_t [1:0] deadline;
+    hold_t [1:0] hold;
+    logic done;
     logic kick;
     logic run;
     logic changed;
@@ -79,6 +99,9 @@ module triaxis_board_twice_formal
           going: going,
           alive: alive,
           left: {left[1], left[0]},
+          deadline: deadline,
+          hold: hold,
+          done: u_top.done,
           kick: u_top.kick,
           run: u_top.run,
           changed: changed,
@@ -91,6 +114,28 @@ module triaxis_board_twice_formal
           hello: u_top.hello
       };
   always_ff @(posedge clk_i) last_q <= known;
+
+  deadline_t [1:0] deadline_d;
+  logic [1:0] late;
+  always_comb begin
+    for (int i = 0; i < 2; i++) begin
+      deadline_d[i] = last_q.deadline[i];
+      late[i] = last_q.going[i] && last_q.deadline[i].timed && !last_q.done &&
+          last_q.deadline[i].left == hold_t'(1) && last_q.deadline[i].part == '0;
+      if (last_q.armed[i] && last_q.complete) begin
+        deadline_d[i] = '{
+            timed: last_q.hold[i] != '0,
+            left: last_q.hold[i],
+            part: part_t'(HoldClocks - 1)
+        };
+      end else if (last_q.deadline[i].part != '0) begin
+        deadline_d[i].part -= part_t'(1);
+      end else begin
+        deadline_d[i].part = part_t'(HoldClocks - 1);
+        deadline_d[i].left -= hold_t'(1);
+      end
+    end
+  end
 
   `TRIAXIS_FULL_AFTER(1)
   always_comb begin
@@ -105,10 +150,13 @@ module triaxis_board_twice_formal
     if (full) begin
       for (int i = 0; i < 2; i++) begin
         // Go, and being armed, of each come from its own past alone.
-        assert (going[i] == ((last_q.going[i] || (last_q.armed[i] && last_q.complete)) &&
+        assert (going[i] == (((last_q.going[i] && !late[i] && !last_q.done) ||
+                (last_q.armed[i] && last_q.complete)) &&
                 !last_q.changed && !last_q.wrong && last_q.alive[i]));
-        assert (armed[i] == ((last_q.run || (last_q.armed[i] && !last_q.changed)) &&
+        assert (armed[i] == ((last_q.run || (last_q.armed[i] && !last_q.changed && !late[i])) &&
                 !last_q.wrong && last_q.alive[i]));
+        // Its deadline: of the run that was clear, then a clock less each clock.
+        assert (deadline[i] == deadline_d[i]);
         assert (left[i] == (last_q.kick ? left_t'(WatchdogClocks) :
                 last_q.left[i] - left_t'(last_q.alive[i])));
       end
@@ -119,6 +167,7 @@ module triaxis_board_twice_formal
       NoOtherFault :
       assert (!u_top.board_fault_q || last_q.broken || last_q.tried_runner || !last_q.same_runs ||
               (last_q.fault && !last_q.hello));
+      SeenLate : cover (late == 2'b01 && !going[0] && going[1]);
       SeenOneAlone : cover (going[0] && !going[1] && go_o && stop_o && last_q.complete);
       SeenOtherAlone : cover (!going[0] && going[1] && !go_o && !stop_o);
       SeenRunsDiffer : cover (!last_q.tried_runner && !last_q.same_runs && !last_q.broken);

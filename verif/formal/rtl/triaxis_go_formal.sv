@@ -19,7 +19,8 @@ module triaxis_go_formal
     parameter int unsigned W = 16,
     parameter int unsigned M = 16,
     parameter int unsigned Depth = 4096,
-    parameter int unsigned WatchdogClocks = 10_000_000
+    parameter int unsigned WatchdogClocks = 10_000_000,
+    parameter int unsigned HoldClocks = ClocksPerMs
 ) (
     input logic clk_i,
     input logic button_ni
@@ -38,11 +39,13 @@ module triaxis_go_formal
   typedef logic [16:0] count_t;
   typedef logic [$clog2(WatchdogClocks)+1:0] age_t;
   typedef logic [$clog2(WatchdogClocks+1)-1:0] left_t;
+  typedef logic [$clog2(HoldClocks+1)-1:0] part_t;
   typedef struct packed {
     pose_t pose;
     logic [31:0] margin;
     logic [1:0] mode;
     trial_t trial;
+    hold_t hold;
     logic [15:0] count_b;
     logic [15:0] count_a;
   } run_t;
@@ -52,7 +55,8 @@ module triaxis_go_formal
       .W(W),
       .M(M),
       .Depth(Depth),
-      .WatchdogClocks(WatchdogClocks)
+      .WatchdogClocks(WatchdogClocks),
+      .HoldClocks(HoldClocks)
   ) u_top (
       .clk_100mhz_i(clk_i),
       .cpu_reset_ni(button_ni),
@@ -124,7 +128,6 @@ module triaxis_go_formal
       17'(slot_q) < 17'(first) + 17'(triangles);
 
   count_t host_count_q[2], host_count_d[2];
-  pose_t pose_q, pose_d;
   run_t host_run_q, host_run_d;
   logic known_q, known_d, asked_q, asked_d, wrong_q;
   byte_t host_byte_q, host_byte_d;
@@ -132,7 +135,6 @@ module triaxis_go_formal
 
   always_comb begin
     host_count_d = host_count_q;
-    pose_d = pose_q;
     host_run_d = host_run_q;
     known_d = known_q;
     host_byte_d = host_byte_q;
@@ -141,7 +143,6 @@ module triaxis_go_formal
       case (frame.command)
         CmdHello: begin
           host_count_d = '{default: '0};
-          pose_d = '0;
         end
         CmdLoad: begin
           host_count_d[frame.fields[0]] = 17'(first) + 17'(triangles);
@@ -150,13 +151,13 @@ module triaxis_go_formal
             host_byte_d = frame_byte;
           end
         end
-        CmdMove: pose_d = frame.fields[95:0];
         CmdRun:
         host_run_d = '{
-            pose: pose_q,
+            pose: frame.fields[175:80],
             margin: frame.fields[39:8],
             mode: frame.fields[1:0],
             trial: frame.fields[79:72],
+            hold: frame.fields[191:176],
             count_a: frame.fields[55:40],
             count_b: frame.fields[71:56]
         };
@@ -172,7 +173,6 @@ module triaxis_go_formal
       number_q <= '0;
       command_q <= '0;
       host_count_q <= '{default: '0};
-      pose_q <= '0;
       host_run_q <= '0;
       known_q <= 1'b0;
       host_byte_q <= '0;
@@ -186,7 +186,6 @@ module triaxis_go_formal
         command_q <= frame.command;
       end
       host_count_q <= host_count_d;
-      pose_q <= pose_d;
       host_run_q <= host_run_d;
       known_q <= known_d;
       host_byte_q <= host_byte_d;
@@ -202,7 +201,8 @@ module triaxis_go_formal
   // --- What the engine was given, and said ------------------------------------------------------------
 
   logic load, accept, clear_q, unchanged_q, loaded_here;
-  run_t   engine_run_q;
+  // The last that it accepted; the last that ended, as it was accepted and as it had been acknowledged.
+  run_t engine_run_q, ended_run_q, ended_host_q;
   byte_t  engine_byte_q;
   count_t engine_count  [2];
   assign load = u_top.load_tvalid && u_top.load_tready;
@@ -217,8 +217,9 @@ module triaxis_go_formal
       clear_q <= 1'b0;
       unchanged_q <= 1'b0;
     end else begin
-      // The last run that it accepted was complete and clear; its meshes are as they were.
-      if (accept || load) clear_q <= 1'b0;
+      // The last run that ended was complete and clear; its meshes are as they were; and a run that was
+      // accepted since then holds.
+      if (load || (accept && host_run_d.hold == '0)) clear_q <= 1'b0;
       else if (u_top.done) clear_q <= u_top.done_status == StatusComplete && u_top.near_count == '0;
       unchanged_q <= (unchanged_q || accept) && !load;
     end
@@ -231,8 +232,34 @@ module triaxis_go_formal
       engine_run_q.margin <= 32'(u_top.run_tuser[M+1:0]) & 32'((64'd1 << M) - 64'd1);
       engine_run_q.mode <= u_top.run_tuser[M+:2];
       engine_run_q.trial <= u_top.run_tuser[M+2+:$bits(trial_t)];
+      // The engine knows of none.
+      engine_run_q.hold <= host_run_d.hold;
       engine_run_q.count_a <= 16'(u_top.count_a);
       engine_run_q.count_b <= 16'(u_top.count_b);
+    end
+  end
+
+  // Clocks since the last run ended, in whole units of its hold, and in the one that has begun.
+  logic [16:0] units_q;
+  part_t part_q;
+  always_ff @(posedge clk_i) begin
+    if (u_top.done) begin
+      ended_run_q  <= engine_run_q;
+      ended_host_q <= host_run_d;
+    end
+  end
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) begin
+      units_q <= '0;
+      part_q  <= '0;
+    end else if (u_top.done) begin
+      units_q <= '0;
+      part_q  <= '0;
+    end else if (part_q == part_t'(HoldClocks - 1)) begin
+      if (units_q != '1) units_q <= units_q + 17'd1;
+      part_q <= '0;
+    end else begin
+      part_q <= part_q + part_t'(1);
     end
   end
 
@@ -263,8 +290,8 @@ module triaxis_go_formal
     end
   end
 
-  logic [3:0] told;
-  assign told = {u_top.forget, u_top.move, u_top.run, u_top.cut};
+  logic [2:0] told;
+  assign told = {u_top.forget, u_top.run, u_top.cut};
 
   always_comb begin
     Antivalent : assert (go_o != stop_o);
@@ -277,16 +304,18 @@ module triaxis_go_formal
               (owned && frame.sequence_number == number_q && frame.command == command_q));
       TakenInSilence : assert (!(u_top.hello && takes) || !u_top.alive[0]);
       if (permits) begin
-        // The last run was complete and found nothing near.
+        // The last run that ended was complete and found nothing near; one that began since then holds.
         Clear : assert (clear_q && unchanged_q);
-        // It was the run asked for: pose, margin, mode, trial and counts, and the pose is still the
-        // host's.
-        AsAsked : assert (asked_q && engine_run_q == host_run_q && pose_q == host_run_q.pose);
+        // It was the run asked for: pose, margin, mode, trial and counts; so is one that goes on.
+        AsAsked : assert (asked_q && engine_run_q == host_run_q && ended_run_q == ended_host_q);
+        // Its time is not over.
+        InTime : assert (ended_host_q.hold == '0 || units_q < 17'(ended_host_q.hold));
         // On the meshes that were acknowledged: as many triangles, and each byte of each.
         Counts :
         assert (host_count_q == engine_count && engine_count[0] == 17'(host_run_q.count_a) &&
                 engine_count[1] == 17'(host_run_q.count_b) && engine_count[0] != '0 &&
-                engine_count[1] != '0);
+                engine_count[1] != '0 && ended_host_q.count_a == host_run_q.count_a &&
+                ended_host_q.count_b == host_run_q.count_b);
         Triangles :
         assert (!known_q || 17'(slot_q) >= engine_count[mesh_q] || engine_byte_q == host_byte_q);
         NothingWrong : assert (!wrong_q);
@@ -299,7 +328,7 @@ module triaxis_go_formal
       // A HELLO ends what goes on.
       HelloEndsRun : assert (!was_hello_q || !u_top.busy || u_top.aborting);
       // As `board_runs` assumes of commands.
-      ToldInOrder : assert ((told & (told - 4'd1)) == '0 && !(u_top.busy && told[3:1] != '0));
+      ToldInOrder : assert ((told & (told - 3'd1)) == '0 && !(u_top.busy && told[2:1] != '0));
       BeatOnlyWithGo : assert (!beat_o || go_o || was_go_q);
       // What a LOAD is answered of each mesh is the engine's, so the host can compare it with its own.
       Signatures :
@@ -312,6 +341,9 @@ module triaxis_go_formal
       cover (acknowledged && frame.command == CmdLoad && known_d && !known_q && loaded_q);
       SeenStopInTime :
       cover (judged_q && was_go_q && !go_o && age_q == age_t'(WatchdogClocks + 1) && !wrong_q);
+      SeenLate :
+      cover (was_go_q && !go_o && judged_q && ended_host_q.hold == 16'd3 &&
+             units_q == 17'd3 && part_q == '0);
       SeenFault : cover (was_go_q && was_fault_q && !permits && judged_q);
       SeenTaken : cover (judged_q && heard && takes);
     end
@@ -322,6 +354,9 @@ module triaxis_go_formal
   logic [2:0] state;
   logic [2:0] loader;
   left_t left;  // clocks until silence
+  logic timed;  // go has a deadline, in so many units and clocks
+  hold_t hold_left;
+  part_t hold_part;
   logic busy, armed, repeated, executes, ok, load_here, loading, hello_new, in_hello;
   logic [7:0] read;  // bytes of the frame
   logic [3:0] sent;  // triangles of the frame before the one that is in hand
@@ -332,6 +367,9 @@ module triaxis_go_formal
   assign loader = u_top.u_command.u_loader.state_q;
   assign busy = u_top.busy;
   assign left = u_top.g_watchdog[0].u_watchdog.left_q;
+  assign timed = u_top.g_safety[0].u_safety.timed_q;
+  assign hold_left = u_top.g_safety[0].u_safety.left_q;
+  assign hold_part = u_top.g_safety[0].u_safety.part_q;
   // In silence it comes to nothing.
   assign armed = u_top.g_safety[0].u_safety.armed_q && (u_top.alive[0] || go_o);
   assign repeated = u_top.u_command.repeated;
@@ -353,6 +391,10 @@ module triaxis_go_formal
       assert (u_top.says_go[0] == u_top.says_go[1] && u_top.says_stop[0] == u_top.says_stop[1]);
       assert (u_top.g_safety[0].u_safety.armed_q == u_top.g_safety[1].u_safety.armed_q);
       assert (left == u_top.g_watchdog[1].u_watchdog.left_q);
+      assert (timed == u_top.g_safety[1].u_safety.timed_q);
+      assert (hold_left == u_top.g_safety[1].u_safety.left_q);
+      assert (hold_part == u_top.g_safety[1].u_safety.part_q);
+      assert (hold_part < part_t'(HoldClocks) && part_q < part_t'(HoldClocks));
       assert (u_top.runner_seen[0] == u_top.runner_seen[1]);
       // The command: states, and what is read of the frame.
       assert (state == '0 || (u_top.frame_full && u_top.u_mesh.awake_q));
@@ -386,12 +428,9 @@ module triaxis_go_formal
         assert (content == 9'(FirstTriangle) + 9'(triangles) * 9'(TriangleBytes));
         assert (loading || first == '0 || engine_count[frame.fields[0]] == 17'(first));
       end
-      if (executes && frame.command == CmdMove) begin
-        assert (!busy);
-        for (int k = 0; k < 3; k++)
-        assert (frame.fields[32*k+:32] == 32'(signed'(frame.fields[32*k+:W+1])));
-      end
       if (executes && frame.command == CmdRun) begin
+        for (int k = 0; k < 3; k++)
+        assert (frame.fields[80+32*k+:32] == 32'(signed'(frame.fields[80+32*k+:W+1])));
         assert (!busy && frame.fields[7:0] <= 8'(ModeCount) && (frame.fields[39:8] >> M) == '0);
         assert (17'(frame.fields[55:40]) == engine_count[0] && engine_count[0] != '0);
         assert (17'(frame.fields[71:56]) == engine_count[1] && engine_count[1] != '0);
@@ -452,11 +491,8 @@ module triaxis_go_formal
       TakenAtOnce : assert (!u_top.run_tvalid || u_top.unused.ready);
       assert (u_top.run_state <= RunDone);
       if (state != HelloEnd) begin
-        assert (u_top.pose == (hello_new ? '0 : pose_d));
-        for (int k = 0; k < 3; k++) begin
-          assert (u_top.pose[k] == 32'(signed'(u_top.pose[k][W:0])));
-          assert (u_top.status.pose[k] == 32'(signed'(u_top.status.pose[k][W:0])));
-        end
+        for (int k = 0; k < 3; k++)
+        assert (u_top.status.pose[k] == 32'(signed'(u_top.status.pose[k][W:0])));
       end
 
       // What go rests on, from RUN's execution on.
@@ -464,7 +500,7 @@ module triaxis_go_formal
       if (armed) begin
         assert (asked_d && !(state inside {HelloEnd, AbortEnd}) && !loading);
         assert (!wrong_q || (heard && frame.command == CmdRun));
-        assert (pose_d == host_run_d.pose && u_top.status.pose == host_run_d.pose);
+        assert (u_top.status.pose == host_run_d.pose && u_top.runs[0].hold == host_run_d.hold);
         assert (u_top.status.margin == host_run_d.margin && u_top.run_mode == host_run_d.mode);
         assert (u_top.trial == host_run_d.trial && !faulted_q);
         assert ((host_run_d.margin >> M) == '0);
@@ -474,7 +510,17 @@ module triaxis_go_formal
         assert (u_top.run_tvalid || engine_run_q == host_run_d);
       end
       assert (!go_o || armed);
-      assert (!go_o || !busy);
+      if (go_o) begin
+        assert (clear_q && unchanged_q && ended_run_q == ended_host_q);
+        assert (!busy || host_run_d.hold != '0);
+        assert (ended_host_q.count_a == host_run_d.count_a &&
+                ended_host_q.count_b == host_run_d.count_b);
+        assert (timed == (ended_host_q.hold != '0));
+        if (timed) begin
+          assert (hold_left != '0 && 17'(hold_left) + units_q == 17'(ended_host_q.hold));
+          assert (hold_part + part_q == part_t'(HoldClocks - 1));
+        end
+      end
 
       // The watchdog.
       assert (32'(left) <= 32'(WatchdogClocks));

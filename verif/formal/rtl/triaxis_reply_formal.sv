@@ -23,7 +23,7 @@ module triaxis_reply_formal
     input sequence_t expected_i,
     input status_block_t status_i,
     input logic [1:0][31:0] signatures_i,
-    input pose_t pose_i,
+    input hold_t hold_i,
     input logic [31:0] written_i,
     input logic [2*IndexWidth-1:0] ring_data_i
 );
@@ -79,8 +79,7 @@ module triaxis_reply_formal
       case (request_i.command)
         CmdHello: due_bytes = 9'd14;
         CmdLoad: due_bytes = 9'd6;
-        CmdMove: due_bytes = 9'd12;
-        CmdRun: due_bytes = 9'd1;
+        CmdRun: due_bytes = 9'd3;
         CmdResults: due_bytes = 9'd56;
         default: due_bytes = 9'd51;
       endcase
@@ -125,7 +124,7 @@ module triaxis_reply_formal
           return byte_of(32'(request_i.fields[0] ? status_i.count_b : status_i.count_a), place);
         return byte_of(request_i.fields[0] ? signatures_i[1] : signatures_i[0], place - 7'd2);
       end
-      CmdMove:  return byte_of(pose_i[(place<7'd4)?0 : (place<7'd8)?1 : 2], place);
+      CmdRun:   return place == 7'd0 ? status_i.run_number : byte_of(32'(hold_i), place - 7'd1);
       default:  return status_byte(place);
     endcase
   endfunction

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is said of a run is what the engine said at its end: every number of the summary, whole, until the next run or
-// HELLO; zeros before, and from a reset on. Its number, pose, mode, margin and trial are those it was started with.
+// HELLO; zeros before, and from a reset on. Its number, pose, mode, margin, trial and hold are those it was
+// started with.
 
 `include "triaxis_formal.svh"
 
@@ -17,7 +18,6 @@ module triaxis_runner_formal
     input logic clk_i,
     input logic rst_ni,
     input logic forget_i,
-    input logic move_i,
     input logic run_i,
     input logic abort_i,
     input logic [8*FieldBytes-1:0] fields_i,
@@ -27,12 +27,13 @@ module triaxis_runner_formal
 );
 
   logic busy_o, aborting_o, run_tvalid_o;
-  pose_t pose_o, run_pose_o;
+  pose_t run_pose_o;
   byte_t run_number_o;
   run_state_e run_state_o;
   logic [1:0] run_mode_o;
   logic [31:0] run_margin_o;
   trial_t run_trial_o;
+  hold_t run_hold_o;
   status_e engine_status_o;
   summary_t summary_o;
   logic [3*RunBits-1:0] run_tdata_o;
@@ -48,11 +49,11 @@ module triaxis_runner_formal
 
   `TRIAXIS_RESET_FIRST
 
-  logic [3:0] commands;
-  assign commands = {forget_i, move_i, run_i, abort_i};
+  logic [2:0] commands;
+  assign commands = {forget_i, run_i, abort_i};
   always_comb begin
-    OneAtATime : assume ((commands & (commands - 4'd1)) == '0);
-    NotInRuns : assume (!busy_o || !(forget_i || move_i || run_i));
+    OneAtATime : assume ((commands & (commands - 3'd1)) == '0);
+    NotInRuns : assume (!busy_o || !(forget_i || run_i));
     EndsRuns : assume (busy_o || !done_tvalid_i);
   end
 
@@ -61,26 +62,31 @@ module triaxis_runner_formal
     logic [31:0] margin;
     logic [1:0] mode;
     trial_t trial;
+    hold_t hold;
   } asked_t;
   logic going_q, over_q, aborted_q;
   summary_t told_q;
-  status_e  status_q;
-  pose_t moved_q, begun_q;
+  status_e status_q;
+  pose_t begun_q;
   asked_t asked_q;
-  byte_t  runs_q;
+  byte_t runs_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {going_q, over_q, aborted_q} <= '0;
-      {moved_q, begun_q, asked_q, runs_q} <= '0;
+      {begun_q, asked_q, runs_q}   <= '0;
     end else if (forget_i) begin
       {going_q, over_q, aborted_q} <= '0;
-      {moved_q, begun_q, asked_q, runs_q} <= '0;
+      {begun_q, asked_q, runs_q}   <= '0;
     end else begin
-      if (move_i) moved_q <= fields_i[95:0];
       if (run_i) begin
         {going_q, over_q, aborted_q} <= 3'b100;
-        begun_q <= moved_q;
-        asked_q <= '{margin: fields_i[39:8], mode: fields_i[1:0], trial: fields_i[79:72]};
+        begun_q <= fields_i[175:80];
+        asked_q <= '{
+            margin: fields_i[39:8],
+            mode: fields_i[1:0],
+            trial: fields_i[79:72],
+            hold: fields_i[191:176]
+        };
         runs_q <= runs_q + 8'd1;
       end
       if (abort_i && going_q) aborted_q <= 1'b1;
@@ -107,9 +113,8 @@ module triaxis_runner_formal
       Told : assert (summary_o == (over_q ? told_q : '0));
       Status : assert (engine_status_o == (over_q ? status_q : StatusNone));
       Number : assert (run_number_o == runs_q);
-      Present : assert (pose_o == moved_q);
       Started : assert (run_pose_o == begun_q);
-      Asked : assert ({run_margin_o, run_mode_o, run_trial_o} == asked_q);
+      Asked : assert ({run_margin_o, run_mode_o, run_trial_o, run_hold_o} == asked_q);
       if (run_tvalid_o) begin
         Handed : assert (going_q && run_tuser_o == {run_trial_o, run_mode_o, run_margin_o[M-1:0]});
         HandedPose : assert (run_tdata_o == run_pose);

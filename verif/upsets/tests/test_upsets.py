@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from triaxis.host.link.messages import Flag, Mode, Pose, RunNumber, RunRequest, Status
+from triaxis.host.link.messages import Begun, Flag, Mode, RunRequest, Status
 from triaxis.sim.build import rtl_files
 from triaxis.sim.paths import DUT
 from triaxis.sim.player import Register
@@ -18,20 +18,18 @@ from triaxis.verif.upsets.fmeda import BLOCKS, block_of
 from triaxis.verif.upsets.upset_test import grouped
 from triaxis.verif.upsets.verdict import EARLY, LATE, Asked, AskedRun, Fate, Kind, Truth, Upset, permitted
 
-REQUEST = RunRequest(Mode.ALL, 0, 1, 1)
 SESSION, RUN = 7, 1
-CLEAR, NEAR = Pose(0, 0, 0), Pose(0, 0, 3)
 GO, STOP = 1, 2
 GOES, ENDS, OVER, WATCHDOG = 5000, 50_000, 80_000, 20_000
 
 
 def truth(near):
     """Return what holds where a run, at a pose that is near or not, is asked for, and its results."""
-    run = AskedRun(REQUEST, NEAR if near else CLEAR, RUN, near)
+    run = AskedRun(RunRequest(Mode.ALL, 0, 1, 1, z=3 if near else 0), RUN, near)
     heads = [
         (command | REPLY, number, SESSION) for number, command in enumerate((Command.RUN, Command.RESULTS))
     ]
-    script = Asked(0, b"", heads[0], RunNumber(RUN)), Asked(10_000, b"", heads[1], run=run)
+    script = Asked(0, b"", heads[0], Begun(RUN, 0)), Asked(10_000, b"", heads[1], run=run)
     return Truth(script, () if near else ((GOES, ENDS),), 8, WATCHDOG, OVER)
 
 
@@ -55,7 +53,7 @@ def seen(said, *go):
     return np.array(sorted(rows, key=lambda row: row[0]), EVENT)
 
 
-BEGUN = answer(0, Command.RUN, bytes([RUN]))
+BEGUN = answer(0, Command.RUN, bytes([RUN, 0, 0]))
 WHOLE = (GOES, ENDS)
 
 
