@@ -160,8 +160,8 @@ class Talk:
 
 
 class BoardUpsetsTest(BoardTest):
-    """Clear and go, near and stop, by a pose and by a load; go that one run leaves to the next, and that a near
-    one, a deadline, a damaged frame end; then silence.
+    """Clear and go, near and stop, by a pose and by a load; go that one run leaves to the next, and that a
+    near one, a deadline, a damaged frame end; then silence.
 
     ``pairs``: so many upsets, drawn at random; those of a file to ``replay``, one a line, where there is one.
     """
