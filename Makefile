@@ -23,7 +23,7 @@ WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
-.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-skipping peers stress fpga-report
+.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress fpga-report
 .PHONY: fpga-timing activity bitstream cold package lock clean
 
 help: ## list the targets
@@ -144,6 +144,9 @@ stress: $(READY) ## turn inputs from easy to impossible; count wrong answers of 
 
 bench-path: $(READY) ## check 100,000 moves against 100,000 facets; plant collisions; ask others about motion
 	@$(BIN)/triaxis bench path
+
+bench-follow: $(READY) ## supervise 100,000 segments of a moving tool on the simulated board; plant collisions: an hour
+	@$(BIN)/triaxis bench follow
 
 bench-skipping: $(READY) ## measure what skipping saves, against the broad phases of FCL and trimesh
 	@$(BIN)/triaxis bench skipping

@@ -97,11 +97,11 @@ def ball_nosed(sides: int) -> Facets:
     return revolved([*nose, (_RADIUS, 60.0), (0.0, 60.0)], sides)
 
 
-def program_text(moves: int) -> str:
+def program_text(moves: int, rows: int = ROWS) -> str:
     """Return a program that goes over the relief in rows, there and back."""
     lines = ["G21 G90 G61 F1000", f"G0 X{-_SIZE / 2} Y{-_SIZE / 2} Z20", "G1 Z2"]
-    for row, y in enumerate(np.linspace(-_SIZE / 2, _SIZE / 2, ROWS, endpoint=False)):
-        x = np.linspace(-_SIZE / 2, _SIZE / 2, moves // ROWS + 1)[1:] * (1 if row % 2 == 0 else -1)
+    for row, y in enumerate(np.linspace(-_SIZE / 2, _SIZE / 2, rows, endpoint=False)):
+        x = np.linspace(-_SIZE / 2, _SIZE / 2, moves // rows + 1)[1:] * (1 if row % 2 == 0 else -1)
         z = height(x, np.full_like(x, y)) + _ABOVE
         lines += [f"G1 X{a:.3f} Y{y:.3f} Z{c:.3f}" for a, c in zip(x, z, strict=True)]
     return "\n".join(lines)

@@ -50,6 +50,10 @@ COMMANDS = {
         "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",), {"--out": Answer()}
     ),
     "board check": Command(_MESHES, "host.cli.board", ("clear", "near"), _REPORT),
+    "board follow": Command(
+        "permit a machine to go through a program without a stop", "host.cli.follow",
+        ("to the end", "near, or ended before"), _REPORT,
+    ),
     "board status": Command("print what the board is, and its status", "host.cli.board", ("done",)),
     "board simulate": Command("serve a simulated board at a pseudo-terminal", "host.cli.board", ("done",)),
     "scene examples": Command(
@@ -136,6 +140,10 @@ COMMANDS = {
     "bench path": Command(
         "check a program of 100,000 moves, and ask others about continuous motion", "bench.paths.report",
         ("what is clear is said to be, and nothing planted is missed", "not"),
+    ),
+    "bench follow": Command(
+        "supervise a moving tool on the simulated board, and plant collisions", "bench.paths.supervised",
+        ("no false stop, nothing missed, every stop in time", "not"),
     ),
     "bench skipping": Command(
         "measure what skipping saves, and compare it with other broad phases", "bench.skipping.report",

@@ -54,37 +54,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "which no axis turns back. Lengths in millimetres. A board that is asked says go at each clear pose, "
         "and stop at the end: no machine may take its output for the verdict on a path."
     )
-    tool = "binary or ASCII STL, in its own frame; or a machine file (.toml) with tools, offsets, homes"
-    parser.add_argument("tool", type=Path, metavar="TOOL.stl", help=tool)
-    parser.add_argument(
-        "work", type=Path, metavar="WORK.stl", help="workpiece and fixture, in the program's frame"
-    )
-    parser.add_argument("moves", type=Path, metavar="MOVES.nc", help="the program")
-    start = "where the tool is before the first move; 0 0 0 is assumed, and said, where it is not given"
+    add_program(parser, Fraction(1, 1000))
     step = (
         f"longest piece of path on which a near pose ends the check ({_STEPS} R); a false alarm is less than "
         "4 R + S/2 beyond the clearance"
     )
-    add_numbers(parser, "--start", "X Y Z", start)
-    add_numbers(parser, "--clearance", "C", "wanted clearance (0.5)", Fraction(1, 2))
-    add_numbers(parser, "--resolution", "R", "one step of the grid (0.001)", Fraction(1, 1000))
     add_numbers(parser, "--step", "S", step)
-    add_numbers(parser, "--scale", "MM", "millimetres per unit of the STL files (1)", Fraction(1))
     parser.add_argument(
         "--width", type=int, metavar="W",
         help="coordinate bits of the engine, 8..32 (the smallest of 16, 24, 32 that holds everything)",
     )  # fmt: skip
-    parser.add_argument(
-        "--reader", choices=("own", "rs274"), default="own",
-        help="who reads the program: our own reader, or LinuxCNC's interpreter where it is installed (own)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
-    )
     add_engine(parser)
-    add_surfaces_only(parser)
     add_distance(parser)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
@@ -93,13 +74,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Check the path and print what was found."""
-    refuse_distance(options)
-    if options.width is not None:
-        check_width(options.width)
-    if options.profile is not None and options.profile < 2:
-        raise InputError(f"profile {options.profile}: must be at least 2 places")
+def add_program(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
+    """Add a tool, a workpiece, a program, and how they are read; ``resolution``: where none is asked for."""
+    tool = "binary or ASCII STL, in its own frame; or a machine file (.toml) with tools, offsets, homes"
+    parser.add_argument("tool", type=Path, metavar="TOOL.stl", help=tool)
+    parser.add_argument(
+        "work", type=Path, metavar="WORK.stl", help="workpiece and fixture, in the program's frame"
+    )
+    parser.add_argument("moves", type=Path, metavar="MOVES.nc", help="the program")
+    start = "where the tool is before the first move; 0 0 0 is assumed, and said, where it is not given"
+    add_numbers(parser, "--start", "X Y Z", start)
+    add_numbers(parser, "--clearance", "C", "wanted clearance (0.5)", Fraction(1, 2))
+    add_numbers(parser, "--resolution", "R", f"one step of the grid ({float(resolution):g})", resolution)
+    add_numbers(parser, "--scale", "MM", "millimetres per unit of the STL files (1)", Fraction(1))
+    parser.add_argument(
+        "--reader", choices=("own", "rs274"), default="own",
+        help="who reads the program: our own reader, or LinuxCNC's interpreter where it is installed (own)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
+    )
+    add_surfaces_only(parser)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
+
+
+def read_moves(options: argparse.Namespace) -> tuple[Program, Machine, Tool | None]:
+    """Return the program, the machine that it is for, and the tool where one is given by itself."""
     start = None if options.start is None else tuple(options.start)
     if start is not None and max(map(abs, start)) > _FARTHEST:
         raise InputError(f"--start: at most {_FARTHEST:g} in each coordinate: correct it")
@@ -109,6 +109,17 @@ def run(options: argparse.Namespace) -> int:
     read = read_by_rs274 if options.reader == "rs274" else read_program
     program = read(options.moves, start, options.block_delete, machine)
     given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None
+    return program, machine, given
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check the path and print what was found."""
+    refuse_distance(options)
+    if options.width is not None:
+        check_width(options.width)
+    if options.profile is not None and options.profile < 2:
+        raise InputError(f"profile {options.profile}: must be at least 2 places")
+    program, machine, given = read_moves(options)
     work = read_stl(options.work)
     checked: list[_Checked] = []
     with board_of(options) as board:

@@ -7,7 +7,7 @@ from triaxis.host.engines import Integers, Progress, SceneRun, Translation, unwa
 from triaxis.host.link.audit import BoardRun, audit
 from triaxis.host.link.board import Board
 from triaxis.host.link.exchange import LinkError, SessionLostError
-from triaxis.host.link.messages import Mesh, Mode, Pose, RunEnd, Status
+from triaxis.host.link.messages import Flag, Mesh, Mode, Pose, RunEnd, Status
 from triaxis.host.scene import in_order
 from triaxis.sim.mesh_engine import spatial_order
 
@@ -55,13 +55,41 @@ class BoardEngine:
             status.cycles, status.tested - status.near if self._board.description.certifies else None, near,
         )  # fmt: skip
 
+    def permit(self, translation: Translation, margin: int, hold: int) -> bool:
+        """Return whether a pose is clear; if so go stands, or begins, for ``hold`` milliseconds more.
+
+        Raises LinkError as `run` does, and where go is not said although all is clear. A session that was
+        lost is not begun again: the machine has stopped.
+        """
+        pose = Pose(*translation)
+        self._check_fit(pose, margin)
+        self.load()
+        run = self._board.run(Mode.FIRST, margin, pose, hold=hold)
+        audit(run)
+        self.status = run.status
+        if not run.status.near and not run.status.flags & Flag.GO:
+            raise LinkError(
+                "the board says stop although the segment is clear: the time of the one before was over, or "
+                "the line was disturbed; the machine has stopped: begin anew"
+            )
+        return not run.status.near
+
+    @property
+    def says_go(self) -> bool:
+        """Return whether the output said go when last heard of."""
+        return hasattr(self, "status") and bool(self.status.flags & Flag.GO)
+
+    def load(self) -> None:
+        """Load both meshes, where they are not."""
+        if not self._loaded:
+            self._board.load(Mesh.A, self._a[self._order_a], self._progress)
+            self._board.load(Mesh.B, self._b[self._order_b], self._progress)
+        self._loaded = True
+
     def _run(self, pose: Pose, margin: int, mode: Mode, attempts: int = _ATTEMPTS) -> BoardRun:
         """Load and run, in a new session where the first one or two were lost."""
         try:
-            if not self._loaded:
-                self._board.load(Mesh.A, self._a[self._order_a], self._progress)
-                self._board.load(Mesh.B, self._b[self._order_b], self._progress)
-            self._loaded = True
+            self.load()
             return self._board.run(mode, margin, pose)
         except SessionLostError:
             self._loaded = False

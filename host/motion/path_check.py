@@ -108,7 +108,7 @@ def check_path(
     ``insides_first``: where one is inside the other at the start, or may be, the engine is not asked at all.
     """
     result = PathResult()
-    insides = _insides(scene) if insides_first and not surfaces_only else None
+    insides = insides_at_start(scene) if insides_first and not surfaces_only else None
     if insides is not None and insides.state != State.OUTSIDE and not _near_at_start(scene):
         result.insides = insides
         return result
@@ -133,7 +133,7 @@ def check_path(
         index, together = index + 1, 2 if found == 1 else 1
     # Segments are proven in the order of the path: where any is, so is the start.
     if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
-        result.insides = insides or _insides(scene)
+        result.insides = insides or insides_at_start(scene)
     return result
 
 
@@ -145,7 +145,7 @@ def _near_at_start(scene: PathScene) -> bool:
     return engine.run(segment.sample, scene.path.margin(segment), stop_at_first=True).near_count > 0
 
 
-def _insides(scene: PathScene) -> Enclosure:
+def insides_at_start(scene: PathScene) -> Enclosure:
     """Return whether tool or workpiece is inside the other at the start, where their facets are clear.
 
     One pose is enough. A part could only get in or out of a closed shell through its facets, and the path is

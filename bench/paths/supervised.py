@@ -1,0 +1,176 @@
+"""A machine that never stops: a long program supervised by the simulated board, and collisions planted in it.
+
+The whole design is simulated, with its line. A tool goes on for as long as go is said, at a speed at which
+each segment is asked about hardly more than once: 9 m/s if a clock is 10 ns, beyond any machine. A collision
+is a segment of the program with the tool lowered into the relief, asked about in its place after the one
+before. What is measured is how long go stands after the last byte of that RUN.
+"""
+
+import argparse
+from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from rich.table import Table
+
+from triaxis.bench.harness import FOLDER, Findings, Progress, report
+from triaxis.bench.paths.report import ball_nosed, program_text, relief
+from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.link.board import Board
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.motion.follow import Follower, SimulatedTool, follow, pieces
+from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.program import read_program
+from triaxis.host.quantise import vector
+from triaxis.host.stl import StlMesh
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
+
+RESULT = FOLDER / "follow.json"
+SEGMENTS, PLANTED = 100_000, 1000
+# Longest segment, in mm; squares and sides of the meshes; facets that the board holds.
+_LENGTH, _SQUARES, _SIDES, _DEPTH = Fraction(11, 10), 30, 16, 2048
+# Time is drawn out a hundred times, so that a hold is a small part of what an answer takes.
+_CLOCKS_PER_SECOND, _HOLD_CLOCKS = 1_000_000, 1000
+# Of the fastest axis, in mm/s; hold that is aimed at, in ms; lag, in seconds.
+_SPEED, _HOLD, _LAG = Fraction(90), 200, Fraction(1, 50)
+# The last line of the approach. Steps by which the tool is lowered: 5 mm, more than it is above anything.
+_APPROACHED, _LOWERED = 3, 500
+# Clocks until a RUN that is whole on the line is executed; until the engine has it, and its end is told.
+_EXECUTED, _TOLD = 35, 8
+
+
+class _WatchedLine(SimulatedLine):
+    """A line that knows how long go will have been said when a frame is heard, the first of ``frames``."""
+
+    def __init__(self, top: SimulatedTop) -> None:
+        super().__init__(SimulatedWire(top, _CLOCKS_PER_SECOND))
+        self._top, self.frames, self.heard_at = top, 0, 0
+
+    def send(self, data: bytes) -> None:
+        if not self.frames:
+            self.heard_at = self._top.go_clocks + 10 * self._top.parameters.clocks_per_bit * len(data)
+        self.frames += 1
+        super().send(data)
+
+
+@dataclass(frozen=True)
+class Supervised:
+    """What came of it. ``false_stops``: times that go ended on the whole program.
+
+    ``reaction_clocks``, ``run_clocks``: the longest from a planted RUN to stop, and of the run in that;
+    ``late``: planted ones after which stop came later than the bound.
+    """
+
+    segments: int
+    facets: int
+    asked: int
+    false_stops: int
+    clocks: int
+    shortest_hold: int
+    planted: int
+    missed: int
+    late: int
+    reaction_clocks: int
+    run_clocks: int
+
+
+def add_follow(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Supervise a moving tool on the simulated board, segment by segment, without a stop; plant "
+        "collisions all over the program, and measure how soon each stops it. Writes build/bench/follow.json."
+    )
+    parser.add_argument("--segments", type=int, default=SEGMENTS, metavar="N", help=f"so many ({SEGMENTS:,})")
+    parser.add_argument("--planted", type=int, default=PLANTED, metavar="N", help=f"so many ({PLANTED:,})")
+    parser.set_defaults(run=lambda options: report(RESULT, lambda: _measured(options)))
+
+
+def supervised(folder: Path, segments: int, planted: int, progress: Progress) -> Supervised:
+    """Go along the whole program, then ask about the planted collisions."""
+    tool, work = StlMesh(ball_nosed(_SIDES), Fraction(0)), StlMesh(relief(_SQUARES), Fraction(0))
+    path = folder / "followed.nc"
+    path.write_text(program_text(segments, -(-segments // 100)))
+    start = vector((Fraction(-50), Fraction(-50), Fraction(30)))
+    wanted = Wanted(Fraction(1, 10), Fraction(1, 100), _LENGTH, Fraction(1), 16)
+    program = read_program(path, start)
+    scene = prepare_path(tool, work, ("tool", "relief"), program, wanted)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    # The approach is cut as is needed.
+    found = tuple(
+        piece
+        for moves, longest in ((program.moves[:2], None), (program.moves[2:], _LENGTH))
+        for piece in pieces(replace(scene, program=replace(program, moves=moves)), engine, _LENGTH, longest)
+    )
+    with SimulatedTop(BoardParameters(16, 16, _DEPTH, hold_clocks=_HOLD_CLOCKS)) as top:
+        line = _WatchedLine(top)
+        board = Board(line)
+        board.hello()
+        on_board = BoardEngine(board, scene.a, scene.b)
+        on_board.load()
+        follower = Follower(scene, found, _SPEED, _LAG)
+        moving = SimulatedTool(program, _SPEED, line.now, lambda: top.go)
+        stops, said = 0, False
+
+        def permit(translation: tuple[int, int, int], margin: int, hold: int) -> bool:
+            nonlocal stops, said
+            before, since = top.go_clocks, top.clocks
+            clear = on_board.permit(translation, margin, hold)
+            # From the first go on it is said at every clock.
+            stops += said and top.go_clocks - before != top.clocks - since
+            said = said or top.go
+            progress(int(follower.permitted < len(found)))
+            return clear
+
+        done = follow(follower, permit, moving.report, line.now, _HOLD)
+        clocks = top.clocks
+        missed = late = reaction = cycles = 0
+        # Above the approach there is nothing to be lowered into.
+        low = next(number for number, piece in enumerate(found) if piece.line > _APPROACHED)
+        for place in range(planted):
+            number = low + 1 + place * (len(found) - low - 1) // planted
+            before, piece = found[number - 1 : number + 1]
+            x, y, z = piece.sample
+            permitted = on_board.permit(before.sample, before.margin, _HOLD)
+            line.frames = 0
+            near = not on_board.permit((x, y, z - _LOWERED), piece.margin, _HOLD)
+            missed += not (permitted and near) or top.go
+            stood = top.go_clocks - line.heard_at
+            late += stood > on_board.status.cycles + _EXECUTED + _TOLD
+            if stood > reaction:
+                reaction, cycles = stood, on_board.status.cycles
+            progress(1)
+    facets = len(scene.a) + len(scene.b)
+    if done.near is not None or not follower.at_the_end:
+        stops += 1
+    return Supervised(
+        len(found), facets, done.asked, stops, clocks, done.shortest_hold, planted, missed, late, reaction,
+        cycles,
+    )  # fmt: skip
+
+
+def _measured(options: argparse.Namespace) -> Findings:
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with progress_bar("segments", options.segments + options.planted) as progress:
+        ours = supervised(FOLDER, options.segments, options.planted, progress)
+    return findings(ours)
+
+
+def findings(ours: Supervised) -> Findings:
+    """Return what is shown and written: no stop without need, no collision missed, none too late."""
+    problems = [f"{ours.false_stops} false stops"] * (ours.false_stops > 0)
+    problems += [f"{ours.missed} of {ours.planted} planted collisions were missed"] * (ours.missed > 0)
+    problems += [f"{ours.late} stops came later than stated"] * (ours.late > 0)
+    table = Table("segments", "facets", "asked", "false stops", "planted", "missed", "worst reaction, clocks")
+    table.add_row(
+        f"{ours.segments:,}", f"{ours.facets:,}", f"{ours.asked:,}", str(ours.false_stops),
+        f"{ours.planted:,}", str(ours.missed), f"{ours.reaction_clocks:,} ({ours.run_clocks:,} of the run)",
+    )  # fmt: skip
+    summary = (
+        f"{ours.segments:,} segments, {ours.false_stops} false stops, "
+        f"{ours.missed} of {ours.planted:,} planted collisions missed, each stopped within "
+        f"{ours.reaction_clocks:,} clocks"
+    )
+    return Findings("triaxis bench follow", summary, problems, asdict(ours), [table])

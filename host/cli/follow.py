@@ -1,0 +1,183 @@
+"""``triaxis board follow``: a machine is permitted to go through a program, as long as the board agrees."""
+
+import argparse
+import sys
+import threading
+import time
+from fractions import Fraction
+from typing import TextIO
+
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import add_numbers
+from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
+from triaxis.host.cli.path import add_program, read_moves
+from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.enclosure import NOT_ASKED, State
+from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.motion.follow import LONGEST, Followed, Follower, Report, SimulatedTool, follow, pieces
+from triaxis.host.motion.path_check import insides_at_start
+from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.quantise import Vector, vector
+from triaxis.host.report import write_report
+from triaxis.host.stl import read_stl
+
+_LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
+
+
+def add_follow(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``board follow``."""
+    parser.description = (
+        "Permit a machine to go through a program without a stop: while the tool is in one piece of the "
+        "path, the next is checked on the board, whose output says go from one to the next. It says stop "
+        "where a piece is near, where the tool is not where it may be, and where an answer or a position is "
+        "late. The control says where the tool is, in lines of three numbers in millimetres: X Y Z; their "
+        "end is the end of the machining. What is cut is not known: give what must not be touched."
+    )
+    add_program(parser, Fraction(1, 100))
+    add_numbers(parser, "--speed", "V", "the fastest that any axis moves, in mm/s", None)
+    add_numbers(
+        parser,
+        "--length",
+        "L",
+        f"length of a piece, in mm, below which it is not cut further where it is near ({_LENGTH})",
+        _LENGTH,
+    )
+    add_numbers(
+        parser, "--lag", "MS",
+        f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
+    )  # fmt: skip
+    parser.add_argument(
+        "--hold", type=int, default=_HOLD, metavar="MS",
+        help=f"how long a permission counts at most, in ms ({_HOLD})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--positions", type=argparse.FileType(), default=sys.stdin, metavar="FILE",
+        help="where positions come from (standard input)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--simulate", action="store_true",
+        help="no machine: a simulated tool goes along the program at --speed while the board says go",
+    )  # fmt: skip
+    add_port(parser)
+    add_trust(parser)
+    parser.set_defaults(run=run, engine=BOARD, width=None)
+
+
+class Positions:
+    """The last of the positions that a control writes, a line each, and when it came."""
+
+    def __init__(self, lines: TextIO) -> None:
+        """Begin to read, until they end."""
+        self._lines, self._changed = lines, threading.Condition()
+        self._last: tuple[str, float] | None = None
+        self._ended = False
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        for line in self._lines:
+            with self._changed:
+                self._last = (line, time.monotonic())
+                self._changed.notify()
+        with self._changed:
+            self._ended = True
+            self._changed.notify()
+
+    def report(self) -> Report:
+        """Return the last position and when it came, waiting for a first one; None where they have ended."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._last is not None or self._ended)
+            if self._last is None:
+                return None
+            line, since = self._last
+            if self._ended:
+                self._last = None
+        return _position(line), since
+
+
+def _position(line: str) -> Vector:
+    words = line.split()
+    try:
+        if len(words) != 3:
+            raise ValueError
+        return vector(map(Fraction, words))
+    except (ValueError, ZeroDivisionError) as error:
+        raise InputError(
+            f"position {line.strip()!r}: must be X Y Z in mm, as in 12.5 -3 40: the machine is stopped"
+        ) from error
+
+
+def run(options: argparse.Namespace) -> int:
+    """Follow a machine, and print how far it came."""
+    if options.speed is None or options.speed <= 0:
+        raise InputError("--speed: say how fast any axis may move, in mm/s, as in --speed 250")
+    if not 1 <= options.hold <= LONGEST:
+        raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
+    program, machine, given = read_moves(options)
+    if len(program.stretches) > 1:
+        raise InputError(f"{program.path}: several tools: follow each operation by a program of its own")
+    tool = given or machine.tools[program.moves[0].tool]
+    work = read_stl(options.work)
+    with board_of(options) as board:
+        assert board
+        wanted = Wanted(
+            options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
+        )
+        scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
+        engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+        with progress_bar("pieces are cut", 1) as progress:
+            found = pieces(scene, engine, options.length)
+            progress(1)
+        insides = NOT_ASKED if options.surfaces_only else insides_at_start(scene)
+        if insides.state not in (State.OUTSIDE, State.NOT_ASKED):
+            insides.refuse_undecided((tool.name, str(options.work)))
+            return _told(options, Followed(), len(found), "inside")
+        print(f"board: {about(board.description)}")
+        print(f"path: {program.path}, {len(program.moves)} moves, {len(found)} pieces")
+        for note in program.notes:
+            print(f"note: {note}")
+        with progress_bar("facets loaded", len(scene.a) + len(scene.b)) as progress:
+            on_board = BoardEngine(board, scene.a, scene.b, progress=progress)
+            on_board.load()
+        print("ready: the machine may start where go is said", flush=True)
+        follower = Follower(scene, found, options.speed, options.lag / 1000)
+        if options.simulate:
+            tool_of = SimulatedTool(program, options.speed, time.monotonic, lambda: on_board.says_go)
+            report = tool_of.report
+        else:
+            report = Positions(options.positions).report
+        done = follow(follower, on_board.permit, report, time.monotonic, options.hold)
+    verdict = "near" if done.near else "followed" if follower.at_the_end else "ended"
+    return _told(options, done, len(found), verdict, self_tested(options))
+
+
+def _told(
+    options: argparse.Namespace,
+    done: Followed,
+    count: int,
+    verdict: str,
+    tested: dict[str, str] | None = None,
+) -> int:
+    """Print what came of it, and write the report."""
+    if options.json is not None:
+        write_report(
+            options.json,
+            {
+                "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
+                "line": done.near.line if done.near else None,
+                "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
+                **(tested or {}),
+            },
+        )  # fmt: skip
+    what = {
+        "near": f"NEAR: line {done.near.line if done.near else 0}: the machine was stopped before it",
+        "inside": "NEAR: one is inside the other at the start: go was never said",
+        "followed": "FOLLOWED: to the end of the program",
+        "ended": "ENDED: the positions ended before the program did",
+    }[verdict]
+    print(
+        f"{what}; {done.permitted} of {count} pieces permitted, asked {done.asked} times, shortest hold "
+        f"{done.shortest_hold} ms, longest lag {1000 * done.longest_lag:.1f} ms"
+    )
+    return DONE if verdict == "followed" else NO

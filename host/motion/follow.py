@@ -1,0 +1,343 @@
+"""Following a machine through a program, so that it is permitted to go on without a stop.
+
+The path is cut into pieces, each of which one pose with its margin proves clear (`path_scene`). What was
+found clear stays so, as the meshes do. So the tool may be in any piece up to the last one that was found
+clear, in the program's order; and each answer counts for as long as the tool cannot leave those, its *hold*:
+
+    hold = (least way to the end of the last piece) / (fastest axis) - lag.
+
+Where that is shorter than what is left of the hold before, that is given again: more is permitted than then.
+Ways are Chebyshev lengths, which no axis can be faster than. The *lag* is the longest time from when a
+position was the tool's to the end of the run that is asked for after it. A position may be that of several
+pieces: what was passed is at least what comes before the first of them, the way that is left is that from
+the last. A control may leave its path by the slack: each piece is shorter by twice that.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import takewhile
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Rational
+from triaxis.host.engines import SceneEngine, Translation
+from triaxis.host.motion.moves import Program
+from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment
+from triaxis.host.quantise import Vector
+
+# Milliseconds that a hold can have; what is asked for where the tool cannot leave the program any more.
+LONGEST = 65_535
+
+
+class StrayedError(InputError):
+    """The tool is where it was not permitted to be."""
+
+
+class LateError(InputError):
+    """An answer does not come in the time that the tool leaves it."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of the path, of the program's ``line``, that is clear where ``sample`` is at ``margin``.
+
+    Each of its places is at most ``reach`` from the sample. ``end``: where the tool leaves it; ``way``: how
+    far it goes in it at least. Of a ``rapid`` that takes an unknown way it may pass over pieces: they have
+    its number, the start and the end of the whole, and no way but the last one's.
+    """
+
+    sample: Translation
+    margin: int
+    reach: Rational
+    start: GridPoint
+    end: GridPoint
+    way: Rational
+    line: int
+    low: GridPoint
+    high: GridPoint
+    rapid: int | None = None
+
+    def holds(self, place: GridPoint) -> bool:
+        """Return whether a place is covered by its sample."""
+        return _apart(place, self.sample) <= self.reach
+
+
+def _apart(a: GridPoint, b: Sequence[Rational | int]) -> Rational:
+    return max(abs(x - y) for x, y in zip(a, b, strict=True))
+
+
+def pieces(
+    scene: PathScene, engine: SceneEngine, shortest: Fraction, longest: Fraction | None = None
+) -> tuple[Piece, ...]:
+    """Return the pieces of a path in its order: as long as an engine finds them clear, short moves together.
+
+    ``shortest``: what is not clear is not cut further where it is no longer than that, in millimetres;
+    ``longest``: nor is anything longer than that. Raises InputError where a margin does not fit the engine.
+    """
+    step = scene.wanted.resolution
+    cut = _Cut(scene, engine, Rational(shortest / step), Rational(longest / step) if longest else None)
+    found = list[Piece]()
+    first, together, moves = 0, 1, scene.program.moves
+    while first < len(moves):
+        together = min(together, len(moves) - first)
+        if together > 1:
+            group = scene.group(first, first + together)
+            if not cut.as_it_is(group):
+                together //= 2
+                continue
+            way = sum((_way(scene, number) for number in range(first, first + together)), Rational(0))
+            ends = scene.place(moves[first].start), scene.place(moves[first + together - 1].end)
+            found.append(_piece(scene, group, ends, way, moves[first].line))
+        else:
+            found += cut.move(first)
+        first, together = first + together, 2 * together
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """How pieces are cut: see `pieces`; lengths in steps."""
+
+    scene: PathScene
+    engine: SceneEngine
+    shortest: Rational
+    longest: Rational | None
+
+    def as_it_is(self, segment: Segment) -> bool:
+        """Return whether all of a segment is clear by one pose, and it is not too long."""
+        margin = self.scene.path.margin(segment)
+        if margin > self.scene.largest_margin or (self.longest and segment.length > self.longest):
+            return False
+        return not self.engine.run(segment.sample, margin, stop_at_first=True).near_count
+
+    def move(self, number: int) -> Iterator[Piece]:
+        """Yield the pieces of one move, in the order in which the tool comes to them."""
+        move = self.scene.program.moves[number]
+        whole = self.scene.segment(move)
+        pending = [whole]
+        while pending:
+            segment = pending.pop()
+            if segment.length > self.shortest and not self.as_it_is(segment):
+                pending += reversed(segment.halves())
+            elif not whole.between:
+                way = max(Rational(0), _apart(segment.start, segment.end) - 2 * segment.slack)
+                yield _piece(self.scene, segment, (segment.start, segment.end), way, move.line)
+            else:
+                way = Rational(0) if pending else _way(self.scene, number)
+                yield _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
+
+
+def _way(scene: PathScene, number: int) -> Rational:
+    """Return how far the tool goes at least in a move."""
+    move = scene.program.moves[number]
+    nominal = _apart(scene.place(move.start), scene.place(move.end))
+    return max(Rational(0), nominal - 2 * Rational(move.slack / scene.wanted.resolution))
+
+
+def _piece(
+    scene: PathScene,
+    segment: Segment,
+    ends: tuple[GridPoint, GridPoint],
+    way: Rational,
+    line: int,
+    rapid: int | None = None,
+) -> Piece:
+    margin = scene.path.margin(segment)
+    if margin > scene.largest_margin:
+        raise InputError(
+            f"line {line}: a piece of {float(segment.length * scene.wanted.resolution):.3g} mm: a margin of "
+            f"{margin} steps, the engine's is at most {scene.largest_margin}; use a smaller --length or a "
+            "coarser resolution"
+        )
+    beyond = segment.sag + segment.slack
+    corners = list(zip(segment.start, segment.end, strict=True))
+    low = tuple(min(ends) - beyond for ends in corners)
+    high = tuple(max(ends) + beyond for ends in corners)
+    return Piece(
+        segment.sample, margin, segment.reach, *ends, way, line,
+        (low[0], low[1], low[2]), (high[0], high[1], high[2]), rapid,
+    )  # fmt: skip
+
+
+class Follower:
+    """Where the tool may be, and what is to be asked next.
+
+    ``speed``: of the fastest axis at most, in mm/s; ``lag`` in seconds.
+    """
+
+    def __init__(self, scene: PathScene, found: Sequence[Piece], speed: Fraction, lag: Fraction) -> None:
+        """Begin with a tool that is nowhere permitted, and before the first piece."""
+        self._scene, self.pieces = scene, found
+        self._steps_a_second, self.lag = Rational(speed / scene.wanted.resolution), lag
+        self.permitted = 0
+        self._first = self._last = 0
+        self._place = scene.place(scene.program.moves[0].start)
+        self._slack = Rational(max(move.slack for move in scene.program.moves) / scene.wanted.resolution)
+
+    @property
+    def at_the_end(self) -> bool:
+        """Return whether the tool may be in the last piece, and all of them are permitted."""
+        return self.permitted == len(self.pieces) == self._last + 1
+
+    def moved(self, position: Vector) -> None:
+        """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
+        place = self._scene.place(position)
+        among = range(self._first, max(self.permitted, 1))
+        held = [number for number in among if self.pieces[number].holds(place)]
+        if not held:
+            where = " ".join(f"{name}{float(c):g}" for name, c in zip("XYZ", position, strict=True))
+            lines = " to ".join(str(self.pieces[number].line) for number in (among[0], among[-1]))
+            raise StrayedError(
+                f"the tool is at {where}, where it is not permitted to be now, in lines {lines} of "
+                f"{self._scene.program.path}; the machine is stopped: check the origin, or begin anew"
+            )
+        self._first, self._last, self._place = held[0], held[-1], place
+
+    def hold(self, number: int) -> int:
+        """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less."""
+        if number + 1 == len(self.pieces):
+            return LONGEST
+        seconds = self._left(number) / self._steps_a_second - Rational(self.lag)
+        return min(int(1000 * seconds // 1), LONGEST)
+
+    def next(self, enough: int) -> int:
+        """Return the piece to be asked about: the next one, or the last again where its hold is enough.
+
+        A rapid of many pieces is begun with sooner: while they are asked about, what is left does not grow.
+        """
+        last = self.permitted - 1
+        if last < 0 or last + 1 == len(self.pieces):
+            return max(last, 0)
+        rapid = self.pieces[last + 1].rapid
+        others = (one for one in range(last + 1, len(self.pieces)) if self.pieces[one].rapid != rapid)
+        together = next(others, len(self.pieces)) - last if rapid is not None else 0
+        wanted = min(enough + int(1000 * self.lag * together), LONGEST)
+        return last if self.hold(last) >= wanted else last + 1
+
+    def permit(self, number: int) -> None:
+        """Take that a piece was found clear, and go is said."""
+        self.permitted = max(self.permitted, number + 1)
+
+    def _left(self, number: int) -> Rational:
+        """Return the least way, in steps, on which the tool leaves the pieces up to one of a number."""
+        last, piece = self.pieces[self._last], self.pieces[number]
+        # Of a rapid that is not permitted as a whole it may come to any other piece first.
+        ahead = (self.pieces[one] for one in range(number + 1, len(self.pieces)))
+        others = list(takewhile(lambda one: one.rapid is not None and one.rapid == piece.rapid, ahead))
+        if others and piece.rapid == last.rapid:
+            return min(_gap(self._place, one) for one in others)
+        way = max(Rational(0), _apart(self._place, last.end) - 2 * self._slack)
+        for one in self.pieces[self._last + 1 : number + 1]:
+            if one.rapid is None or one.rapid != last.rapid:
+                way += one.way
+        return way + min((_gap(piece.start, one) for one in others), default=Rational(0))
+
+
+def _gap(place: GridPoint, piece: Piece) -> Rational:
+    """Return how far a place is from a piece."""
+    sides = zip(place, piece.low, piece.high, strict=True)
+    return max(Rational(0), *(max(low - x, x - high) for x, low, high in sides))
+
+
+@dataclass
+class Followed:
+    """How far a machine was followed. ``near``: the piece that was found near, or None."""
+
+    asked: int = 0
+    permitted: int = 0
+    near: Piece | None = None
+    shortest_hold: int = LONGEST
+    longest_lag: float = 0.0
+
+
+# Where the tool is, in millimetres, and at which second of `now` it was so; None: the machine has ended.
+Report = tuple[Vector, float] | None
+# So many times the hold that is aimed at is permitted ahead.
+_AHEAD = 2
+# A simulated tool stands at whole parts of a move.
+_PARTS = 10**6
+
+
+def follow(
+    follower: Follower,
+    permit: Callable[[Translation, int, int], bool],
+    report: Callable[[], Report],
+    now: Callable[[], float],
+    longest: int,
+) -> Followed:
+    """Have a machine permitted piece by piece, until it ends or a piece is near.
+
+    ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
+    aimed at, in milliseconds, and never exceeded. Raises StrayedError, and LateError where an answer takes,
+    or could take, longer than the tool may stay.
+    """
+    done = Followed()
+    # Until when the last answer counts at least.
+    until = 0.0
+    while True:
+        here = report()
+        if here is None:
+            done.permitted = follower.permitted
+            return done
+        position, since = here
+        follower.moved(position)
+        number = follower.next(_AHEAD * longest)
+        left = int(1000 * (until - since - float(follower.lag)) // 1)
+        hold = min(max(follower.hold(number), left), longest)
+        if hold < 1:
+            raise LateError(
+                f"line {follower.pieces[number].line}: the tool may be at its end sooner than in the "
+                f"{float(follower.lag):g} s that an answer may take: use a larger --length, a lower --speed "
+                "or a shorter --lag"
+            )
+        piece = follower.pieces[number]
+        until = now() + hold / 1000
+        clear = permit(piece.sample, piece.margin, hold)
+        lag = now() - since
+        done.asked += 1
+        done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)
+        if not clear:
+            done.permitted, done.near = follower.permitted, piece
+            return done
+        if lag > follower.lag:
+            raise LateError(
+                f"an answer came {lag:.3g} s after its position, --lag is {float(follower.lag):g} s"
+            )
+        follower.permit(number)
+
+
+class SimulatedTool:
+    """A tool that goes along a program while it is permitted: to try all this without a machine.
+
+    ``speed``: of its fastest axis, in mm/s; ``permitted``: whether it may go.
+    """
+
+    def __init__(
+        self, program: Program, speed: Fraction, now: Callable[[], float], permitted: Callable[[], bool]
+    ) -> None:
+        """Begin at the start."""
+        self._moves, self._speed, self._now, self._permitted = program.moves, float(speed), now, permitted
+        self._number, self._part, self._since = 0, Fraction(0), now()
+
+    def report(self) -> Report:
+        """Go on for the time that has passed; return where the tool is, None once it has been at the end."""
+        now = self._now()
+        left = self._speed * (now - self._since) if self._permitted() else 0.0
+        self._since = now
+        if self._number == len(self._moves):
+            return None
+        while self._number < len(self._moves):
+            move = self._moves[self._number]
+            # No axis is faster than along a curve.
+            length = (
+                move.length
+                if move.curve
+                else float(max(abs(b - a) for a, b in zip(move.start, move.end, strict=True)))
+            )
+            whole = length * float(1 - self._part)
+            if left < whole:
+                self._part += Fraction(int(_PARTS * left / length), _PARTS)
+                return move.at(self._part), now
+            left -= whole
+            self._number, self._part = self._number + 1, Fraction(0)
+        return self._moves[-1].end, now

@@ -1,0 +1,240 @@
+"""A machine is followed through a program: where it may be, for how long, and what stops it."""
+
+from fractions import Fraction
+from itertools import count, pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from triaxis.host.cli import follow as follow_module
+from triaxis.host.cli import main
+from triaxis.host.cli.engine import checkout_id
+from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.link.board import Board
+from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.exchange import LinkError
+from triaxis.host.motion.follow import (
+    LONGEST,
+    Follower,
+    LateError,
+    SimulatedTool,
+    StrayedError,
+    follow,
+    pieces,
+)
+from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.program import read_program
+from triaxis.host.quantise import vector
+from triaxis.host.stl import StlMesh
+from triaxis.sim.board_parameters import BoardParameters
+from triaxis.sim.pseudo_terminal import ServedBoard, Wire
+from triaxis.sim.simulated_board import SimulatedTop
+from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
+
+PROGRAM = """G21 G90 G64 P0.02
+G0 X30 Y25 Z20
+G1 Z10 F1000
+X60
+G2 X80 Y45 R20
+G1 X80.3
+X80.5 Y45.2
+X80.4 Y45.5
+Y70
+G0 X0 Y0 Z40
+"""
+START = vector(map(Fraction, (0, 0, 40)))
+TOOL = np.array([[[0, 0, 0], [3, 0, 0], [0, 3, 9]], [[0, 0, 0], [0, 3, 0], [3, 0, 9]]], np.float32)
+FLOOR = np.array([[[-9, -9, 0], [99, -9, 0], [99, 99, 0]]], np.float32)
+# A post on the way from X30 to X60.
+POST = np.array([[[50, 20, 0], [52, 30, 12], [50, 30, 12]]], np.float32)
+SPEED, LAG = Fraction(100), Fraction(1, 50)
+# Time is drawn out a hundred times, so that a hold is a small part of what an answer takes.
+PARAMETERS = BoardParameters(depth=512, hold_clocks=1000, watchdog_clocks=100_000, build_id=checkout_id())
+CLOCKS_PER_SECOND = 1_000_000
+
+
+@pytest.fixture
+def program(tmp_path):
+    path = tmp_path / "program.nc"
+    path.write_text(PROGRAM)
+    return path
+
+
+def scene_of(program, work=FLOOR):
+    wanted = Wanted(Fraction(1, 2), Fraction(1, 100), Fraction(4), Fraction(1), 16)
+    meshes = StlMesh(TOOL, Fraction(0)), StlMesh(work, Fraction(0))
+    return prepare_path(*meshes, ("tool", "work"), read_program(program, START), wanted)
+
+
+def cut(scene):
+    return pieces(scene, scene_engine(BULK, scene.a, scene.b, scene.grid.width), Fraction(4), Fraction(20))
+
+
+def ways(move, rng):
+    """Return places of a move in its order, by one of the ways that it may take."""
+    parts = [Fraction(k, 40) for k in range(41)]
+    if move.straight or move.curve:
+        return [move.at(part) for part in parts]
+    # No axis turns back, each goes at its own pace.
+    paces = [sorted(rng.integers(0, 41, 39).tolist()) for _ in range(3)]
+    return [
+        move.start,
+        *(
+            vector(
+                a + (b - a) * Fraction(pace[k], 40)
+                for a, b, pace in zip(move.start, move.end, paces, strict=True)
+            )
+            for k in range(39)
+        ),
+        move.end,
+    ]
+
+
+def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, rng):
+    scene = scene_of(program)
+    found = cut(scene)
+    assert len({piece.line for piece in found}) >= 6
+    # Of the short moves two are one piece.
+    assert sum(piece.line in (6, 7, 8) for piece in found) == 2
+    for _ in range(3):
+        follower = Follower(scene, found, SPEED, LAG)
+        follower.permitted = len(found)
+        slack = Fraction(1, 50)
+        for move in scene.program.moves:
+            for place in ways(move, rng):
+                off = (slack * int(rng.integers(-1, 2)) * bool(move.slack) for _ in range(3))
+                follower.moved(vector(c + d for c, d in zip(place, off, strict=True)))
+        assert follower.at_the_end
+
+
+def test_a_tool_cannot_leave_what_is_permitted_within_the_hold(program, rng):
+    """At its full speed, by any way, from any place: as soon as it is beyond, the hold is over."""
+    scene = scene_of(program)
+    found = cut(scene)
+    checked = 0
+    for _ in range(2):
+        places = [place for move in scene.program.moves for place in ways(move, rng)]
+        steps = [max(abs(b - a) for a, b in zip(one, other, strict=True)) for one, other in pairwise(places)]
+        for at in range(0, len(places) - 1, 7):
+            follower = Follower(scene, found, SPEED, Fraction(0))
+            follower.permitted = len(found)
+            follower.moved(places[at])
+            for number in range(follower._last, min(follower._last + 6, len(found) - 1)):
+                allowed, travelled = SPEED * follower.hold(number) / 1000, Fraction(0)
+                for step, place in zip(steps[at:], places[at + 1 :], strict=True):
+                    travelled += step
+                    if travelled > allowed:
+                        break
+                    seen = scene.place(place)
+                    assert any(piece.holds(seen) for piece in found[: number + 1]), (number, place)
+                    checked += 1
+    assert checked > 100
+
+
+def moving(program, work, top, stalls=0.0):
+    """Return a follower, what it asks, a simulated tool, and a line's clock."""
+    scene = scene_of(program, work)
+    board = Board(SimulatedLine(SimulatedWire(top, CLOCKS_PER_SECOND)))
+    board.hello()
+    engine = BoardEngine(board, scene.a, scene.b)
+    engine.load()
+    tool = SimulatedTool(scene.program, SPEED, board._line.now, lambda: top.go)
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+
+    def permit(translation, margin, hold):
+        if follower.permitted == 5:
+            board._line.wait(stalls)
+        return engine.permit(translation, margin, hold)
+
+    return SimpleNamespace(follower=follower, permit=permit, tool=tool, now=board._line.now, scene=scene)
+
+
+@pytest.fixture
+def top():
+    with SimulatedTop(PARAMETERS) as board:
+        yield board
+        assert board.bad_clocks == 0
+
+
+@pytest.mark.simulator
+def test_a_machine_goes_through_the_program_without_a_stop(program, top):
+    case = moving(program, FLOOR, top)
+    done = follow(case.follower, case.permit, case.tool.report, case.now, 200)
+    assert (done.near, done.permitted) == (None, len(case.follower.pieces))
+    # It stood still for no more than until the first answer.
+    length = sum(
+        move.length
+        if move.curve
+        else float(max(abs(b - a) for a, b in zip(move.start, move.end, strict=True)))
+        for move in case.scene.program.moves
+    )
+    assert top.go_clocks >= length / float(SPEED) * CLOCKS_PER_SECOND
+
+
+@pytest.mark.simulator
+def test_a_machine_is_stopped_before_what_is_near(program, top):
+    case = moving(program, np.concatenate([FLOOR, POST]), top)
+    done = follow(case.follower, case.permit, case.tool.report, case.now, 200)
+    assert done.near and done.near.line == 4 and not top.go
+    # It is asked about ahead: the tool has not come to the post, which begins at X50.
+    place, _ = case.tool.report()
+    assert place[0] + 3 < 50
+
+
+@pytest.mark.simulator
+def test_what_is_late_stops_the_machine(program, top):
+    case = moving(program, FLOOR, top, stalls=0.4)
+    before = top.go_clocks
+    with pytest.raises((LateError, LinkError), match=r"stop|--lag"):
+        follow(case.follower, case.permit, case.tool.report, case.now, 200)
+    top.step(300_000)
+    assert not top.go and top.go_clocks > before
+
+
+def test_a_tool_where_it_may_not_be_and_pieces_too_short(program):
+    scene = scene_of(program)
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    with pytest.raises(
+        StrayedError, match="at X0 Y0 Z9, where it is not permitted to be now, in lines 2 to 2"
+    ):
+        follower.moved(vector(map(Fraction, (0, 0, 9))))
+    hurried = Follower(scene, cut(scene), Fraction(100_000), LAG)
+    with pytest.raises(
+        LateError, match=r"line 2: .* in the 0.02 s that an answer may take: use a larger --length"
+    ):
+        follow(hurried, lambda *_: True, lambda: (START, 0.0), lambda: 0.0, 200)
+    assert follower.hold(len(follower.pieces) - 1) == LONGEST
+
+
+@pytest.mark.simulator
+def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, capsys, monkeypatch):
+    tool, work = tmp_path / "tool.stl", tmp_path / "work.stl"
+    for path, facets in ((tool, TOOL), (work, FLOOR)):
+        record = np.zeros(len(facets), [("normal", "<f4", 3), ("facet", "<f4", (3, 3)), ("attribute", "<u2")])
+        record["facet"] = facets
+        path.write_bytes(bytes(80) + len(facets).to_bytes(4, "little") + record.tobytes())
+    positions, report = tmp_path / "positions", tmp_path / "report.json"
+    always = ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+    # A clock that knows nothing of how busy the machine is.
+    ticks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
+    monkeypatch.setattr(follow_module, "time", clock)
+    with ServedBoard(top, Wire()) as served:
+
+        def run(*words):
+            arguments = [str(tool), str(work), str(program), "--port", served.path, *always, *words]
+            status = main(["board", "follow", *arguments, "--json", str(report), "--skip-self-test"])
+            return status, capsys.readouterr()
+
+        status, said = run("--simulate", "--surfaces-only")
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
+        positions.write_text("0 0 40\n0 0 39.5\n")
+        status, said = run("--positions", str(positions), "--surfaces-only")
+        assert status == 1 and "ENDED: the positions ended before the program did" in said.out
+        positions.write_text("0 0\n")
+        status, said = run("--positions", str(positions), "--surfaces-only")
+        assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
+        assert '"verdict": "unknown"' in report.read_text()
+        assert "say how fast any axis may move" in run("--speed", "0")[1].err
+    assert top.stop
