@@ -1,12 +1,19 @@
 """A machine is followed through a program: where it may be, for how long, and what stops it."""
 
+import io
+import os
+import shutil
+import subprocess
+import tempfile
 from fractions import Fraction
 from itertools import count, pairwise
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from triaxis.golden.errors import InputError
 from triaxis.host.cli import follow as follow_module
 from triaxis.host.cli import main
 from triaxis.host.cli.engine import checkout_id
@@ -205,6 +212,35 @@ def test_a_tool_where_it_may_not_be_and_pieces_too_short(program):
     ):
         follow(hurried, lambda *_: True, lambda: (START, 0.0), lambda: 0.0, 200)
     assert follower.hold(len(follower.pieces) - 1) == LONGEST
+
+
+HAL = """loadrt threads name1=servo period1=1000000
+loadrt sampler depth=1000 cfg=fff
+addf sampler.0 servo
+setp sampler.0.pin.0 12.5
+setp sampler.0.pin.1 -0.125
+setp sampler.0.pin.2 1e3
+start
+loadusr -w halsampler -n 3
+"""
+
+
+@pytest.mark.skipif(shutil.which("halrun") is None, reason="LinuxCNC is not installed (linuxcnc-uspace)")
+def test_what_halsampler_writes_is_understood():
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder, "sample.hal")
+        script.write_text(HAL)
+        # As root it asks for whom it is to run, who writes into the folder.
+        Path(folder).chmod(0o777)
+        environment = {**os.environ, "RTAPI_UID": "65534", "HOME": folder}
+        command = ["halrun", "-f", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
+    report = follow_module.Positions(io.StringIO(done.stdout)).report()
+    assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
+    with pytest.raises(InputError, match="position 'overrun': must be X Y Z in mm"):
+        follow_module.Positions(io.StringIO("overrun\n")).report()
 
 
 @pytest.mark.simulator
