@@ -15,8 +15,9 @@ from triaxis.verif.faults.faulty_rtl import FOLDER
 from triaxis.verif.faults.known_faults import Fault, Kind
 from triaxis.verif.faults.result import Attempt, Catch, Example
 from triaxis.verif.faults.runs import design_sign_of, run_test
-from triaxis.verif.testbench.settings import BURST, PIN
+from triaxis.verif.testbench.settings import BURST, PIN, Block
 from triaxis.verif.testbench.simulation import RunResult
+from triaxis.verif.testbench.table import names_of
 
 PICTURES = FOLDER / "pictures"
 
@@ -59,10 +60,7 @@ SEARCHES = {
     ),
     Kind.BOARD: _Search(
         "board",
-        (
-            "BoardSmokeTest", "BoardFramesTest", "BoardRefusalsTest", "BoardGoTest", "BoardSilenceTest",
-            "BoardMixedTest", "BoardResetsTest", "BoardAbortTest", "BoardFullTest", "BoardTrialsTest",
-        ),
+        tuple(names_of(Block.BOARD)),
         BURST,
         60,
     ),

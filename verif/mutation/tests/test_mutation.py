@@ -14,9 +14,9 @@ from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit
 from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.statements import hosts
 from triaxis.verif.mutation.syntax import read_source
-from triaxis.verif.mutation.targets import (
-    right_package,
-)
+from triaxis.verif.mutation.targets import BOARD, right_package
+from triaxis.verif.testbench.settings import Block
+from triaxis.verif.testbench.table import names_of
 
 pytest.importorskip("pyslang", reason="mutants need pyslang: make setup")
 
@@ -160,6 +160,12 @@ def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
     files = {mutant.file for mutant in found.mutants}
     assert files == {path.relative_to(DUT).as_posix() for path in rtl_files() if path.suffix != ".f"}
     assert {mutant.kind for mutant in found.mutants} == {RUNTIME, ELABORATION}
+
+
+def test_every_test_of_the_board_looks_for_its_mutants():
+    """All but the one that does no more than fill its meshes."""
+    played = {settings.test for settings in BOARD.tests(1)}
+    assert played | {"BoardDepthTest"} == set(names_of(Block.BOARD))
 
 
 def test_a_mutant_that_is_no_systemverilog_is_the_generators_fault():
