@@ -24,6 +24,8 @@ from triaxis.host.report import write_report
 from triaxis.host.stl import read_stl
 
 _LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
+# Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
+_LISTED, _ALIVE_SECONDS = 10, 0.03
 
 
 def add_follow(parser: argparse.ArgumentParser) -> None:
@@ -48,15 +50,17 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         parser, "--lag", "MS",
         f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
     )  # fmt: skip
+    add_numbers(parser, "--braking", "B", "the way in which the machine stops, in mm (0)", Fraction(0))
     parser.add_argument(
         "--hold", type=int, default=_HOLD, metavar="MS",
         help=f"how long a permission counts at most, in ms ({_HOLD})",
     )  # fmt: skip
-    parser.add_argument(
-        "--positions", type=argparse.FileType(), default=sys.stdin, metavar="FILE",
-        help="where positions come from (standard input)",
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--positions", type=argparse.FileType(errors="replace"), default=sys.stdin, metavar="FIFO",
+        help="where positions come from while the machine moves (standard input)",
     )  # fmt: skip
-    parser.add_argument(
+    where.add_argument(
         "--simulate", action="store_true",
         help="no machine: a simulated tool goes along the program at --speed while the board says go",
     )  # fmt: skip
@@ -71,29 +75,48 @@ class Positions:
     def __init__(self, lines: TextIO) -> None:
         """Begin to read, until they end."""
         self._lines, self._changed = lines, threading.Condition()
-        self._last: tuple[str, float] | None = None
+        self._last: Report = None
+        self._wrong: InputError | None = None
         self._ended = False
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:
-        for line in self._lines:
-            with self._changed:
-                self._last = (line, time.monotonic())
-                self._changed.notify()
+        wrong = None
+        try:
+            for line in self._lines:
+                # What has no end is cut off.
+                if not line.endswith("\n"):
+                    break
+                position = _position(line)
+                with self._changed:
+                    self._last = position, time.monotonic()
+                    self._changed.notify()
+        except InputError as error:
+            wrong = error
+        except (OSError, ValueError) as error:
+            wrong = InputError(f"positions: cannot read: {error}")
         with self._changed:
-            self._ended = True
+            self._ended, self._wrong = True, wrong
             self._changed.notify()
 
-    def report(self) -> Report:
-        """Return the last position and when it came, waiting for a first one; None where they have ended."""
+    def wait(self, seconds: float) -> bool:
+        """Return whether a position has come, or none will, within a time."""
         with self._changed:
-            self._changed.wait_for(lambda: self._last is not None or self._ended)
-            if self._last is None:
-                return None
-            line, since = self._last
+            return self._changed.wait_for(lambda: self._last is not None or self._ended, seconds)
+
+    def report(self) -> Report:
+        """Return the last position and when it came; None where they have ended.
+
+        Raises InputError where any line is none.
+        """
+        self.wait(threading.TIMEOUT_MAX)
+        with self._changed:
+            if self._wrong is not None:
+                raise self._wrong
+            last = self._last
             if self._ended:
                 self._last = None
-        return _position(line), since
+            return last
 
 
 def _position(line: str) -> Vector:
@@ -104,7 +127,7 @@ def _position(line: str) -> Vector:
         return vector(map(Fraction, words))
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(
-            f"position {line.strip()!r}: must be X Y Z in mm, as in 12.5 -3 40: the machine is stopped"
+            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40: the machine is stopped"
         ) from error
 
 
@@ -112,6 +135,11 @@ def run(options: argparse.Namespace) -> int:
     """Follow a machine, and print how far it came."""
     if options.speed is None or options.speed <= 0:
         raise InputError("--speed: say how fast any axis may move, in mm/s, as in --speed 250")
+    for name in ("length", "lag"):
+        if getattr(options, name) <= 0:
+            raise InputError(f"--{name}: must be more than 0: correct it")
+    if options.braking < 0:
+        raise InputError("--braking: must not be negative: correct it")
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
@@ -137,16 +165,24 @@ def run(options: argparse.Namespace) -> int:
         print(f"path: {program.path}, {len(program.moves)} moves, {len(found)} pieces")
         for note in program.notes:
             print(f"note: {note}")
+        if lines := sorted({piece.line for piece in found if piece.near}):
+            print(
+                f"note: the machine will be stopped before line {', '.join(map(str, lines[:_LISTED]))}: near"
+            )
         with progress_bar("facets loaded", len(scene.a) + len(scene.b)) as progress:
             on_board = BoardEngine(board, scene.a, scene.b, progress=progress)
             on_board.load()
         print("ready: the machine may start where go is said", flush=True)
-        follower = Follower(scene, found, options.speed, options.lag / 1000)
+        follower = Follower(scene, found, options.speed, options.lag / 1000, options.braking)
         if options.simulate:
             tool_of = SimulatedTool(program, options.speed, time.monotonic, lambda: on_board.says_go)
             report = tool_of.report
         else:
-            report = Positions(options.positions).report
+            positions = Positions(options.positions)
+            report = positions.report
+            # A board that hears nothing gives no go.
+            while not positions.wait(_ALIVE_SECONDS):
+                board.status()
         done = follow(follower, on_board.permit, report, time.monotonic, options.hold)
     verdict = "near" if done.near else "followed" if follower.at_the_end else "ended"
     return _told(options, done, len(found), verdict, self_tested(options))

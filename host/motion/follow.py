@@ -4,17 +4,18 @@ The path is cut into pieces, each of which one pose with its margin proves clear
 found clear stays so, as the meshes do. So the tool may be in any piece up to the last one that was found
 clear, in the program's order; and each answer counts for as long as the tool cannot leave those, its *hold*:
 
-    hold = (least way to the end of the last piece) / (fastest axis) - lag.
+    hold = (least way to the end of the last piece - braking way) / (fastest axis) - lag.
 
 Where that is shorter than what is left of the hold before, that is given again: more is permitted than then.
 Ways are Chebyshev lengths, which no axis can be faster than. The *lag* is the longest time from when a
 position was the tool's to the end of the run that is asked for after it. A position may be that of several
 pieces: what was passed is at least what comes before the first of them, the way that is left is that from
-the last. A control may leave its path by the slack: each piece is shorter by twice that.
+the last. A control may leave its path by the slack: each piece is shorter by twice that, or each of two
+straight lines, from the tool to the end of one of the pieces and from there to the end of the last.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import takewhile
 
@@ -43,7 +44,8 @@ class Piece:
 
     Each of its places is at most ``reach`` from the sample. ``end``: where the tool leaves it; ``way``: how
     far it goes in it at least. Of a ``rapid`` that takes an unknown way it may pass over pieces: they have
-    its number, the start and the end of the whole, and no way but the last one's.
+    its number, the start and the end of the whole, and no way but the last one's. ``near``: the engine that
+    cuts does not find it clear.
     """
 
     sample: Translation
@@ -56,6 +58,7 @@ class Piece:
     low: GridPoint
     high: GridPoint
     rapid: int | None = None
+    near: bool = False
 
     def holds(self, place: GridPoint) -> bool:
         """Return whether a place is covered by its sample."""
@@ -77,7 +80,8 @@ def pieces(
     step = scene.wanted.resolution
     cut = _Cut(scene, engine, Rational(shortest / step), Rational(longest / step) if longest else None)
     found = list[Piece]()
-    first, together, moves = 0, 1, scene.program.moves
+    moves = scene.program.moves
+    first, together = 0, len(moves)
     while first < len(moves):
         together = min(together, len(moves) - first)
         if together > 1:
@@ -117,14 +121,17 @@ class _Cut:
         pending = [whole]
         while pending:
             segment = pending.pop()
-            if segment.length > self.shortest and not self.as_it_is(segment):
+            clear = self.as_it_is(segment)
+            if segment.length > self.shortest and not clear:
                 pending += reversed(segment.halves())
-            elif not whole.between:
+                continue
+            if not whole.between:
                 way = max(Rational(0), _apart(segment.start, segment.end) - 2 * segment.slack)
-                yield _piece(self.scene, segment, (segment.start, segment.end), way, move.line)
+                piece = _piece(self.scene, segment, (segment.start, segment.end), way, move.line)
             else:
                 way = Rational(0) if pending else _way(self.scene, number)
-                yield _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
+                piece = _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
+            yield replace(piece, near=not clear)
 
 
 def _way(scene: PathScene, number: int) -> Rational:
@@ -162,12 +169,17 @@ def _piece(
 class Follower:
     """Where the tool may be, and what is to be asked next.
 
-    ``speed``: of the fastest axis at most, in mm/s; ``lag`` in seconds.
+    ``speed``: of the fastest axis at most, in mm/s; ``lag`` in seconds; ``braking``: the way in which the
+    machine stops, in mm.
     """
 
-    def __init__(self, scene: PathScene, found: Sequence[Piece], speed: Fraction, lag: Fraction) -> None:
+    def __init__(
+        self, scene: PathScene, found: Sequence[Piece], speed: Fraction, lag: Fraction,
+        braking: Fraction = Fraction(0),
+    ) -> None:  # fmt: skip
         """Begin with a tool that is nowhere permitted, and before the first piece."""
         self._scene, self.pieces = scene, found
+        self._braking = Rational(braking / scene.wanted.resolution)
         self._steps_a_second, self.lag = Rational(speed / scene.wanted.resolution), lag
         self.permitted = 0
         self._first = self._last = 0
@@ -176,8 +188,10 @@ class Follower:
 
     @property
     def at_the_end(self) -> bool:
-        """Return whether the tool may be in the last piece, and all of them are permitted."""
-        return self.permitted == len(self.pieces) == self._last + 1
+        """Return whether the tool is at the end of the path, and has no piece before it that is elsewhere."""
+        rest = self.pieces[self._first :]
+        here = _apart(self._place, self.pieces[-1].end) <= self._slack + 1
+        return here and self.permitted == len(self.pieces) and all(one.holds(self._place) for one in rest)
 
     def moved(self, position: Vector) -> None:
         """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
@@ -197,7 +211,7 @@ class Follower:
         """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less."""
         if number + 1 == len(self.pieces):
             return LONGEST
-        seconds = self._left(number) / self._steps_a_second - Rational(self.lag)
+        seconds = (self._left(number) - self._braking) / self._steps_a_second - Rational(self.lag)
         return min(int(1000 * seconds // 1), LONGEST)
 
     def next(self, enough: int) -> int:
@@ -226,6 +240,26 @@ class Follower:
         others = list(takewhile(lambda one: one.rapid is not None and one.rapid == piece.rapid, ahead))
         if others and piece.rapid == last.rapid:
             return min(_gap(self._place, one) for one in others)
+        return max(self._along(number, others), self._straight(number, others))
+
+    def _straight(self, number: int, others: Sequence[Piece]) -> Rational:
+        """Return the longest of the ways by one of the ends between, each leg straight."""
+        piece = self.pieces[number]
+        passed = self.pieces[self._last : number + 1]
+        # Of a rapid that is not permitted as a whole the end is not passed.
+        ends = [one.end for one in passed if not others or one.rapid != piece.rapid]
+        ends += [piece.start] if others else []
+        beyond = min((_gap(ends[-1], one) for one in others), default=Rational(0))
+        legs = (
+            max(Rational(0), _apart(self._place, end) - self._slack)
+            + max(Rational(0), _apart(end, ends[-1]) - 2 * self._slack)
+            for end in ends
+        )
+        return max(legs) + max(Rational(0), beyond - self._slack)
+
+    def _along(self, number: int, others: Sequence[Piece]) -> Rational:
+        """Return the sum of the ways of the pieces, from where the tool is."""
+        last, piece = self.pieces[self._last], self.pieces[number]
         way = max(Rational(0), _apart(self._place, last.end) - 2 * self._slack)
         for one in self.pieces[self._last + 1 : number + 1]:
             if one.rapid is None or one.rapid != last.rapid:
@@ -254,8 +288,8 @@ class Followed:
 Report = tuple[Vector, float] | None
 # So many times the hold that is aimed at is permitted ahead.
 _AHEAD = 2
-# A simulated tool stands at whole parts of a move.
-_PARTS = 10**6
+# A simulated tool takes so many straight steps along a curve, and stands at as many places of each.
+_PARTS = 1024
 
 
 def follow(
@@ -269,7 +303,7 @@ def follow(
 
     ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
     aimed at, in milliseconds, and never exceeded. Raises StrayedError, and LateError where an answer takes,
-    or could take, longer than the tool may stay.
+    or could take, longer than the tool may stay, or longer than go is said for certain.
     """
     done = Followed()
     # Until when the last answer counts at least.
@@ -286,12 +320,12 @@ def follow(
         hold = min(max(follower.hold(number), left), longest)
         if hold < 1:
             raise LateError(
-                f"line {follower.pieces[number].line}: the tool may be at its end sooner than in the "
-                f"{float(follower.lag):g} s that an answer may take: use a larger --length, a lower --speed "
-                "or a shorter --lag"
+                f"line {follower.pieces[number].line}: the tool may be at the end of what is permitted "
+                f"sooner than in the {float(follower.lag):g} s that an answer may take: begin with a longer "
+                "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
             )
         piece = follower.pieces[number]
-        until = now() + hold / 1000
+        said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)
         lag = now() - since
         done.asked += 1
@@ -303,6 +337,9 @@ def follow(
             raise LateError(
                 f"an answer came {lag:.3g} s after its position, --lag is {float(follower.lag):g} s"
             )
+        if said is not None and now() > said:
+            # Go may have ended meanwhile, and begun again.
+            raise LateError(f"line {piece.line}: the permission before was not renewed within its time")
         follower.permit(number)
 
 
@@ -328,16 +365,13 @@ class SimulatedTool:
             return None
         while self._number < len(self._moves):
             move = self._moves[self._number]
-            # No axis is faster than along a curve.
-            length = (
-                move.length
-                if move.curve
-                else float(max(abs(b - a) for a, b in zip(move.start, move.end, strict=True)))
-            )
-            whole = length * float(1 - self._part)
-            if left < whole:
-                self._part += Fraction(int(_PARTS * left / length), _PARTS)
+            here, step = move.at(self._part), min(1 - self._part, Fraction(1, _PARTS if move.curve else 1))
+            way = float(max(abs(b - a) for a, b in zip(here, move.at(self._part + step), strict=True)))
+            if left < way:
+                self._part += step * Fraction(int(_PARTS * left / way), _PARTS)
                 return move.at(self._part), now
-            left -= whole
-            self._number, self._part = self._number + 1, Fraction(0)
+            left -= way
+            self._part += step
+            if self._part == 1:
+                self._number, self._part = self._number + 1, Fraction(0)
         return self._moves[-1].end, now

@@ -39,7 +39,7 @@ from triaxis.sim.pseudo_terminal import ServedBoard, Wire
 from triaxis.sim.simulated_board import SimulatedTop
 from triaxis.sim.simulated_line import SimulatedLine, SimulatedWire
 
-PROGRAM = """G21 G90 G64 P0.02
+PROGRAM = """G21 G90 G64 P0.4
 G0 X30 Y25 Z20
 G1 Z10 F1000
 X60
@@ -56,6 +56,8 @@ FLOOR = np.array([[[-9, -9, 0], [99, -9, 0], [99, 99, 0]]], np.float32)
 # A post on the way from X30 to X60.
 POST = np.array([[[50, 20, 0], [52, 30, 12], [50, 30, 12]]], np.float32)
 SPEED, LAG = Fraction(100), Fraction(1, 50)
+# Of the program, in mm and in steps.
+SLACK, SLACK_STEPS = Fraction(4, 5), 80
 # Time is drawn out a hundred times, so that a hold is a small part of what an answer takes.
 PARAMETERS = BoardParameters(depth=512, hold_clocks=1000, watchdog_clocks=100_000, build_id=checkout_id())
 CLOCKS_PER_SECOND = 1_000_000
@@ -101,34 +103,54 @@ def ways(move, rng):
 def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, rng):
     scene = scene_of(program)
     found = cut(scene)
-    assert len({piece.line for piece in found}) >= 6
+    assert len({piece.line for piece in found}) >= 5
     # Of the short moves two are one piece.
     assert sum(piece.line in (6, 7, 8) for piece in found) == 2
     for _ in range(3):
         follower = Follower(scene, found, SPEED, LAG)
         follower.permitted = len(found)
-        slack = Fraction(1, 50)
+        assert not follower.at_the_end
         for move in scene.program.moves:
             for place in ways(move, rng):
-                off = (slack * int(rng.integers(-1, 2)) * bool(move.slack) for _ in range(3))
-                follower.moved(vector(c + d for c, d in zip(place, off, strict=True)))
+                follower.moved(vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)))
+        # It ends where it began.
         assert follower.at_the_end
 
 
-def test_a_tool_cannot_leave_what_is_permitted_within_the_hold(program, rng):
-    """At its full speed, by any way, from any place: as soon as it is beyond, the hold is over."""
+def off_path(move, rng):
+    """Return by how much the control leaves a move."""
+    return vector(SLACK * int(rng.integers(-1, 2)) * bool(move.slack) for _ in range(3))
+
+
+def test_a_tool_cannot_leave_what_is_permitted_within_lag_and_hold(program, rng):
+    """At its full speed, by any way within the slack, from any place; and no hold is shorter than need be."""
     scene = scene_of(program)
     found = cut(scene)
-    checked = 0
-    for _ in range(2):
-        places = [place for move in scene.program.moves for place in ways(move, rng)]
-        steps = [max(abs(b - a) for a, b in zip(one, other, strict=True)) for one, other in pairwise(places)]
-        for at in range(0, len(places) - 1, 7):
-            follower = Follower(scene, found, SPEED, Fraction(0))
-            follower.permitted = len(found)
+    checked, exact = 0, 0
+    for _ in range(4):
+        track = [
+            (vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)), move)
+            for move in scene.program.moves
+            for place in ways(move, rng)
+        ]
+        places = [place for place, _ in track]
+        steps = [max(abs(b - a) for a, b in zip(*pair, strict=True)) for pair in pairwise(places)]
+        nominal = 0
+        for at in range(0, len(places) - 1, 3):
+            while not found[nominal].holds(scene.place(places[at])):
+                nominal += 1
+            follower = Follower(scene, found, SPEED, LAG)
+            follower._first = nominal
+            # At least all that the tool may have come through.
+            line, place = track[at][1].line, scene.place(places[at])
+            latest = 1 + max(k for k, piece in enumerate(found) if piece.line <= line and piece.holds(place))
+            if latest == len(found):
+                break
+            follower.permitted = min(latest + int(rng.integers(4)), len(found) - 1)
             follower.moved(places[at])
-            for number in range(follower._last, min(follower._last + 6, len(found) - 1)):
-                allowed, travelled = SPEED * follower.hold(number) / 1000, Fraction(0)
+            for number in range(follower.permitted - 1, min(follower.permitted + 2, len(found) - 1)):
+                hold = follower.hold(number)
+                allowed, travelled = SPEED * (Fraction(hold, 1000) + LAG), Fraction(0)
                 for step, place in zip(steps[at:], places[at + 1 :], strict=True):
                     travelled += step
                     if travelled > allowed:
@@ -136,7 +158,74 @@ def test_a_tool_cannot_leave_what_is_permitted_within_the_hold(program, rng):
                     seen = scene.place(place)
                     assert any(piece.holds(seen) for piece in found[: number + 1]), (number, place)
                     checked += 1
-    assert checked > 100
+                if number == follower._last and found[number].rapid is None:
+                    left = max(abs(a - b) for a, b in zip(follower._place, found[number].end, strict=True))
+                    assert 1000 * (left - 2 * SLACK_STEPS) / (100 * SPEED) - 1000 * LAG - 1 <= hold
+                    assert hold <= max(1000 * (left - SLACK_STEPS) / (100 * SPEED), 0) - 1000 * LAG
+                    exact += 1
+    assert checked > 1000 and exact > 20
+
+
+def test_slack_shortens_ways_and_widens_boxes(program):
+    scene = scene_of(program)
+    found = cut(scene)
+    down, first, second, arc = found[4:8]
+    assert [piece.way for piece in (down, first, second)] == [1000 - 160, 1500 - 160, 1500 - 160]
+    follower = Follower(scene, found, SPEED, LAG)
+    follower._first = follower._last = 5
+    follower._place = first.start
+    # By the corner at X60.
+    way = max(abs(a - b) for a, b in zip(arc.end, arc.start, strict=True))
+    assert abs(follower._straight(7, []) - (3000 - 80 + way - 160)) < 1
+    home = [piece for piece in found if piece.line == 10]
+    assert min(piece.low[0] for piece in home) == scene.place(START)[0] - 80
+    assert max(piece.high[2] for piece in home) == scene.place(START)[2] + 80
+
+
+def test_braking_shortens_each_hold(program):
+    scene = scene_of(program)
+    found = cut(scene)
+    late, early = (Follower(scene, found, SPEED, LAG, braking) for braking in (Fraction(0), Fraction(2)))
+    assert late.hold(3) - early.hold(3) == 20
+
+
+class Clock:
+    """Of which each answer takes some time."""
+
+    def __init__(self, *takes):
+        self.time, self.takes, self.holds = 0.0, iter(takes), []
+
+    def now(self):
+        return self.time
+
+    def permit(self, translation, margin, hold):
+        self.holds.append(hold)
+        self.time += next(self.takes)
+        return True
+
+
+def test_an_answer_is_late_after_the_lag_or_when_go_may_have_ended(program):
+    scene = scene_of(program)
+
+    def late(clock, longest=200, position=START):
+        follower = Follower(scene, cut(scene), SPEED, LAG)
+        with pytest.raises(LateError) as error:
+            follow(follower, clock.permit, lambda: (position, clock.time), clock.now, longest)
+        return follower, str(error.value)
+
+    follower, said = late(Clock(0.01, 0.02, 0.0201))
+    assert "an answer came 0.0201 s after its position, --lag is 0.02 s" in said and follower.permitted == 2
+    # What was permitted for 12 ms is renewed within 12 ms of having been asked for.
+    clock = Clock(0.01, 0.0121)
+    assert "was not renewed within its time" in late(clock, 12)[1]
+    assert clock.holds == [12, 12]
+    # Where the way allows no more, what is left of the hold before, less the lag.
+    follower, clock = Follower(scene, cut(scene), SPEED, LAG), Clock(0.01, 0.01, 0.01)
+    ways_left = iter([80, 0, 0, 0])
+    follower.hold = lambda number: 0 if number < follower.permitted else next(ways_left)
+    with pytest.raises(LateError, match=r"may be at the end of what is permitted sooner than in the 0.02 s"):
+        follow(follower, clock.permit, lambda: (START, clock.time), clock.now, 200)
+    assert clock.holds == [80, 50, 20]
 
 
 def moving(program, work, top, stalls=0.0):
@@ -146,7 +235,7 @@ def moving(program, work, top, stalls=0.0):
     board.hello()
     engine = BoardEngine(board, scene.a, scene.b)
     engine.load()
-    tool = SimulatedTool(scene.program, SPEED, board._line.now, lambda: top.go)
+    tool = SimulatedTool(scene.program, SPEED * 98 / 100, board._line.now, lambda: top.go)
     follower = Follower(scene, cut(scene), SPEED, LAG)
 
     def permit(translation, margin, hold):
@@ -208,7 +297,7 @@ def test_a_tool_where_it_may_not_be_and_pieces_too_short(program):
         follower.moved(vector(map(Fraction, (0, 0, 9))))
     hurried = Follower(scene, cut(scene), Fraction(100_000), LAG)
     with pytest.raises(
-        LateError, match=r"line 2: .* in the 0.02 s that an answer may take: use a larger --length"
+        LateError, match=r"line 2: .* in the 0.02 s that an answer may take: begin with a longer move"
     ):
         follow(hurried, lambda *_: True, lambda: (START, 0.0), lambda: 0.0, 200)
     assert follower.hold(len(follower.pieces) - 1) == LONGEST
@@ -239,8 +328,27 @@ def test_what_halsampler_writes_is_understood():
         pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
     report = follow_module.Positions(io.StringIO(done.stdout)).report()
     assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
-    with pytest.raises(InputError, match="position 'overrun': must be X Y Z in mm"):
-        follow_module.Positions(io.StringIO("overrun\n")).report()
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("1 2 3\noverrun\n1 2 3\n", "position 'overrun': must be X Y Z in mm"),
+        ("1 2 3 4\n", "must be X Y Z"), ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
+        ("1 2 \ufffd\n", "must be X Y Z"),
+    ],
+)  # fmt: skip
+def test_lines_that_are_no_positions_are_refused(text, what):
+    positions = follow_module.Positions(io.StringIO(text))
+    with pytest.raises(InputError, match=what):
+        while positions.report():
+            pass
+
+
+def test_a_position_that_is_cut_off_is_none():
+    positions = follow_module.Positions(io.StringIO("1 2 3\n10 20 3"))
+    while report := positions.report():
+        assert report[0] == (1, 2, 3)
 
 
 @pytest.mark.simulator
@@ -272,5 +380,10 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
         status, said = run("--positions", str(positions), "--surfaces-only")
         assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
         assert '"verdict": "unknown"' in report.read_text()
-        assert "say how fast any axis may move" in run("--speed", "0")[1].err
+        for option, what in (
+            ("--speed", "say how fast"),
+            ("--lag", "must be more than 0"),
+            ("--length", "more than 0"),
+        ):
+            assert what in run(option, "0")[1].err
     assert top.stop
