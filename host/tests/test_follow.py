@@ -5,6 +5,8 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
+import time
 from fractions import Fraction
 from itertools import count, pairwise
 from pathlib import Path
@@ -178,6 +180,8 @@ def test_slack_shortens_ways_and_widens_boxes(program):
     way = max(abs(a - b) for a, b in zip(arc.end, arc.start, strict=True))
     assert abs(follower._straight(7, []) - (3000 - 80 + way - 160)) < 1
     home = [piece for piece in found if piece.line == 10]
+    whole = max(abs(a - b) for a, b in zip(home[0].start, home[0].end, strict=True))
+    assert [piece.way for piece in home] == [0] * (len(home) - 1) + [whole - 160]
     assert min(piece.low[0] for piece in home) == scene.place(START)[0] - 80
     assert max(piece.high[2] for piece in home) == scene.place(START)[2] + 80
 
@@ -351,6 +355,12 @@ def test_a_position_that_is_cut_off_is_none():
         assert report[0] == (1, 2, 3)
 
 
+def says_late(fifo):
+    with fifo.open("w") as lines:
+        time.sleep(2)
+        lines.write("0 0 40\n")
+
+
 @pytest.mark.simulator
 def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, capsys, monkeypatch):
     tool, work = tmp_path / "tool.stl", tmp_path / "work.stl"
@@ -376,6 +386,14 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
         positions.write_text("0 0 40\n0 0 39.5\n")
         status, said = run("--positions", str(positions), "--surfaces-only")
         assert status == 1 and "ENDED: the positions ended before the program did" in said.out
+        # Silence for longer than the watchdog's time, before the machine starts.
+        fifo = tmp_path / "fifo"
+        os.mkfifo(fifo)
+        control = threading.Thread(target=says_late, args=(fifo,))
+        control.start()
+        status, said = run("--positions", str(fifo), "--surfaces-only")
+        control.join()
+        assert (status, said.err) == (1, "")
         positions.write_text("0 0\n")
         status, said = run("--positions", str(positions), "--surfaces-only")
         assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
