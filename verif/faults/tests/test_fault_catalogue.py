@@ -273,7 +273,7 @@ def test_evidence_is_of_whole_runs_only(tmp_path):
     assert not path.exists()
     evidence = read_evidence(write_json(whole_result(), path))
     assert evidence and evidence["passed"]
-    assert evidence["summary"] == "22 of 22 faults caught"
+    assert evidence["summary"] == "24 of 24 faults caught"
     assert [fault["name"] for fault in evidence["faults"]] == [f.name for f in FAULTS if f.signed_off]
 
 

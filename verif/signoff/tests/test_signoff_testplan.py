@@ -32,8 +32,11 @@ def test_the_board_that_ships_is_simulated_also_at_its_own_times():
     assert any(replace(parameters, build_id=0) == SIGNED_OFF for _, parameters in ran)
     # A bitstream takes them from the top itself.
     text = (DUT / "board" / f"{TOP}.sv").read_text()
-    named = re.findall(r"parameter (?:int unsigned|bit) (\w+) = (?:1'b)?([\d_]+)", text)
-    assert {**{name: int(value) for name, value in named}, "BuildId": 0} == SIGNED_OFF.rtl
+    named = re.findall(r"parameter (?:int unsigned|bit) (\w+) = (?:1'b)?(\w+)", text)
+    package = (DUT / "board" / "triaxis_board_pkg.sv").read_text()
+    constants = dict(re.findall(r"localparam int unsigned (\w+) = ([\d_]+);", package))
+    sizes = {name: int(constants.get(value, value)) for name, value in named}
+    assert {**sizes, "BuildId": 0} == SIGNED_OFF.rtl
 
 
 def test_the_testplan_is_clean_and_the_inventory_whole(capsys):
