@@ -92,7 +92,9 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
     """Go along the whole program, then ask about the planted collisions."""
     tool, work = StlMesh(ball_nosed(_SIDES), Fraction(0)), StlMesh(relief(_SQUARES), Fraction(0))
     path = folder / "followed.nc"
-    path.write_text(program_text(segments, -(-segments // 100)))
+    # Some short moves are one segment.
+    moves = segments + segments // 50
+    path.write_text(program_text(moves, max(1, moves // 100)))
     start = vector((Fraction(-50), Fraction(-50), Fraction(30)))
     wanted = Wanted(Fraction(1, 10), Fraction(1, 100), _LENGTH, Fraction(1), 16)
     program = read_program(path, start)
