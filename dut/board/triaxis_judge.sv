@@ -111,7 +111,7 @@ module triaxis_judge
   end
 
   // Any will do.
-  logic unused_run;
-  assign unused_run = ^{run.trial, run.hold};
+  logic [$bits(trial_t)+$bits(hold_t)-1:0] unused_run;
+  assign unused_run = {run.trial, run.hold};
 
 endmodule

@@ -142,8 +142,8 @@ module triaxis_runner
   end
 
   // What the judge has looked at.
-  logic unused_asked;
-  assign unused_asked = ^{asked.count_a, asked.count_b, asked.mode[7:2]};
+  logic [37:0] unused_asked;
+  assign unused_asked = {asked.count_a, asked.count_b, asked.mode[7:2]};
 
   assign seen_o = {
     waiting_q,

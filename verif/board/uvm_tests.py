@@ -851,7 +851,16 @@ class BoardFullTest(BoardTest):
 
     async def numbers(self) -> None:
         """Show numbers with all digits, and count more than fit into them."""
-        for count_a, count_b in ((7, 11), (31, 29), (5, 113), (97, 26), (98, 86), (99, 101), (100, 100)):
+        for count_a, count_b in (
+            (7, 11),
+            (31, 7),
+            (31, 29),
+            (5, 113),
+            (97, 26),
+            (98, 86),
+            (99, 101),
+            (100, 100),
+        ):
             await self.scene(self.flat(0, count_a), self.flat(0, count_b))
             await self.run(Mode.COUNT)
             await self.digits()
