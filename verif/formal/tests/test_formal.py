@@ -157,8 +157,8 @@ ALONE = (
      "board_fault_q;", "Faults"),
     ("a trial of the runners that tries nothing", "board/nexys4ddr_top.sv", "misread[i] = trying_runner && ",
      "misread[i] = trying_frame && ", "TriedRunner"),
-    ("the pose of a run", "board/triaxis_runner.sv", "    pose_q,\n    run_pose_q,\n    run_number_q",
-     "    pose_q,\n    pose_q,\n    run_number_q", "RunsDiffer"),
+    ("the pose of a run", "board/triaxis_runner.sv", "    hold_q,\n    pose_q,\n    run_number_q",
+     "    hold_q,\n    96'd0,\n    run_number_q", "RunsDiffer"),
 )  # fmt: skip
 BROKEN = (
     ("accepts more than the queue holds", "streams_m0", "core/triaxis_core.sv",
@@ -305,7 +305,7 @@ BROKEN = (
     ("any sequence number will do", "board_go", "board/triaxis_judge.sv",
      "mine_i && !next_i && !repeat_i", "1'b0", "check"),
     ("runs on as many triangles of A as there are", "board_go", "board/triaxis_judge.sv",
-     "fields_i[55:40] != count_a_i || ", "", "check"),
+     "run.count_a != count_a_i || ", "", "check"),
     ("a pose that is cut off", "board_go", "board/triaxis_judge.sv",
      "top == '0 || top == '1;", "1'b1;", "check"),
     ("triangles of B go to A", "board_go", "board/triaxis_loader.sv",
@@ -387,7 +387,7 @@ BROKEN = (
      "        engine_status_q <= StatusNone;\n      end\n      if (done", "      end\n      if (done",
      "Status"),
     ("a run's trial is that of the run before", "board_runs", "board/triaxis_runner.sv",
-     "trial_q <= fields_i[72+:$bits(trial_t)];", "trial_q <= trial_q;", "Asked"),
+     "trial_q <= asked.trial;", "trial_q <= trial_q;", "Asked"),
     ("errors are counted from 0 again", "board_errors", "board/triaxis_saturating_counter.sv",
      "sum[Width] ? '1 : sum[Width-1:0]", "sum[Width-1:0]", "Counted"),
     ("a bit of the payload again as it was", "board_reply", "board/triaxis_reply.sv",

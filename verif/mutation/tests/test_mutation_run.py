@@ -209,9 +209,10 @@ def test_evidence_refuses_a_mutant_that_is_not_equivalent():
     assert "not proved equivalent in triaxis_extent (W = 3, Comb = 1)" in message
     # Of registers: what is between them may differ, no reset, and no register.
     of_board = {mutant.id: mutant for mutant in catalogue().mutants}
-    entry = Equivalent((), "reason", REGISTERS, "triaxis_safety", {}, "nothing changes")
-    assert prove(entry, [of_board["triaxis_safety/identifier/e2ef846d"]]) is None
-    for wrong in ("triaxis_safety/deletion/133ee2a2", "triaxis_safety/operand/cbaf7dae"):
+    entry = Equivalent((), "reason", REGISTERS, "triaxis_command", {}, "nothing changes")
+    assert prove(entry, [of_board["triaxis_session/operand/39ea9226"]]) is None
+    entry = replace(entry, module="triaxis_safety")
+    for wrong in ("triaxis_safety/deletion/133ee2a2", "triaxis_safety/identifier/047deaee"):
         assert "not proved equivalent in triaxis_safety" in (prove(entry, [of_board[wrong]]) or "")
     # Nor does a contract hold for what breaks it.
     wrong = of("triaxis_stream_fifo", "equality", "held_d == count_t'(Depth)")
