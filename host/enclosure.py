@@ -18,7 +18,7 @@ undecided.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -55,6 +55,23 @@ class Shells:
     def closed(self) -> Mask:
         """Return which shells are closed: (S,)."""
         return self.open_edges == 0
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A mesh (N, 3, 3), N at least 1, and its shells."""
+
+    facets: Integers
+    shells: Shells
+
+    def moved(self, translation: Integers) -> "Solid":
+        """Return it elsewhere."""
+        return Solid(self.facets + translation, replace(self.shells, boxes=self.shells.boxes + translation))
+
+
+def solid_of(facets: Integers) -> Solid:
+    """Return a mesh with its shells."""
+    return Solid(facets, shells_of(facets))
 
 
 def shells_of(facets: Integers) -> Shells:
@@ -255,19 +272,14 @@ class Enclosure:
 NOT_ASKED = Enclosure(State.NOT_ASKED)
 
 
-def enclosure(a: Integers, b: Integers, moves: Integers = _STILL) -> Enclosure:
-    """Return whether a shell of A (N, 3, 3) is inside B (M, 3, 3), or one of B inside A; none of their facets
-    may be near.
+def enclosure(a: Solid, b: Solid, moves: Integers = _STILL) -> Enclosure:
+    """Return whether a shell of A is inside B, or one of B inside A; none of their facets may be near.
 
     ``moves`` (K, 2, 3): where A then goes without coming near B, as the least and the most translation from
     where it stands on each piece of its way. What is inside a closed shell at the start is so all along,
     what is not never; but into something open it may come by a gap.
     """
-    shells_a, shells_b = shells_of(a), shells_of(b)
-    parts = (
-        *_parts("a", (a, shells_a), (b, shells_b), moves),
-        *_parts("b", (b, shells_b), (a, shells_a), -moves[:, ::-1]),
-    )
+    parts = (*_parts("a", a, b, moves), *_parts("b", b, a, -moves[:, ::-1]))
     for state in (State.INSIDE, State.UNDECIDED):
         found = tuple(part for part in parts if part.state == state)
         if found:
@@ -275,14 +287,12 @@ def enclosure(a: Integers, b: Integers, moves: Integers = _STILL) -> Enclosure:
     return Enclosure(State.OUTSIDE)
 
 
-def _parts(
-    mesh: str, inner: tuple[Integers, Shells], outer: tuple[Integers, Shells], moves: Integers
-) -> list[Part]:
+def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]:
     """Return the shells of the inner mesh that are inside the outer one, or may be."""
-    (facets, shells), (around, hulls) = inner, outer
+    facets, shells, hulls = inner.facets, inner.shells, outer.shells
     held, mixed = np.zeros((2, len(shells.first)), np.bool_)
     possible = np.flatnonzero(_fitting(shells.boxes, hulls.boxes[hulls.closed], _STILL))
-    held[possible], mixed[possible] = inside(facets[shells.first[possible], 0], around, hulls)
+    held[possible], mixed[possible] = inside(facets[shells.first[possible], 0], outer.facets, hulls)
     doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"

@@ -22,7 +22,7 @@ from triaxis.host.cli.engine import (
     width_of,
 )
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
+from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure, solid_of
 from triaxis.host.engines import BULK, STILL, Integers, SceneEngine, SceneRun, scene_engine
 from triaxis.host.euclidean import EuclideanEngine, euclidean_distance
 from triaxis.host.least import least_distance
@@ -121,7 +121,9 @@ def run(options: argparse.Namespace) -> int:
         engine = scene_engine(options.engine, meshes.a, meshes.b, meshes.grid.width)
         run = by_distance(options, meshes.a, meshes.b, engine).run(STILL, meshes.margin)
         asked = not run.near_count and not options.surfaces_only
-        return _tell(options, meshes, run, enclosure(meshes.a, meshes.b) if asked else NOT_ASKED)
+        return _tell(
+            options, meshes, run, enclosure(solid_of(meshes.a), solid_of(meshes.b)) if asked else NOT_ASKED
+        )
 
 
 def _by_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> int:
@@ -146,7 +148,7 @@ def _by_board(options: argparse.Namespace, board: Board, meshes: MeshPair) -> in
 
 def _insides(meshes: MeshPair) -> Enclosure:
     """Return what is known of insides before the board runs; near facets leave nothing to ask."""
-    found = enclosure(meshes.a, meshes.b)
+    found = enclosure(solid_of(meshes.a), solid_of(meshes.b))
     if found.state == State.OUTSIDE:
         return found
     engine = scene_engine(BULK, meshes.a, meshes.b, meshes.grid.width)

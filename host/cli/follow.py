@@ -17,7 +17,7 @@ from triaxis.host.enclosure import NOT_ASKED, State
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.follow import LONGEST, Followed, Follower, Report, SimulatedTool, follow, pieces
-from triaxis.host.motion.path_check import insides_at_start
+from triaxis.host.motion.path_check import insides_at
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.report import write_report
@@ -157,7 +157,7 @@ def run(options: argparse.Namespace) -> int:
         with progress_bar("pieces are cut", 1) as progress:
             found = pieces(scene, engine, options.length)
             progress(1)
-        insides = NOT_ASKED if options.surfaces_only else insides_at_start(scene)
+        insides = NOT_ASKED if options.surfaces_only else insides_at(scene)
         if insides.state not in (State.OUTSIDE, State.NOT_ASKED):
             insides.refuse_undecided((tool.name, str(options.work)))
             return _told(options, Followed(), len(found), "inside")

@@ -24,9 +24,10 @@ from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
+from triaxis.host.motion.contact import NOT_TRACKED, Rule, rules_of
 from triaxis.host.motion.machine import Machine, Tool, read_machine
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import NAMES, Effort, PathResult, check_path
+from triaxis.host.motion.path_check import Effort, PathResult, check_path
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
@@ -66,6 +67,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     add_engine(parser)
     add_distance(parser)
+    parser.add_argument(
+        "--stock", type=Path, action="append", metavar="STOCK.stl",
+        help="the blank, which the cutter may touch while it feeds, and nothing else ever; once, or for each "
+        "part of the program that a change of the tool ends. WORK.stl then is what nothing may touch",
+    )  # fmt: skip
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
@@ -120,22 +126,27 @@ def run(options: argparse.Namespace) -> int:
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
     program, machine, given = read_moves(options)
-    work = read_stl(options.work)
+    work = read_stl(options.work), options.work
+    operations: list[list[Rule]] = []
+    parts = program.stretches
+    tools = [given or machine.tools[part.moves[0].tool] for part in parts]
+    for tool, part, stock in zip(tools, parts, _stocks(options, len(parts)), strict=True):
+        first = sum(len(before.moves) for before in parts[: len(operations)])
+        operations.append(rules_of(tool, work, stock, part, first))
     checked: list[_Checked] = []
-    with board_of(options) as board:
-        with progress_bar("moves", len(program.moves)) as progress:
-            for stretch in program.stretches:
-                tool = given or machine.tools[stretch.moves[0].tool]
-                checked.append(_check(options, board, tool, work, stretch, progress))
-                if checked[-1].result.verdict != "clear":
-                    break
-        # What decides: the first tool that is not clear, or the last.
-        tool, scene, result, others = checked[-1].whole
-        first = sum(len(one.scene.program.moves) for one in checked[:-1])
-    profile = _profile(options, scene, others)
+    total = sum(len(rule.numbers) for rules in operations for rule in rules)
+    with board_of(options) as board, progress_bar("moves", total) as progress:
+        for tool, rules in zip(tools, operations, strict=True):
+            checked += _operation(options, board, tool, rules, progress)
+            if any(one.result.verdict != "clear" for one in checked):
+                break
+    # What decides: the first that is near, or unknown, or the last.
+    first = _decisive(checked)
+    rule, scene, result = first.rule, first.scene, first.result
+    profile = _profile(options, scene, first.engine)
+    notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
-        whole = len(program.moves), sum(move.length for move in program.moves)
-        report = _report(scene, options, result, profile, first, whole)
+        report = _report(scene, options, first, replace(program, notes=notes), profile)
         report |= {"tools": [one.entry for one in checked]}
         if board is not None:
             report |= self_tested(options)
@@ -144,30 +155,52 @@ def run(options: argparse.Namespace) -> int:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
 
-        draw_path(options.picture, scene, result, profile[0])
+        draw_path(options.picture, scene, result, profile[0], rule.names)
     for one in checked:
-        _print_scene(options, one.tool.name, one.scene)
+        _print_scene(one)
         if board is not None:
             print(f"board: {about(board.description)}")
         _print_effort(one.result)
-    _print_verdict(scene, result)
+    for note in notes:
+        print(f"note: {note}")
+    _print_verdict(first, len(checked) > 1 and options.stock is not None)
     if result.verdict == "unknown":
-        result.insides.refuse_undecided((tool.name, str(options.work)))
+        result.insides.refuse_undecided(rule.files)
     return DONE if result.verdict == "clear" else NO
+
+
+def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path] | None]:
+    """Return the stock of each operation."""
+    files: list[Path] = options.stock or []
+    if len(files) not in (0, 1, count):
+        raise InputError(
+            f"--stock: {len(files)} files for {count} operations, which a change of the tool divides: give "
+            "one for all, or one for each"
+        )
+    stocks = [(read_stl(file), file) for file in files]
+    return [stocks[k % len(stocks)] if stocks else None for k in range(count)]
 
 
 @dataclass(frozen=True)
 class _Checked:
-    """A part of the program with one tool, and what came of it. ``engine``: for poses that decide nothing."""
+    """What must stay clear of what on a part of the program, and what came of it.
+
+    ``engine``: for poses that decide nothing.
+    """
 
     tool: Tool
+    rule: Rule
     scene: PathScene
     result: PathResult
     engine: SceneEngine
 
     @property
-    def whole(self) -> tuple[Tool, PathScene, PathResult, SceneEngine]:
-        return self.tool, self.scene, self.result, self.engine
+    def near_at(self) -> int | None:
+        """Return the move of the whole program where it is near, if it is."""
+        if self.result.verdict != "near":
+            return None
+        near = self.result.near
+        return self.rule.numbers[self.result.asked_at if near is None else near.move]
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -175,6 +208,8 @@ class _Checked:
         return {
             "number": self.tool.number,
             "name": self.tool.name,
+            "what": self.rule.names[0],
+            "of": self.rule.names[1],
             "moves": len(self.scene.program.moves),
             "verdict": self.result.verdict,
             "facets": len(self.scene.a),
@@ -183,10 +218,29 @@ class _Checked:
         }
 
 
+def _decisive(checked: list[_Checked]) -> _Checked:
+    near = [one for one in checked if one.near_at is not None]
+    if near:
+        return min(near, key=lambda one: one.near_at or 0)
+    return next((one for one in checked if one.result.verdict == "unknown"), checked[-1])
+
+
+def _operation(
+    options: argparse.Namespace, board: Board | None, tool: Tool, rules: list[Rule], progress: Progress
+) -> list[_Checked]:
+    """Check what must hold with one tool, each thing as far as the first move that is near by another."""
+    checked: list[_Checked] = []
+    for rule in rules:
+        ends = [one.near_at for one in checked if one.near_at is not None]
+        part = rule.until(min(ends)) if ends else rule
+        if part is not None:
+            checked.append(_check(options, board, tool, part, progress))
+    return checked
+
+
 def _check(
-    options: argparse.Namespace, board: Board | None, tool: Tool, work: StlMesh, program: Program,
-    progress: Progress,
-) -> _Checked:  # fmt: skip
+    options: argparse.Namespace, board: Board | None, tool: Tool, rule: Rule, progress: Progress
+) -> _Checked:
     step = _STEPS * options.resolution if options.step is None else options.step
     wanted = Wanted(
         options.clearance,
@@ -196,13 +250,13 @@ def _check(
         width_of(options, board),
         options.distance == EUCLIDEAN,
     )
-    scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
+    scene = prepare_path(rule.a, rule.b, rule.files, rule.program, wanted)
     engine = BULK if board else options.engine
     # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
     others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
     asked = BoardEngine(board, scene.a, scene.b) if board else by_distance(options, scene.a, scene.b, others)
     result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
-    return _Checked(tool, scene, result, others)
+    return _Checked(tool, rule, scene, result, others)
 
 
 def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
@@ -215,21 +269,20 @@ def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine)
 
 
 def _report(
-    scene: PathScene, options: argparse.Namespace, result: PathResult, profile: _Profile, first: int,
-    whole: tuple[int, float],
-) -> dict[str, Any]:  # fmt: skip
+    scene: PathScene, options: argparse.Namespace, checked: _Checked, program: Program, profile: _Profile
+) -> dict[str, Any]:
     """Return everything that is known of a checked path; lengths of the path in millimetres.
 
-    ``first``: the number of the first move of the scene in the whole program; ``whole``: moves and length of
-    that. What is not of the program is of the tool that decides, and of each tool in `tools`.
+    What is not of the whole program is of what decides, and of each thing that was checked in `tools`.
     """
-    wanted, program = scene.wanted, scene.program
+    wanted, result, near = scene.wanted, checked.result, checked.result.near
+    numbers = checked.rule.numbers
     return {
         "verdict": result.verdict,
         "program": {
             "file": program.path,
-            "moves": whole[0],
-            "length": whole[1],
+            "moves": len(program.moves),
+            "length": sum(move.length for move in program.moves),
             "notes": program.notes,
         },
         "tool_facets": len(scene.a),
@@ -242,7 +295,10 @@ def _report(
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": options.engine,
         **enclosure_entry(result.insides, options.surfaces_only),
-        "near": None if result.near is None else replace(result.near, move=result.near.move + first),
+        "what": checked.rule.names[0],
+        "of": checked.rule.names[1],
+        "stock": options.stock,
+        "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
         "profile": profile[0],
@@ -259,12 +315,12 @@ def _effort_entry(effort: Effort) -> dict[str, Any]:
     }
 
 
-def _print_scene(options: argparse.Namespace, tool: str, scene: PathScene) -> None:
+def _print_scene(checked: _Checked) -> None:
+    scene, rule = checked.scene, checked.rule
     program, wanted, grid = scene.program, scene.wanted, scene.grid
-    print(f"tool: {tool}, {len(scene.a)} facets; workpiece: {options.work}, {len(scene.b)} facets")
+    what, of = (name.removeprefix("the ") for name in rule.names)
+    print(f"{what}: {rule.files[0]}, {len(scene.a)} facets; {of}: {rule.files[1]}, {len(scene.b)} facets")
     print(f"path: {program.path}, {len(program.moves)} moves, {lengths(scene).sum():.6g} mm")
-    for note in program.notes:
-        print(f"note: {note}")
     print(
         f"grid: {grid.width} bits, resolution {float(wanted.resolution):g} mm; clearance "
         f"{float(wanted.clearance):g} mm, false alarms less than {float(scene.band):g} mm beyond it"
@@ -289,24 +345,28 @@ def _print_effort(result: PathResult) -> None:
         )
 
 
-def _print_verdict(scene: PathScene, result: PathResult) -> None:
+def _print_verdict(checked: _Checked, several: bool) -> None:
+    """Print it; ``several``: things were checked, of which this one decides."""
+    result, names, scene = checked.result, checked.rule.names, checked.scene
     clearance = f"{float(scene.wanted.clearance):g} mm"
     near = result.near
+    line = scene.program.moves[result.asked_at].line
+    start = f"at the start of line {line}" if result.asked_at else "at the start"
     if near is None:
-        print_without_near_facets(
-            result.insides, f"no facets come within {clearance} anywhere on the path", NAMES
-        )
+        inside = result.verdict == "near" and result.asked_at
+        where = start if inside else "for each of these" if several else "anywhere on the path"
+        print_without_near_facets(result.insides, f"no facets come within {clearance} {where}", names)
         return
-    for sentence in result.insides.told(NAMES)[:_LISTED]:
-        print(f"NEAR: at the start {sentence}")
+    for sentence in result.insides.told(names)[:_LISTED]:
+        print(f"NEAR: {start} {sentence}")
     # To the tenth of a micrometre.
     place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip("XYZ", near.position, strict=True))
-    print(f"NEAR: line {near.line}: at {place} the tool comes within {clearance}")
+    print(f"NEAR: line {near.line}: at {place} {names[0]} comes within {clearance} of {names[1]}")
     if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")
     for found in near.facets[:_LISTED]:
         print(
-            f"  facet {found.tool_facet} of the tool, facet {found.work_facet} of the workpiece: exact "
+            f"  facet {found.tool_facet} of {names[0]}, facet {found.work_facet} of {names[1]}: exact "
             f"distance {float(found.distance):g}"
         )
     if near.facet_pairs > _LISTED:

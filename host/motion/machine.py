@@ -11,16 +11,18 @@
     number = 1
     length = 82.5                # mm from the spindle's nose to the origin of the STL, the tip: what G43 adds
     mesh = "mill.stl"            # or parts, from the tip on
-    parts = [{ diameter = 6, length = 20 }, { diameter = 20, length = 45 }, { mesh = "holder.stl" }]
+    parts = [{ diameter = 6, length = 20, cuts = true }, { diameter = 20, length = 45 },
+             { mesh = "holder.stl" }]
 
-Parts are in the unit of the STL files.
+Parts are in the unit of the STL files. Those that cut may touch a stock while the tool feeds (`contact`).
 """
 
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import pairwise
 from math import cos, pi
 from pathlib import Path
 from typing import Any
@@ -39,6 +41,8 @@ _DECIMAL = re.compile(rf"[+-]?(?=.{{1,{_DIGITS + 1}}}$)\d*\.?\d*")
 _LARGEST = 10**6
 # Sides of a prism around a cylinder, which is in it.
 _SIDES = 64
+# Parts of its diameter that a cutter's top is thick.
+_THIN = 64
 SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 
@@ -46,7 +50,10 @@ SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 class Tool:
     """A tool: its mesh, the tip at its origin, and its length; None where that is not known.
 
-    Length and diameter are in millimetres, the mesh is in the unit of STL files.
+    Length and diameter are in millimetres, meshes are in the unit of STL files. ``cutter``, ``body``: what
+    cuts, and what does not; no cutter where nobody said. ``covered``, ``top``: of a cutter of cylinders of
+    which none is narrower than the one below: whether the body above it is at least as wide, and where it is
+    not, a thin cylinder of its width on top of it (`contact`).
     """
 
     number: int
@@ -54,6 +61,10 @@ class Tool:
     name: str
     length: Fraction | None = None
     diameter: Fraction | None = None
+    cutter: StlMesh | None = None
+    body: StlMesh | None = None
+    covered: bool = False
+    top: StlMesh | None = None
 
 
 @dataclass(frozen=True)
@@ -129,10 +140,11 @@ class _Table:
             value = Fraction(value)
         if isinstance(value, (int, Fraction)) and abs(value) > _LARGEST:
             raise self.wrong(key, f"at most {_LARGEST:g}")
-        if value is not default and (not isinstance(value, kind) or isinstance(value, bool)):
-            raise self.wrong(
-                key, {Fraction: "a number", list: "a list", str: "a text"}.get(kind, kind.__name__)
-            )
+        if value is not default and (
+            not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)
+        ):
+            wanted = {Fraction: "a number", list: "a list", str: "a text", bool: "true or false"}
+            raise self.wrong(key, wanted.get(kind, kind.__name__))
         return value
 
     def wrong(self, key: str, wanted: str) -> InputError:
@@ -167,27 +179,66 @@ def _tool(table: _Table, scale: Fraction) -> Tool:
     if bool(parts) == bool(mesh):
         raise table.wrong("mesh", "given, or parts, and not both")
     table.finish()
-    found: list[StlMesh] = []
-    height, diameters, name = Fraction(0), list[Fraction](), mesh or f"tool {number}"
+    name = mesh or f"tool {number}"
+    found: list[_Part] = []
     for entry in parts or [{"mesh": mesh}]:
-        part = _Table(table.path, f"{table.name}parts: ", entry)
-        mesh = part.take("mesh", str, None)
-        if mesh is not None:
-            if not mesh.isprintable():
-                raise part.wrong("mesh", "the name of a file")
-            found.append(read_stl(table.path.parent / mesh))
-        else:
-            diameter, tall = (part.take(key, Fraction, Fraction(0)) for key in ("diameter", "length"))
-            if diameter <= 0 or tall <= 0:
-                raise part.wrong("diameter and length", "positive, or a mesh given")
-            radius = float(diameter) / 2 / cos(pi / _SIDES) * (1 + 1e-6)
-            low, high = float(height), float(height + tall)
-            profile = [(0.0, low), (radius, low), (radius, high), (0.0, high)]
-            # Heights become float32.
-            found.append(StlMesh(revolved(profile, _SIDES).astype(np.float64), (height + tall) / 2**23))
-            diameters.append(diameter)
-            height += tall
-        part.finish()
-    facets = np.concatenate([part.facets for part in found])
-    rounding = max(part.rounding for part in found)
-    return Tool(number, StlMesh(facets, rounding), name, length, diameters[0] * scale if diameters else None)
+        height = sum((part.height for part in found), Fraction(0))
+        found.append(_part(_Table(table.path, f"{table.name}parts: ", entry), height))
+    whole, cutter, body = (
+        _joined([part.mesh for part in found if part.cuts in kinds])
+        for kinds in ((False, True), (True,), (False,))
+    )
+    assert whole is not None
+    diameter = next((part.diameter * scale for part in found if part.diameter), None)
+    tool = Tool(number, whole, name, length, diameter, cutter, body)
+    if cutter is None or [part.cuts for part in found] != sorted((part.cuts for part in found), reverse=True):
+        return tool
+    edges = [part for part in found if part.cuts]
+    if not all(part.diameter for part in edges) or any(b.diameter < a.diameter for a, b in pairwise(edges)):
+        return tool
+    above, widest = found[len(edges) :], edges[-1].diameter
+    if above and above[0].diameter >= widest:
+        return replace(tool, covered=True)
+    height = sum((part.height for part in edges), Fraction(0))
+    return replace(tool, top=_cylinder(widest, height, widest / _THIN))
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a tool; height and diameter are 0 where it is a mesh."""
+
+    mesh: StlMesh
+    cuts: bool
+    height: Fraction = Fraction(0)
+    diameter: Fraction = Fraction(0)
+
+
+def _part(part: _Table, height: Fraction) -> _Part:
+    """Return the next part of a tool, on those that are so high."""
+    mesh, cuts = part.take("mesh", str, None), part.take("cuts", bool, False)
+    if mesh is not None:
+        if not mesh.isprintable():
+            raise part.wrong("mesh", "the name of a file")
+        found = _Part(read_stl(part.path.parent / mesh), cuts)
+    else:
+        diameter, tall = (part.take(key, Fraction, Fraction(0)) for key in ("diameter", "length"))
+        if diameter <= 0 or tall <= 0:
+            raise part.wrong("diameter and length", "positive, or a mesh given")
+        found = _Part(_cylinder(diameter, height, tall), cuts, tall, diameter)
+    part.finish()
+    return found
+
+
+def _cylinder(diameter: Fraction, foot: Fraction, height: Fraction) -> StlMesh:
+    """Return a prism around an upright cylinder."""
+    radius = float(diameter) / 2 / cos(pi / _SIDES) * (1 + 1e-6)
+    low, high = float(foot), float(foot + height)
+    profile = [(0.0, low), (radius, low), (radius, high), (0.0, high)]
+    # Heights become float32.
+    return StlMesh(revolved(profile, _SIDES).astype(np.float64), (foot + height) / 2**23)
+
+
+def _joined(meshes: Sequence[StlMesh]) -> StlMesh | None:
+    if not meshes:
+        return None
+    return StlMesh(np.concatenate([one.facets for one in meshes]), max(one.rounding for one in meshes))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,12 @@ class Program:
         changes = [k for k in range(1, len(self.moves)) if self.moves[k].tool != self.moves[k - 1].tool]
         ends = zip([0, *changes], [*changes, len(self.moves)], strict=True)
         return [replace(self, moves=self.moves[start:end]) for start, end in ends]
+
+    @cached_property
+    def starts(self) -> list[int]:
+        """Return the numbers of moves that do not start where the one before ends."""
+        moves = self.moves
+        return [k for k in range(len(moves)) if not k or moves[k].start != moves[k - 1].end]
 
 
 def assumed_start(moves: Sequence[Move]) -> str:

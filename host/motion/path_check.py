@@ -6,6 +6,7 @@ margin that covers half of it (`path_scene`). Where that is near, both halves ar
 to the step. Far from the workpiece one question serves for many moves.
 """
 
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -20,8 +21,6 @@ from triaxis.host.motion.path_scene import PathScene, Segment, nearest
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.scene import distance_of
 
-# What A and B are here.
-NAMES = ("the tool", "the workpiece")
 # Near facet pairs whose exact distance is computed.
 _JUDGED = 500
 
@@ -81,14 +80,15 @@ class Effort(Counts):
 class PathResult:
     """How far the path is clear, and how that was shown.
 
-    ``near``: None where no facets are near on all of it. ``insides``: at the start, not asked where that is
-    near.
+    ``near``: None where no facets are near on all of it. ``insides``: at the start of the move ``asked_at``,
+    not asked where that is near.
     """
 
     near: NearPose | None = None
     levels: list[Level] = field(default_factory=list)
     effort: Effort = field(default_factory=Effort)
     insides: Enclosure = NOT_ASKED
+    asked_at: int = 0
 
     @property
     def verdict(self) -> str:
@@ -108,10 +108,15 @@ def check_path(
     ``insides_first``: where one is inside the other at the start, or may be, the engine is not asked at all.
     """
     result = PathResult()
-    insides = insides_at_start(scene) if insides_first and not surfaces_only else None
-    if insides is not None and insides.state != State.OUTSIDE and not _near_at_start(scene):
-        result.insides = insides
-        return result
+    if insides_first and not surfaces_only:
+        for start in scene.program.starts:
+            insides = insides_at(scene, start)
+            if insides.state != State.OUTSIDE and _near_at(scene, start):
+                # The engine finds that, or something before it.
+                break
+            result.insides, result.asked_at = insides, start
+            if insides.state != State.OUTSIDE:
+                return result
     moves = scene.program.moves
     # Moves that a pose is asked for at once: more after each that is clear, fewer after one that is not.
     index, together = 0, 1
@@ -132,31 +137,40 @@ def check_path(
         # Where a move took several poses, more of them would take as many.
         index, together = index + 1, 2 if found == 1 else 1
     # Segments are proven in the order of the path: where any is, so is the start.
-    if not surfaces_only and any(level.by_boxes or level.by_pose for level in result.levels):
-        result.insides = insides or insides_at_start(scene)
+    proven = any(level.by_boxes or level.by_pose for level in result.levels)
+    if surfaces_only or not proven:
+        result.insides = NOT_ASKED
+    elif not insides_first:
+        last = len(moves) if result.near is None else max(1, result.near.move)
+        for start in (start for start in scene.program.starts if start < last):
+            result.insides, result.asked_at = insides_at(scene, start), start
+            if result.insides.state != State.OUTSIDE:
+                break
     return result
 
 
-def _near_at_start(scene: PathScene) -> bool:
-    """Return whether facets are near at the start, as the bulk checker sees it."""
-    start = scene.segment(scene.program.moves[0]).start
+def _near_at(scene: PathScene, index: int) -> bool:
+    """Return whether facets are near at the start of a move, as the bulk checker sees it."""
+    start = scene.segment(scene.program.moves[index]).start
     segment = Segment(start, start, Rational(0), Rational(0))
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     return engine.run(segment.sample, scene.path.margin(segment), stop_at_first=True).near_count > 0
 
 
-def insides_at_start(scene: PathScene) -> Enclosure:
-    """Return whether tool or workpiece is inside the other at the start, where their facets are clear.
+def insides_at(scene: PathScene, index: int = 0) -> Enclosure:
+    """Return whether tool or workpiece is inside the other at the start of a move, where facets are clear.
 
-    One pose is enough. A part could only get in or out of a closed shell through its facets, and the path is
-    continuous. The pose asked is the whole translation T nearest the start's place u. With S the sample that
-    proved the start, no point of A moves by more than reach + 1/2 from S to T (see `path_scene`), which is
-    less than the distance at S; nor is the way from the real start to S longer than that. Where boxes proved
-    it, they are more than 1 apart at u, so more than 1/2 at T.
+    One pose is enough until the next of the program's `starts`. A part could only get in or out of a closed
+    shell through its facets, and the path is continuous. The pose asked is the whole translation T nearest
+    the start's place u. With S the sample that proved the start, no point of A moves by more than reach + 1/2
+    from S to T (see `path_scene`), which is less than the distance at S; nor is the way from the real start
+    to S longer than that. Where boxes proved it, they are more than 1 apart at u, so more than 1/2 at T.
     """
-    start = nearest(scene.place(scene.program.moves[0].start))
-    moves = scene.extents - np.array(start)
-    return enclosure(scene.a + np.array(start), scene.b, moves)
+    start = np.array(nearest(scene.place(scene.program.moves[index].start)))
+    starts = [*scene.program.starts, len(scene.program.moves)]
+    end = starts[bisect_right(starts, index)]
+    a, b = scene.solids
+    return enclosure(a.moved(start), b, scene.extents[index:end] - start)
 
 
 def _proven(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:

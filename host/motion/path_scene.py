@@ -42,6 +42,7 @@ import numpy.typing as npt
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
+from triaxis.host.enclosure import Solid, solid_of
 from triaxis.host.engines import Translation
 from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.moves import Move, Program
@@ -270,6 +271,11 @@ class PathScene:
         high = self.extents[first:last, 1].max(0).tolist()
         start, end = (vector(map(Rational, corner)) for corner in (low, high))
         return Segment(start, end, Rational(0), Rational(1), between=True)
+
+    @cached_property
+    def solids(self) -> tuple[Solid, Solid]:
+        """Return both meshes with their shells, the tool's at translation 0."""
+        return solid_of(self.a), solid_of(self.b)
 
     @cached_property
     def box_a(self) -> Corners:

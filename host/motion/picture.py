@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from triaxis.host.enclosure import State
 from triaxis.host.figures import GAP, LARGE, NORMAL, SMALL, A, B, write_figure
 from triaxis.host.motion.clearance import Clearance, lengths
-from triaxis.host.motion.path_check import NAMES, PathResult
+from triaxis.host.motion.path_check import PathResult
 from triaxis.host.motion.path_scene import PathScene
 from triaxis.host.stl import Facets
 
@@ -30,12 +30,18 @@ _DRAWN = 6000
 _TICKS = 8
 
 
-def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
+def draw_path(
+    path: Path, scene: PathScene, result: PathResult, profile: list[Clearance], names: tuple[str, str]
+) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
     figure = Figure(figsize=_INCHES, dpi=_DPI)
     FigureCanvasAgg(figure)
     figure.text(
-        0.03, 0.94, f"{scene.program.path.name}: {_verdict(scene, result)}", fontsize=LARGE, weight="bold"
+        0.03,
+        0.94,
+        f"{scene.program.path.name}: {_verdict(scene, result, names)}",
+        fontsize=LARGE,
+        weight="bold",
     )
     lines = (
         f"{len(scene.program.moves)} moves, {lengths(scene).sum():.5g} mm; {result.effort.poses} poses asked"
@@ -48,22 +54,24 @@ def draw_path(path: Path, scene: PathScene, result: PathResult, profile: list[Cl
     figure.text(0.03, 0.9, lines, fontsize=NORMAL)
     space = figure.add_axes((0.0, 0.1, 0.5, 0.73), projection="3d")
     assert isinstance(space, Axes3D)
-    _draw_space(space, scene, result, profile)
+    _draw_space(space, scene, result, profile, names)
     _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
     write_figure(figure, path)
 
 
-def _verdict(scene: PathScene, result: PathResult) -> str:
+def _verdict(scene: PathScene, result: PathResult, names: tuple[str, str]) -> str:
     clearance = f"{float(scene.wanted.clearance):g} mm"
     if result.insides.state in (State.INSIDE, State.UNDECIDED):
-        return result.insides.parts[0].sentence(NAMES)
+        return result.insides.parts[0].sentence(names)
     if result.near is not None:
-        return f"the tool comes within {clearance} in line {result.near.line}"
+        return f"{names[0]} comes within {clearance} of {names[1]} in line {result.near.line}"
     only = " (surfaces only)" if result.insides.state == State.NOT_ASKED else ""
-    return f"the tool is clear of the workpiece by more than {clearance} all along{only}"
+    return f"{names[0]} is clear of {names[1]} by more than {clearance} all along{only}"
 
 
-def _draw_space(axes: Axes3D, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
+def _draw_space(
+    axes: Axes3D, scene: PathScene, result: PathResult, profile: list[Clearance], names: tuple[str, str]
+) -> None:
     # The order below: lines that pass behind a facet must still be seen.
     axes.computed_zorder = False
     scale = float(scene.wanted.scale)
@@ -88,7 +96,7 @@ def _draw_space(axes: Axes3D, scene: PathScene, result: PathResult, profile: lis
     if len(close):
         axes.plot(*close.T, marker=".", markersize=7, color=B.colour, linestyle="", zorder=25)
     _frame(axes, np.concatenate([part.reshape(-1, 3) for part in shown]))
-    _add_legend(axes, result.near is not None, len(close) > 0)
+    _add_legend(axes, result.near is not None, len(close) > 0, names)
 
 
 def _add_mesh(axes: Axes3D, facets: Facets, colour: str, alpha: float) -> None:
@@ -122,15 +130,18 @@ def _frame(axes: Axes3D, points: npt.NDArray[np.floating]) -> None:
         label(f"{name} (mm)", fontsize=SMALL, labelpad=6)
 
 
-def _add_legend(axes: Axes3D, near: bool, close: bool) -> None:
+def _add_legend(axes: Axes3D, near: bool, close: bool, names: tuple[str, str]) -> None:
+    what, of = (name.removeprefix("the ") for name in names)
     entries: list[tuple[str, dict[str, Any]]] = [
-        ("workpiece", {"color": _WORK, "linewidth": 6, "alpha": 0.6}),
-        ("tool at the start", {"color": A.colour, "linewidth": 6, "alpha": 0.4}),
+        (of, {"color": _WORK, "linewidth": 6, "alpha": 0.6}),
+        (f"{what} at the start", {"color": A.colour, "linewidth": 6, "alpha": 0.4}),
         ("rapid", {"color": _RAPID, "linestyle": "--"}),
         ("feed", {"color": "black"}),
     ]
     if near:
-        entries.insert(2, ("tool at the first near pose", {"color": B.colour, "linewidth": 6, "alpha": 0.7}))
+        entries.insert(
+            2, (f"{what} at the first near pose", {"color": B.colour, "linewidth": 6, "alpha": 0.7})
+        )
         entries.append(("first near pose", {"color": "black", "marker": "X", "linestyle": ""}))
     if close:
         entries.append(("not proven clear", {"color": B.colour, "marker": ".", "linestyle": ""}))

@@ -5,7 +5,7 @@ import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.host import scenes
-from triaxis.host.enclosure import State, enclosure, inside, shells_of
+from triaxis.host.enclosure import State, enclosure, inside, shells_of, solid_of
 
 
 def box(low, high, inverted=False):
@@ -59,7 +59,7 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
     ],
 )
 def test_who_is_inside_whom(a, b, state, mesh):
-    found = enclosure(a, b)
+    found = enclosure(solid_of(a), solid_of(b))
     assert found.state == state
     assert [part.mesh for part in found.parts] == ([mesh] if mesh else [])
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
 from triaxis.golden.pairs import Pairs, Verdicts
-from triaxis.host.enclosure import NOT_ASKED, enclosure
+from triaxis.host.enclosure import NOT_ASKED, enclosure, solid_of
 from triaxis.host.engines import DecidingEngine
 from triaxis.host.scene import prepare
 from triaxis.host.scenes import box, mesh_data, write_scenes, write_stl
@@ -52,7 +52,7 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
         return verdicts
 
     run = DecidingEngine(meshes.a, meshes.b, decide).run((0, 0, 0), meshes.margin)
-    insides = NOT_ASKED if run.near_count else enclosure(meshes.a, meshes.b)
+    insides = NOT_ASKED if run.near_count else enclosure(solid_of(meshes.a), solid_of(meshes.b))
     return SceneResult(
         name,
         "near" if expected else "clear",

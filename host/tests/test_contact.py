@@ -1,0 +1,275 @@
+"""What may touch what while a program runs: feeds of the cutter into the stock, and nothing else."""
+
+import json
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from triaxis.host import scenes
+from triaxis.host.cli import main
+from triaxis.host.motion.contact import rules_of
+from triaxis.host.motion.machine import read_machine
+from triaxis.host.motion.program import read_program
+
+HERE = (Fraction(0), Fraction(0), Fraction(20))
+START = ("--start", "0", "0", "20")
+CUTS = "{{ diameter = {}, length = {}, cuts = true }}"
+SHANK = "{{ diameter = {}, length = {} }}"
+# A mill of 6 mm that cuts 8 mm deep, on a shank, or on a neck; wider in the middle; in two places; wider at
+# the tip; all that cuts.
+MILL = ", ".join((CUTS.format(6, 8), SHANK.format(6, 30), SHANK.format(20, 9)))
+NECKED = ", ".join((CUTS.format(6, 8), SHANK.format(4, 30)))
+STEPPED = ", ".join((CUTS.format(4, 2), CUTS.format(6, 6), SHANK.format(4, 30)))
+TWO = ", ".join((CUTS.format(6, 4), SHANK.format(2, 4), CUTS.format(6, 4), SHANK.format(6, 30)))
+DOVETAIL = ", ".join((CUTS.format(6, 2), CUTS.format(4, 6), SHANK.format(4, 20)))
+BLADE = CUTS.format(6, 8)
+# A block under Z0, on a table.
+STOCK, TABLE = scenes.box((-40, -40, -20), (40, 40, 0)), scenes.box((-60, -60, -30), (60, 60, -21))
+AWAY = "G0 X0 Y0 Z20"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the command said."""
+
+    status: int
+    said: str
+    report: dict
+
+    @property
+    def near(self):
+        """Return the line, and what comes near what."""
+        near = self.report["near"]
+        return (near and near["line"], self.report["what"], self.report["of"])
+
+
+@pytest.fixture
+def checked(tmp_path, capsys):
+    """Return a function that checks a program with a tool of such parts, by which stocks."""
+    stock, work, moves, machine = (tmp_path / name for name in ("stock.stl", "work.stl", "p.nc", "m.toml"))
+    scenes.write_stl(stock, STOCK)
+    scenes.write_stl(work, TABLE)
+
+    def run(program, parts=MILL, *words, stocks=(stock,)):
+        tools = "".join(f"[[tools]]\nnumber = {k}\nlength = 0\nparts = [{parts}]\n" for k in (1, 2))
+        machine.write_text(f'rapids = "straight"\nloaded = 1\n{tools}')
+        moves.write_text(f"G21 G90 G61 F100\n{program}\n")
+        files = (machine, work, moves, "--engine", "bulk", "--json", tmp_path / "report.json")
+        chosen = [word for one in stocks for word in ("--stock", one)]
+        status = main([str(word) for word in ("path", *files, *START, *chosen, *words)])
+        said = "".join(capsys.readouterr())
+        return Found(status, said, json.loads((tmp_path / "report.json").read_text()))
+
+    return run
+
+
+CLEAR = (None, "the cutter", "the stock")
+
+
+@pytest.mark.parametrize(
+    ("parts", "program", "near"),
+    [
+        # In, along, straight up; without the stock's rule the first cut is near.
+        (MILL, "G0 Z2\nG1 Z-5\nX20\nG2 X10 Y10 I-10 J0\nG0 Z10\nX0 Y0", CLEAR),
+        (MILL, "G0 Z-1\nG0 Z9", (2, "the cutter", "the stock")),
+        (MILL, "G0 Z2\nG1 Z-5\nX20\nG0 X10\nZ10", (5, "the cutter", "the stock")),
+        (MILL, "G0 Z2\nG1 Z-5\nX20\nG0 X30 Z30", (5, "the cutter", "the stock")),
+        # Back down to where it has been, and deeper; where it has been elsewhere does not count.
+        (MILL, "G0 Z2\nG1 Z-4\nG0 Z5\nZ-4\nG1 Z-7\nG0 Z5\nZ-6.9\nZ20", CLEAR),
+        (MILL, "G0 Z2\nG1 Z-4\nG0 Z5\nZ-4.1", (5, "the cutter", "the stock")),
+        (MILL, "G0 Z2\nG1 Z-4\nG0 Z5\nX0.1\nX0\nZ-4", (7, "the cutter", "the stock")),
+        (MILL, "G0 Z2\nG98 G83 X5 Z-7 R1 Q2\nX9 Y3\nG80 G0 Z20", CLEAR),
+        # Where it feeds through the air nothing is said of what comes after.
+        (MILL, "G0 Z2\nG1 X50\nG0 Z-5\nX43.6", CLEAR),
+        (MILL, "G0 Z2\nG1 X50\nG0 Z-5\nX43.4", (5, "the cutter", "the stock")),
+        # Deeper than it cuts: the shank, whatever it does there; and what lies below the stock.
+        (MILL, "G0 Z2\nG1 Z-7.4\nG0 Z20", CLEAR),
+        (MILL, "G0 Z2\nG1 Z-7.6\nG0 Z20", (3, "the tool's body", "the stock")),
+        (BLADE, "G0 Z2\nG1 X50\nZ-20.6\nX20", (4, "the tool", "the workpiece")),
+        # A neck leaves what is above the cutter to the cutter: it comes out of no undercut.
+        (NECKED, "G0 Z2\nG1 Z-7.4\nX5\nG0 Z20", CLEAR),
+        (NECKED, "G0 Z2\nG1 X50\nG1 Z-12\nX42.7\nG0 Z20", (6, "the cutter's top", "the stock")),
+        (STEPPED, "G0 Z2\nG1 X50\nG1 Z-12\nX42.7\nG0 Z20", (6, "the cutter's top", "the stock")),
+        # It may cut its way up, and then has not been where it would go down again.
+        (NECKED, "G0 Z2\nG1 X50\nG1 Z-12\nX42.7\nG1 Z20", CLEAR),
+        (NECKED, "G0 Z2\nG1 X50\nZ-12\nX42.7\nG3 Z2 I10 J0\nG0 Z-12", (7, "the cutter", "the stock")),
+        # Nothing is known of what cuts in several places.
+        (TWO, "G0 Z2\nG1 X50\nG1 Z-11\nX42.7\nG0 Z20", (6, "the cutter", "the stock")),
+        (DOVETAIL, "G0 Z2\nG1 Z-5\nG0 Z20", (4, "the cutter", "the stock")),
+        # Wholly inside, where no facets are near: not of a rapid.
+        (BLADE, "G0 Z2\nG1 Z-14\nG0 X5", (None, "the cutter", "the stock")),
+    ],
+)
+def test_cutting_is_allowed_and_crashing_is_not(checked, parts, program, near):
+    found = checked(program, parts)
+    inside = "the cutter is inside the stock" in found.said
+    assert (found.status, found.near) == (int(near[0] is not None or inside), near), found.said
+    assert inside == ("Z-14" in program) and "what is cut away is not tracked" in found.said
+    if near[0] is not None:
+        assert f"{near[1]} comes within 0.5 mm of {near[2]}" in found.said
+        assert found.report["near"]["move"] == near[0] - 2
+
+
+def test_without_a_stock_nothing_may_be_touched(checked, tmp_path):
+    scenes.write_stl(tmp_path / "work.stl", STOCK)
+    assert checked("G0 Z2\nG1 Z-5", stocks=()).near == (3, "the tool", "the workpiece")
+
+
+def test_each_operation_has_its_stock(checked, tmp_path):
+    """After the first tool a slot is left, in which the body of the second may be."""
+    slotted = tmp_path / "slotted.stl"
+    walls = [scenes.box((-40, -40, -20), (-8, 40, 0)), scenes.box((8, -40, -20), (40, 40, 0))]
+    scenes.write_stl(slotted, np.concatenate([*walls, scenes.box((-8, -40, -20), (8, 40, -9))]))
+    program = f"G0 Z2\nG1 Z-5\n{AWAY}\nT2 M6\nG0 Z2\nG1 Z-12\n{AWAY}"
+    assert checked(program).near == (7, "the tool's body", "the stock")
+    found = checked(program, stocks=(tmp_path / "stock.stl", slotted))
+    assert found.status == 0 and [one["number"] for one in found.report["tools"]] == [1, 1, 1, 2, 2, 2]
+    refused = checked(program, stocks=(slotted,) * 3)
+    assert refused.status == 2 and "3 files for 2 operations" in refused.said
+
+
+def test_what_is_first_near_decides(checked):
+    """The body comes near in line 5, the cutter in line 4."""
+    found = checked("G0 Z2\nG1 Z-5\nG0 X5\nG1 Z-12")
+    assert found.near == (4, "the cutter", "the stock")
+    assert [(one["what"], one["verdict"]) for one in found.report["tools"]] == [
+        ("the tool", "clear"), ("the tool's body", "near"), ("the cutter", "near"),
+    ]  # fmt: skip
+    found = checked("G0 Z2\nG1 Z-12\nG0 X5")
+    assert found.near == (3, "the tool's body", "the stock")
+    assert [one["moves"] for one in found.report["tools"]] == [3, 3, 1]
+
+
+@pytest.mark.parametrize(
+    ("parts", "why"),
+    [
+        ("{ diameter = 6, length = 8 }", "nobody said what of it cuts"),
+        ('{ diameter = 6, length = 8, cuts = "yes" }', "'cuts': must be true or false"),
+    ],
+)
+def test_what_cuts_must_be_said(checked, parts, why):
+    found = checked("G0 Z2", parts)
+    assert found.status == 2 and why in found.said
+
+
+def met(points, radius, low, high, move):
+    """Return which points an upright cylinder meets on a straight move of its foot."""
+    start, end = (np.array([float(c) for c in at]) for at in (move.start, move.end))
+    way, off = end - start, points - start
+    # The times at which a point is at a height of the cylinder, and within its radius.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.sort((off[:, 2:] - np.array([high, low])) / way[2], axis=1)
+        across = way[0] ** 2 + way[1] ** 2
+        middle = (off[:, :2] @ way[:2]) / across
+        distance = ((off[:, :2] - (middle[:, None] * way[:2])) ** 2).sum(1)
+        half = np.sqrt(np.maximum(radius**2 - distance, 0) / across)
+    first, last = np.zeros(len(points)), np.ones(len(points))
+    reached = np.ones(len(points), bool)
+    if way[2]:
+        first, last = np.maximum(first, times[:, 0]), np.minimum(last, times[:, 1])
+    else:
+        reached &= (low <= off[:, 2]) & (off[:, 2] <= high)
+    if across:
+        reached &= distance <= radius**2
+        first, last = np.maximum(first, middle - half), np.minimum(last, middle + half)
+    else:
+        reached &= (off[:, :2] ** 2).sum(1) <= radius**2
+    return reached & (first <= last)
+
+
+def crash(moves, parts, points):
+    """Return the first move on which something touches what is left of the stock and must not."""
+    for number, move in enumerate(moves):
+        foot = 0.0
+        for diameter, length, cuts in parts:
+            less = 1e-6 if move.rapid or not cuts else -1e-6
+            hit = met(points, diameter / 2 - less, foot + less, foot + length - less, move)
+            foot += length
+            if hit.any() and (move.rapid or not cuts):
+                return number
+            points = points[~hit]
+    return None
+
+
+def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
+    """Random programs and tools against a stock of points, of which feeds take away what they meet."""
+    low, high = (-12.0, -12.0, -12.0), (12.0, 12.0, 0.0)
+    stock = tmp_path / "stock.stl"
+    scenes.write_stl(stock, scenes.box(low, high))
+    scenes.write_stl(tmp_path / "work.stl", TABLE)
+    told = {"clear": 0, "near, and a crash": 0, "near": 0}
+    rapids = 0
+    for _ in range(150):
+        parts = [
+            (rng.choice([2, 4, 6]), rng.choice([2, 4, 8]), k == 0 or rng.random() < 0.3) for k in (0, 1, 2)
+        ]
+        parts = sorted(parts, key=lambda part: not part[2])
+        lines, at = ["G21 G90 G61 F9 G0 X0 Y0 Z2"], np.array([0, 0, 2])
+        for _ in range(12):
+            kind = rng.choice(["in", "out", "again", "along", "any"], p=[0.25, 0.3, 0.15, 0.25, 0.05])
+            to = at.copy()
+            if kind == "in":
+                to[2] = at[2] - rng.integers(1, 5)
+            elif kind in ("out", "again"):
+                to[2] = max(to[2], -8) + rng.integers(1, 14) if kind == "out" else at[2] - rng.integers(0, 4)
+            else:
+                to[:2] += rng.integers(-6, 7, 2)
+            rapid = kind in ("out", "again", "any") or (kind == "along" and at[2] > 0)
+            lines.append(f"G{0 if rapid else 1} X{to[0]} Y{to[1]} Z{to[2]}")
+            at = to
+        shape = ", ".join((CUTS if cut else SHANK).format(wide, tall) for wide, tall, cut in parts)
+        tools = f"[[tools]]\nnumber = 1\nparts = [{shape}]\n"
+        (tmp_path / "m.toml").write_text(f'rapids = "straight"\n{tools}')
+        (tmp_path / "p.nc").write_text("\n".join(lines))
+        words = (
+            tmp_path / "m.toml",
+            tmp_path / "work.stl",
+            tmp_path / "p.nc",
+            "--clearance",
+            "0",
+            "--engine",
+            "bulk",
+        )
+        report = tmp_path / "report.json"
+        words = (
+            "path",
+            *words,
+            *START,
+            "--stock",
+            stock,
+            "--resolution",
+            "0.01",
+            "--json",
+            report,
+            "--engine",
+            "bulk",
+        )
+        status = main([str(word) for word in words])
+        moves = read_program(tmp_path / "p.nc", HERE, False, read_machine(tmp_path / "m.toml")).moves
+        first = crash(moves, parts, rng.uniform(low, high, (4000, 3)))
+        said = json.loads(report.read_text())
+        assert status in (0, 1), lines
+        if status == 0:
+            assert first is None, (lines, parts, first)
+        elif first is not None and said["near"] is not None:
+            assert said["near"]["move"] <= first, (lines, parts, first)
+        told["clear" if status == 0 else "near" if first is None else "near, and a crash"] += 1
+        rapids += sum(move.rapid and move.start[2] < 0 for move in moves) * (status == 0)
+    assert told["clear"] > 20 and told["near, and a crash"] > 20 and rapids > 20, (told, rapids)
+
+
+def test_rapids_that_need_no_look(tmp_path):
+    """Of a slot: in, along, out, over, back into the hole, out."""
+    (tmp_path / "m.toml").write_text(f"[[tools]]\nnumber = 1\nparts = [{MILL}]\n")
+    (tmp_path / "p.nc").write_text("G21 G90 F9\nG0 Z2\nG1 Z-4\nX9\nG0 Z5\nX0\nZ-1\n")
+    scenes.write_stl(tmp_path / "stock.stl", STOCK)
+    machine = read_machine(tmp_path / "m.toml")
+    program = read_program(tmp_path / "p.nc", HERE, False, machine)
+    mesh = scenes.read_stl(tmp_path / "stock.stl"), tmp_path / "stock.stl"
+    rules = rules_of(machine.tools[1], mesh, mesh, program, 7)
+    assert [list(rule.numbers) for rule in rules] == [[7, 8, 9, 10, 11, 12]] * 2 + [[7, 11, 12]]
+    assert rules[2].program.starts == [0, 1]
+    part = rules[2].until(11)
+    assert part is not None and len(part.program.moves) == 2 and rules[2].until(6) is None
