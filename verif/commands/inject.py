@@ -216,9 +216,7 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
 
 def _mutate(options: argparse.Namespace) -> int:
     restricted = options.file is not None or options.mutant is not None
-    if restricted and options.order:
-        raise InputError("--order: is of all mutants: leave out --file and --mutant")
-    found = catalogue()
+    everything = found = catalogue()
     if restricted:
         found = found.restricted(options.file, options.mutant)
     with progress_bar("mutants", len(found.mutants)) as progress:
@@ -227,10 +225,10 @@ def _mutate(options: argparse.Namespace) -> int:
     if not restricted:
         command = f"triaxis prove mutate --seed {options.seed}"
         print(f"written to {mutation_result.write_result(result, command)}")
-        if options.order:
-            print(f"written to {remember(result.fates)}")
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
+    if options.order:
+        print(f"written to {remember(result.fates, others=everything.by_id.keys() - found.by_id.keys())}")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

@@ -27,7 +27,7 @@ from triaxis.sim.verilate import (
     library,
     verilate_command,
 )
-from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, EngineTarget
+from triaxis.verif.mutation.targets import EXACT_CORE, AnyTarget, BoardTarget, EngineTarget
 
 FOLDER = BUILD / "mutation"
 _WORK = "work-"
@@ -84,7 +84,9 @@ def schema_library(target_: AnyTarget, dut: Path, extra: Path, jobs: int, assert
     ``dut``: the copy; ``extra``: what it needs beside the files of dut/. Raises InputError where it does not
     build: the generator's fault, not a mutant's.
     """
-    build = replace(_build(target_, dut, assertions), selectable=True, speed=MANY, split=8000)
+    # A board's tests run for seconds.
+    speed = FAST if isinstance(target_, BoardTarget) else MANY
+    build = replace(_build(target_, dut, assertions), selectable=True, speed=speed, split=8000)
     return library(replace(build, sources=(extra, *build.sources)), jobs)
 
 

@@ -51,11 +51,11 @@ def read_order(mutants: Iterable[str], file: Path = FILE) -> dict[str, Place]:
     return {mutant: places[_short(mutant)] for mutant in mutants if _short(mutant) in places}
 
 
-def remember(fates: Iterable[Fate], file: Path = FILE) -> Path:
-    """Write down where mutants were noticed in a run, for those to come."""
+def remember(fates: Iterable[Fate], file: Path = FILE, others: Iterable[str] = ()) -> Path:
+    """Write down where mutants were noticed in a run, for those to come; ``others`` keep their places."""
     noticed = {one.id: (Place(one.stage, one.test), one.trial) for one in fates if one.stage and one.test}
     known = read_order(noticed, file)
-    places = {
+    places = read_order(others, file) | {
         mutant: place
         for mutant, (place, trial) in noticed.items()
         if trial != 1 or known.get(mutant) == place

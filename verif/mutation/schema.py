@@ -1,5 +1,8 @@
 """Copies of dut/: with one mutant, or with every run-time mutant; a number in a package selects one.
 
+The number that the mutants are compared with follows at a clock edge: what depends on a public signal at once
+is computed twice more in each clock, and it is half of the design.
+
 Each host keeps its statement and gains a changed copy of it for each mutant, so a mutant is exactly what the
 changed source would be: nothing is widened or made unsigned by standing in a larger expression.
 """
@@ -18,7 +21,7 @@ from triaxis.verif.mutation.statements import ALWAYS, ASSIGN, BYPASS, LATE, PORT
 from triaxis.verif.mutation.targets import AnyTarget
 
 # Unsized numbers would be extended in every comparison.
-_SELECTED = "triaxis_mutant::selected"
+_SELECTED = "triaxis_mutant::active"
 _NEVER = (1 << 32) - 1
 
 SUPPORT = "triaxis_mutant.sv"
@@ -27,6 +30,7 @@ _SUPPORT = """\
 
 package triaxis_mutant;
   int unsigned selected  /*verilator public_flat_rw*/;
+  int unsigned active;
 endpackage
 
 module triaxis_mutant_stage #(
@@ -46,7 +50,7 @@ module triaxis_mutant_stage #(
     assign unused_clk = clk_i;
     always_comb begin
       q_o = d_i;
-      if (triaxis_mutant::selected == Stuck) q_o = zero;
+      if (triaxis_mutant::active == Stuck) q_o = zero;
     end
   end else begin : g_reg
     always_ff @(posedge clk_i) begin
@@ -55,12 +59,32 @@ module triaxis_mutant_stage #(
     end
     always_comb begin
       q_o = stage_q;
-      if (triaxis_mutant::selected == Bypass) q_o = d_i;
-      if (triaxis_mutant::selected == Late) q_o = late_q;
-      if (triaxis_mutant::selected == Stuck) q_o = zero;
+      if (triaxis_mutant::active == Bypass) q_o = d_i;
+      if (triaxis_mutant::active == Late) q_o = late_q;
+      if (triaxis_mutant::active == Stuck) q_o = zero;
     end
   end
 endmodule
+"""
+
+# Where there is a clock, and where not: the top, to which it is bound.
+_CLOCKED = """\
+
+module triaxis_mutant_switch (
+    input logic clk_i
+);
+  always_ff @(posedge clk_i) triaxis_mutant::active <= triaxis_mutant::selected;
+endmodule
+
+bind {} triaxis_mutant_switch u_mutant_switch (.clk_i({}));
+"""
+_COMBINATIONAL = """\
+
+module triaxis_mutant_switch;
+  always_comb triaxis_mutant::active = triaxis_mutant::selected;
+endmodule
+
+bind {} triaxis_mutant_switch u_mutant_switch ();
 """
 
 
@@ -202,5 +226,6 @@ def write_schema(
             text = schema(source.text, catalogue.hosts.get(source.name, ()), numbers)
             (folder / source.name).write_text(text)
     support = folder / SUPPORT
-    support.write_text(_SUPPORT)
+    switch = _COMBINATIONAL if target.combinational else _CLOCKED
+    support.write_text(_SUPPORT + switch.format(target.build(dut).top, target.clock))
     return support

@@ -84,6 +84,7 @@ class Target:
     combinational: bool = False
     quick_tests: ClassVar[int] = len(_CORE_TESTS)
     speed: ClassVar[str] = QUICK
+    clock: ClassVar[str] = "clk_i"
 
     @property
     def name(self) -> str:
@@ -130,6 +131,7 @@ class EngineTarget:
     combinational = False
     quick_tests: ClassVar[int] = len(_MESH_TESTS)
     speed: ClassVar[str] = QUICK
+    clock: ClassVar[str] = "clk_i"
 
     @property
     def name(self) -> str:
@@ -171,6 +173,7 @@ class BoardTarget(EngineTarget):
     exact_core: bool = True
     quick_tests: ClassVar[int] = 1
     speed: ClassVar[str] = MANY
+    clock: ClassVar[str] = "clk_100mhz_i"
     chosen: tuple[str, ...] = tuple(_BOARD_TESTS)
 
     @property

@@ -165,6 +165,8 @@ def test_where_a_mutant_was_noticed_late_is_where_it_is_tried_first(tmp_path, se
     # Noticed at once, as it was tried there first: it keeps its place.
     again = [replace(fate, trial=1) for fate in fates[:2]]
     assert order.read_order([early.id, late.id, vain.id], order.remember(again, file)) == {late.id: place}
+    # What was not tried keeps its own.
+    assert order.read_order([late.id, vain.id], order.remember([], file, [late.id])) == {late.id: place}
 
     tried: list[tuple[str, str]] = []
 
