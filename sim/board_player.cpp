@@ -197,8 +197,9 @@ class Player {
             --broken;
             level = false;
         }
+        const bool still = top_.uart_rx_i == level;
         top_.uart_rx_i = level;
-        bench.Clock();
+        bench.Clock(still);
         ++pins_.clocks;
         pins_.go_clocks += top_.go_o;
         settled_ = !was_idle && sender.Idle();

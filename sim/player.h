@@ -20,7 +20,11 @@
 #include "verilated.h"
 
 #ifdef UPSETS
+#include "Vtop___024root.h"
 #include "registers.h"
+// Two of the three steps of which a model's evaluation is made.
+bool Vtop___024root___eval_phase__act(Vtop___024root* model);
+bool Vtop___024root___eval_phase__nba(Vtop___024root* model);
 #endif
 
 #if VM_COVERAGE
@@ -48,6 +52,8 @@ enum Symptom : int32_t {
 
 // Half a clock of 100 MHz in the model's time unit, a picosecond.
 constexpr uint64_t kHalfPeriod = 5000;
+// After so many that change something, Verilator is asked, which tells of logic that does not settle.
+constexpr int kMostEvaluations = 100;
 // So many assertions that fail are reported by a model, and no more are checked.
 constexpr int kMostErrors = 1000;
 
@@ -178,9 +184,18 @@ class Bench {
   // Inputs that were changed since the last call settle before the edge, in the same evaluation.
   void Rise() { Level(true); }
   void Fall() { Level(false); }
-  void Clock() {
+  // `still`: no input was changed.
+  void Clock([[maybe_unused]] bool still = false) {
+#ifdef UPSETS
+    settled_ = still && registers_->settled();
+    Rise();
+    settled_ = true;
+    Fall();
+    settled_ = false;
+#else
     Rise();
     Fall();
+#endif
   }
 
 #ifdef UPSETS
@@ -202,11 +217,30 @@ class Bench {
     if constexpr (requires { model.clk_100mhz_i; }) model.clk_100mhz_i = level;
   }
 
+#ifdef UPSETS
+  // An evaluation of which no input was changed, and no register by another hand: else all logic is computed before
+  // the edge as well, as all registers are public.
+  void Edge() {
+    for (int again = 0; again < kMostEvaluations; ++again) {
+      for (int more = 0; more < kMostEvaluations && Vtop___024root___eval_phase__act(model_->rootp); ++more) {
+      }
+      if (!Vtop___024root___eval_phase__nba(model_->rootp)) return;
+    }
+    model_->eval();
+  }
+#endif
+
   void Level(bool level) {
     SetClock(*model_, level);
-    model_->eval();
 #ifdef UPSETS
+    if (settled_) {
+      Edge();
+    } else {
+      model_->eval();
+    }
     if (registers_->PutBack(level)) model_->eval();
+#else
+    model_->eval();
 #endif
 #if VM_TRACE_SAIF
     followed_->Note(level);
@@ -253,6 +287,7 @@ class Bench {
   std::unique_ptr<Vtop> model_;
 #ifdef UPSETS
   std::unique_ptr<Registers> registers_;
+  bool settled_ = false;
 #endif
 #if VM_TRACE_SAIF
   std::unique_ptr<Followed> followed_;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "verilated.h"
@@ -49,7 +50,11 @@ class Registers {
 
   const std::vector<Register>& all() const { return all_; }
 
+  // Whether nothing was disturbed since this was asked last.
+  bool settled() { return !std::exchange(disturbed_, false); }
+
   void Disturb(Upset upset, int64_t number, int32_t element, int32_t bit) {
+    disturbed_ = true;
     const Register& one = all_[number];
     uint8_t* const data = one.data + size_t{one.bytes} * element;
     if (upset == kMissedEdge) {
@@ -120,6 +125,7 @@ class Registers {
 
   std::vector<Register> all_;
   std::vector<Ignored> ignored_;
+  bool disturbed_ = false;
   uint8_t* stuck_ = nullptr;
   uint8_t mask_ = 0, value_ = 0;
   uint8_t* missing_ = nullptr;
