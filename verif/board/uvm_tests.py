@@ -251,6 +251,11 @@ class BoardHoldTest(BoardGoTest):
                 await self.start(hold=hold)
                 await self.idle()
             await self.status()
+        # Of go that has ended otherwise it is none: what goes on meanwhile is not late.
+        for hold in range(8, 14):
+            await self.run(hold=hold)
+            await self.ask(Command.ABORT)
+            await self.run(hold=40)
 
     async def at_the_deadline(self) -> None:
         """Have a segment end at each clock around the deadline of the one before."""

@@ -552,9 +552,9 @@ def _board_go() -> SbyProof:
         "asked for; the meshes are those acknowledged, byte by byte, as many triangles as the runs named, "
         "and nothing was loaded since; no frame was damaged or refused since the last run was asked for; a "
         "command that was no repeat was acknowledged at most WatchdogClocks + 1 clocks ago; and no fault "
-        "stands, or has come since that run was asked for, and a fault stands until a HELLO. Go and stop "
-        "always differ; the beat ends with go. The signatures that a LOAD is answered with are the "
-        "engine's.",
+        "stands, or has come since that run was asked for, and a fault stands until a HELLO. Go lasts until "
+        "one of these ends it. Go and stop always differ; the beat ends with go. The signatures that a LOAD "
+        "is answered with are the engine's.",
         method=Method.INDUCTION,
         parameters=_BOARD_SIZES,
         assumptions=(

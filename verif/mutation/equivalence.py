@@ -16,7 +16,8 @@
 - "model": of the mesh engine with these parameters, and in every target, Verilator makes the same model of
   the mutant as of the original: what differs in the text is folded away.
 - "noticed": a proof of verif/formal/ holds of the original and fails of the mutant. For what is there against
-  upsets alone: without one nothing shows, in no test. Such a mutant is killed, by that proof.
+  upsets alone: without one nothing shows, in no test; and for what a simulation would take too long to come
+  to. Such a mutant is killed, by that proof.
 """
 
 import shutil

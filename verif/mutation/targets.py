@@ -51,7 +51,7 @@ _MESH_VOLUME = {
 
 _BOARD_TESTS = {
     "BoardSmokeTest": 1, "BoardRefusalsTest": 1, "BoardFramesTest": 1, "BoardGoTest": 1,
-    "BoardHoldTest": 1, "BoardResetsTest": 40, "BoardSilenceTest": 1, "BoardAbortTest": 1,
+    "BoardHoldTest": 40, "BoardResetsTest": 40, "BoardSilenceTest": 1, "BoardAbortTest": 1,
     "BoardMixedTest": 150, "BoardFullTest": 1, "BoardTrialsTest": 1,
 }  # fmt: skip
 _BOARD_VOLUME = 1000

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the checks of the board look at, bound from outside the RTL: without an upset two runners are alike
-// whatever they show of themselves, so no answer tells what is compared.
+// whatever they show of themselves, so no answer tells what is compared. And what the decision of go keeps over a
+// reset, which rests on nothing of it.
 
 module triaxis_runner_sva
   import triaxis_board_pkg::*;
@@ -55,6 +56,26 @@ module triaxis_runners_sva
 
 endmodule
 
+// verilog_lint: waive module-filename
+module triaxis_decision_sva
+  import triaxis_board_pkg::*;
+#(
+    parameter int unsigned PartWidth = 17
+) (
+    input logic clk_i,
+    input logic rst_ni,
+    input logic armed,
+    input logic timed,
+    input hold_t left,
+    input logic [PartWidth-1:0] part
+);
+
+  ForgottenInReset :
+  assert property (@(posedge clk_i) rst_ni || (!armed && !timed && left == '0 && part == '0))
+  else $error("in reset a run is armed, or has a hold that goes on");
+
+endmodule
+
 bind triaxis_runner triaxis_runner_sva u_shown_sva (
     .clk_i,
     .rst_ni,
@@ -81,4 +102,15 @@ bind nexys4ddr_top triaxis_runners_sva u_runners_sva (
     .trial,
     .misread,
     .trying_frame
+);
+
+bind triaxis_safety triaxis_decision_sva #(
+    .PartWidth($bits(part_t))
+) u_decision_sva (
+    .clk_i,
+    .rst_ni,
+    .armed(armed_q),
+    .timed(timed_q),
+    .left (left_q),
+    .part (part_q)
 );

@@ -33,6 +33,7 @@ SAID = {
 BROKEN = (
     ("QuietInReset", "loader", "state_q <= Idle;\n    end", "state_q <= state_q;\n    end", "Resets"),
     ("LineIdleInReset", "uart_tx", "      left_q  <= '0;\n", "", "Resets"),
+    ("ForgottenInReset", "safety", "part_q  <= '0;\n", "part_q  <= part_q;\n", "Resets"),
     ("StopInReset", "safety", "stop_q <= 1'b1;\n    end else", "stop_q <= stop_q;\n    end else", "Resets"),
     ("EmptyingHeld", "loader", "if (both_q && tready_i)", "if (both_q)", "Abort"),
     ("FrameHeld", "frame_rx", "if (release_i)", "if (over)", "Frames"),

@@ -290,6 +290,16 @@ module triaxis_go_formal
     end
   end
 
+  // In the last clock the host, the board or a run gave a reason to end go.
+  logic reason_q;
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) reason_q <= 1'b0;
+    else
+      reason_q <= u_top.hello || u_top.load || (u_top.run && !u_top.keep) || u_top.abort ||
+          u_top.link_error || u_top.refused || u_top.fault || !u_top.alive[0] ||
+          (u_top.done && (u_top.done_status != StatusComplete || u_top.near_count != '0));
+  end
+
   logic [2:0] told;
   assign told = {u_top.forget, u_top.run, u_top.cut};
 
@@ -323,6 +333,10 @@ module triaxis_go_formal
         // None while a fault stands, nor before the end of a run that was asked for after it.
         NoFault : assert (!was_fault_q && !faulted_q);
       end
+      // Go lasts as long as it may.
+      Lasts :
+      assert (go_o || !was_go_q || reason_q ||
+              (ended_host_q.hold != '0 && units_q == 17'(ended_host_q.hold)));
       // It stands until a HELLO.
       FaultStays : assert (!was_fault_q || u_top.fault || was_hello_q);
       // A HELLO ends what goes on.

@@ -32,6 +32,7 @@ UNSAFE = (
     ("go goes on through a RUN that does not hold", "|| (run_i && !keep_i) ||", "||"),
     ("go goes on after a segment that is near", "go_q && !late && !done_i", "go_q && !late"),
     ("go goes on after its time", "go_q && !late && !done_i", "go_q && !done_i"),
+    ("go that has no hold ends", "go_q && timed_q && last", "go_q && last"),
     ("go for a unit too long", "left_q  <= hold_i;", "left_q  <= hold_i + hold_t'(1);"),
     (
         "go for a clock too long",
