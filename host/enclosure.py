@@ -256,16 +256,19 @@ class Enclosure:
         """Return a sentence for each part inside, with the names of A and B."""
         return [part.sentence(names) for part in self.parts if part.state == State.INSIDE]
 
-    def refuse_undecided(self, files: Sequence[object]) -> None:
-        """Raise InputError where it is undecided, naming the files of A and B."""
+    def refuse_undecided(self, files: Sequence[object], by_surfaces: bool = True) -> None:
+        """Raise InputError where it is undecided, naming the files of A and B.
+
+        ``by_surfaces``: these alone may be compared instead.
+        """
         if self.state != State.UNDECIDED:
             return
         part = self.parts[0]
         names = str(files[0]), str(files[1])
         outer = names[1] if part.mesh == "a" else names[0]
+        instead = ", or compare surfaces only, with --surfaces-only" if by_surfaces else ""
         raise InputError(
-            f"{outer}: {part.why}, and {part.sentence(names)}: verdict unknown; repair it, or compare "
-            "surfaces only, with --surfaces-only"
+            f"{outer}: {part.why}, and {part.sentence(names)}: verdict unknown; repair it{instead}"
         )
 
 

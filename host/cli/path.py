@@ -20,6 +20,7 @@ from triaxis.host.cli.check import (
 )
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.enclosure import State
 from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
@@ -125,6 +126,8 @@ def run(options: argparse.Namespace) -> int:
         check_width(options.width)
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
+    if options.stock and options.surfaces_only:
+        raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     program, machine, given = read_moves(options)
     work = read_stl(options.work), options.work
     operations: list[list[Rule]] = []
@@ -165,7 +168,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
     if result.verdict == "unknown":
-        result.insides.refuse_undecided(rule.files)
+        result.insides.refuse_undecided(rule.files, not options.stock)
     return DONE if result.verdict == "clear" else NO
 
 
@@ -174,8 +177,8 @@ def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path
     files: list[Path] = options.stock or []
     if len(files) not in (0, 1, count):
         raise InputError(
-            f"--stock: {len(files)} files for {count} operations, which a change of the tool divides: give "
-            "one for all, or one for each"
+            f"--stock: {len(files)} files; parts of the program with one tool, in which it moves: {count}: "
+            "give one for all, or one for each"
         )
     stocks = [(read_stl(file), file) for file in files]
     return [stocks[k % len(stocks)] if stocks else None for k in range(count)]
@@ -197,10 +200,9 @@ class _Checked:
     @property
     def near_at(self) -> int | None:
         """Return the move of the whole program where it is near, if it is."""
-        if self.result.verdict != "near":
-            return None
-        near = self.result.near
-        return self.rule.numbers[self.result.asked_at if near is None else near.move]
+        near, inside = self.result.near, self.result.insides.state == State.INSIDE
+        found = [self.result.asked_at] * inside + ([] if near is None else [near.move])
+        return self.rule.numbers[min(found)] if found else None
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -295,13 +297,17 @@ def _report(
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": options.engine,
         **enclosure_entry(result.insides, options.surfaces_only),
+        "enclosure_at": {
+            "move": numbers[result.asked_at],
+            "line": scene.program.moves[result.asked_at].line,
+        },
         "what": checked.rule.names[0],
         "of": checked.rule.names[1],
         "stock": options.stock,
         "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": profile[0],
+        "profile": [replace(place, move=numbers[place.move]) for place in profile[0]],
         "profile_effort": _effort_entry(profile[1]),
     }
 
@@ -350,10 +356,10 @@ def _print_verdict(checked: _Checked, several: bool) -> None:
     result, names, scene = checked.result, checked.rule.names, checked.scene
     clearance = f"{float(scene.wanted.clearance):g} mm"
     near = result.near
-    line = scene.program.moves[result.asked_at].line
-    start = f"at the start of line {line}" if result.asked_at else "at the start"
+    later = checked.rule.numbers[result.asked_at] > 0
+    start = f"at the start of line {scene.program.moves[result.asked_at].line}" if later else "at the start"
     if near is None:
-        inside = result.verdict == "near" and result.asked_at
+        inside = result.verdict == "near" and later
         where = start if inside else "for each of these" if several else "anywhere on the path"
         print_without_near_facets(result.insides, f"no facets come within {clearance} {where}", names)
         return

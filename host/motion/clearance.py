@@ -25,8 +25,8 @@ _STEPS, _PART = 4, 32
 class Clearance:
     """Bounds in millimetres of the clearance at one place.
 
-    ``along``: millimetres from the beginning of the path. The clearance is more than ``proven``, where that
-    is not 0, and not more than ``seen``.
+    ``along``: millimetres from the beginning of the path, of the moves that are asked for. The clearance is
+    more than ``proven``, where that is not 0, and not more than ``seen``.
     """
 
     move: int

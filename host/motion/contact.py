@@ -10,7 +10,8 @@ may touch, and
 The stock is taken as it is before the operation; what was cut away is not tracked. So a rapid out of a cut
 begins within the stock, and the rule for it is one of geometry alone. Say that a tool has *been* at a
 position when it came there by moves that all keep these rules; then the material that its cutter would touch
-there is gone, or never was.
+there is gone, or never was. Where an operation begins it has not been: nobody checked how it came there, and
+its first rapid must be clear.
 
 Straight up. With C the cutter, let S be a solid that holds every point of C moved up by t, 0 < t <= s, that
 is not in C, for some s > 0. Where S keeps clear of the stock on all of the way up, C does not meet material
@@ -22,7 +23,7 @@ place.
 Straight down. To where the tool has been since it came to this X and Y: to no less than the lowest Z that it
 had there.
 
-What a control may leave the path by (G64) is no part of this: by as much it may touch what it has cut.
+What a control may leave the path by (G64) is no part of this: by as much it may touch the stock.
 """
 
 from collections.abc import Sequence
@@ -80,13 +81,15 @@ def rules_of(
     found = [rule("the tool", tool.mesh, "the workpiece", work, everything)]
     if stock is None:
         return found
-    if tool.cutter is None:
+    if tool.cutter is None and tool.body is None:
         raise InputError(
             f"{tool.name}: --stock: nobody said what of it cuts: give its parts in a machine file, with "
-            "cuts = true for those that do"
+            "cuts = true for those that do, or cuts = false"
         )
     if tool.body is not None:
         found.append(rule("the tool's body", tool.body, "the stock", stock, everything))
+    if tool.cutter is None:
+        return found
     rising, others = _rapids_into_stock(program.moves)
     if tool.top is not None:
         found.append(rule("the cutter's top", tool.top, "the stock", stock, rising))
@@ -100,15 +103,16 @@ def _rapids_into_stock(moves: Sequence[Move]) -> tuple[list[int], list[int]]:
     """Return the rapids that go straight up, and all others but those to where the tool has been."""
     rising, others = list[int](), list[int]()
     here: Vector | None = None
-    # The lowest Z since the tool came to this X and Y.
-    low = Fraction(0)
+    # The lowest Z at which the tool has been since it came to this X and Y; none yet where it begins.
+    low: Fraction | None = None
     for number, move in enumerate(moves):
         if move.start != here:
-            low = move.start[2]
+            low = None
         upright = move.curve is None and move.start[:2] == move.end[:2]
-        if move.rapid and upright and move.end[2] >= move.start[2]:
+        if move.rapid and upright and low is not None and move.end[2] >= move.start[2]:
             rising.append(number)
-        elif move.rapid and not (upright and move.end[2] >= low):
+        elif move.rapid and not (upright and low is not None and move.end[2] >= low):
             others.append(number)
-        here, low = move.end, min(low, move.end[2]) if upright else move.end[2]
+        low = min(move.start[2] if low is None else low, move.end[2]) if upright else move.end[2]
+        here = move.end
     return rising, others

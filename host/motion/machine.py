@@ -51,7 +51,7 @@ class Tool:
     """A tool: its mesh, the tip at its origin, and its length; None where that is not known.
 
     Length and diameter are in millimetres, meshes are in the unit of STL files. ``cutter``, ``body``: what
-    cuts, and what does not; no cutter where nobody said. ``covered``, ``top``: of a cutter of cylinders of
+    cuts, and what does not; neither where nobody said. ``covered``, ``top``: of a cutter of cylinders of
     which none is narrower than the one below: whether the body above it is at least as wide, and where it is
     not, a thin cylinder of its width on top of it (`contact`).
     """
@@ -182,14 +182,15 @@ def _tool(table: _Table, scale: Fraction) -> Tool:
     name = mesh or f"tool {number}"
     found: list[_Part] = []
     for entry in parts or [{"mesh": mesh}]:
-        height = sum((part.height for part in found), Fraction(0))
-        found.append(_part(_Table(table.path, f"{table.name}parts: ", entry), height))
+        found.append(_part(_Table(table.path, f"{table.name}parts: ", entry), found))
     whole, cutter, body = (
         _joined([part.mesh for part in found if part.cuts in kinds])
         for kinds in ((False, True), (True,), (False,))
     )
     assert whole is not None
     diameter = next((part.diameter * scale for part in found if part.diameter), None)
+    if not any(part.said for part in found):
+        body = None
     tool = Tool(number, whole, name, length, diameter, cutter, body)
     if cutter is None or [part.cuts for part in found] != sorted((part.cuts for part in found), reverse=True):
         return tool
@@ -205,26 +206,31 @@ def _tool(table: _Table, scale: Fraction) -> Tool:
 
 @dataclass(frozen=True)
 class _Part:
-    """A part of a tool; height and diameter are 0 where it is a mesh."""
+    """A part of a tool; height and diameter are 0 where it is a mesh. ``said``: whether it cuts, that is."""
 
     mesh: StlMesh
     cuts: bool
+    said: bool
     height: Fraction = Fraction(0)
     diameter: Fraction = Fraction(0)
 
 
-def _part(part: _Table, height: Fraction) -> _Part:
-    """Return the next part of a tool, on those that are so high."""
-    mesh, cuts = part.take("mesh", str, None), part.take("cuts", bool, False)
+def _part(part: _Table, below: Sequence[_Part]) -> _Part:
+    """Return the next part of a tool, on those below it."""
+    mesh, cuts = part.take("mesh", str, None), part.take("cuts", bool, None)
+    said, cuts = cuts is not None, bool(cuts)
     if mesh is not None:
         if not mesh.isprintable():
             raise part.wrong("mesh", "the name of a file")
-        found = _Part(read_stl(part.path.parent / mesh), cuts)
+        found = _Part(read_stl(part.path.parent / mesh), cuts, said)
     else:
         diameter, tall = (part.take(key, Fraction, Fraction(0)) for key in ("diameter", "length"))
         if diameter <= 0 or tall <= 0:
             raise part.wrong("diameter and length", "positive, or a mesh given")
-        found = _Part(_cylinder(diameter, height, tall), cuts, tall, diameter)
+        if not all(one.height for one in below):
+            raise part.wrong("diameter", "of a cylinder below all meshes, whose heights are not known")
+        foot = sum((one.height for one in below), Fraction(0))
+        found = _Part(_cylinder(diameter, foot, tall), cuts, said, tall, diameter)
     part.finish()
     return found
 

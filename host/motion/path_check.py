@@ -6,7 +6,7 @@ margin that covers half of it (`path_scene`). Where that is near, both halves ar
 to the step. Far from the workpiece one question serves for many moves.
 """
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -107,16 +107,16 @@ def check_path(
 
     ``insides_first``: where one is inside the other at the start, or may be, the engine is not asked at all.
     """
-    result = PathResult()
-    if insides_first and not surfaces_only:
-        for start in scene.program.starts:
-            insides = insides_at(scene, start)
-            if insides.state != State.OUTSIDE and _near_at(scene, start):
-                # The engine finds that, or something before it.
-                break
-            result.insides, result.asked_at = insides, start
-            if insides.state != State.OUTSIDE:
-                return result
+    result, asked = PathResult(), 0
+    starts = scene.program.starts
+    for start in starts if insides_first and not surfaces_only else ():
+        insides = insides_at(scene, start)
+        if insides.state != State.OUTSIDE and _near_at(scene, start):
+            # Unless the engine shows this start clear, there is nothing more to ask.
+            break
+        result.insides, result.asked_at, asked = insides, start, asked + 1
+        if insides.state != State.OUTSIDE:
+            return result
     moves = scene.program.moves
     # Moves that a pose is asked for at once: more after each that is clear, fewer after one that is not.
     index, together = 0, 1
@@ -140,9 +140,9 @@ def check_path(
     proven = any(level.by_boxes or level.by_pose for level in result.levels)
     if surfaces_only or not proven:
         result.insides = NOT_ASKED
-    elif not insides_first:
+    else:
         last = len(moves) if result.near is None else max(1, result.near.move)
-        for start in (start for start in scene.program.starts if start < last):
+        for start in starts[asked : bisect_left(starts, last)]:
             result.insides, result.asked_at = insides_at(scene, start), start
             if result.insides.state != State.OUTSIDE:
                 break

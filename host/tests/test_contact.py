@@ -9,9 +9,14 @@ import pytest
 
 from triaxis.host import scenes
 from triaxis.host.cli import main
+from triaxis.host.engines import scene_engine
 from triaxis.host.motion.contact import rules_of
 from triaxis.host.motion.machine import read_machine
+from triaxis.host.motion.moves import Move, Program
+from triaxis.host.motion.path_check import _near_at, check_path
+from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
+from triaxis.host.quantise import vector
 
 HERE = (Fraction(0), Fraction(0), Fraction(20))
 START = ("--start", "0", "0", "20")
@@ -52,13 +57,14 @@ def checked(tmp_path, capsys):
     scenes.write_stl(stock, STOCK)
     scenes.write_stl(work, TABLE)
 
-    def run(program, parts=MILL, *words, stocks=(stock,)):
-        tools = "".join(f"[[tools]]\nnumber = {k}\nlength = 0\nparts = [{parts}]\n" for k in (1, 2))
+    def run(program, parts=MILL, *words, stocks=(stock,), start=START, second=None):
+        shapes = {1: parts, 2: second or parts}
+        tools = "".join(f"[[tools]]\nnumber = {k}\nlength = 0\nparts = [{shapes[k]}]\n" for k in shapes)
         machine.write_text(f'rapids = "straight"\nloaded = 1\n{tools}')
         moves.write_text(f"G21 G90 G61 F100\n{program}\n")
         files = (machine, work, moves, "--engine", "bulk", "--json", tmp_path / "report.json")
         chosen = [word for one in stocks for word in ("--stock", one)]
-        status = main([str(word) for word in ("path", *files, *START, *chosen, *words)])
+        status = main([str(word) for word in ("path", *files, *start, *chosen, *words)])
         said = "".join(capsys.readouterr())
         return Found(status, said, json.loads((tmp_path / "report.json").read_text()))
 
@@ -127,7 +133,7 @@ def test_each_operation_has_its_stock(checked, tmp_path):
     found = checked(program, stocks=(tmp_path / "stock.stl", slotted))
     assert found.status == 0 and [one["number"] for one in found.report["tools"]] == [1, 1, 1, 2, 2, 2]
     refused = checked(program, stocks=(slotted,) * 3)
-    assert refused.status == 2 and "3 files for 2 operations" in refused.said
+    assert refused.status == 2 and "--stock: 3 files" in refused.said and "it moves: 2" in refused.said
 
 
 def test_what_is_first_near_decides(checked):
@@ -143,9 +149,89 @@ def test_what_is_first_near_decides(checked):
 
 
 @pytest.mark.parametrize(
+    ("program", "start", "line"),
+    [
+        # Nobody checked how the tool came to where it begins: straight up, down again, not at all, along.
+        ("G0 Z50\nG0 X0 Y0\nG0 Z-2\nG1 Z-5\nG0 Z50", 0, 2),
+        ("G0 Z-3\nG1 Z-5\nG0 Z50", -4, 2),
+        ("G0 X0\nG1 Z5\nG0 Z-4", -4, 2),
+        ("G0 X5\nG1 Z5\nG0 Z-4", -4, 2),
+        # It cuts its way from there.
+        ("G1 X5\nG0 Z5\nG0 Z-4", -4, None),
+        ("G1 Z5\nG0 Z-4\nG0 Z5\nG0 Z-4.1", -4, 5),
+    ],
+)
+def test_where_an_operation_begins_it_has_not_been(checked, program, start, line):
+    found = checked(program, start=("--start", 0, 0, start))
+    assert found.near[0] == line and (line is None or found.near[1] == "the cutter"), found.said
+
+
+def test_a_second_tool_has_not_been_where_the_first_was(checked):
+    """Changed at the bottom of a hole, for a wider one."""
+    program = f"G0 Z2\nG1 Z-5\nT2 M6\nG0 Z5\nG0 Z-4\n{AWAY}"
+    wide = ", ".join((CUTS.format(12, 8), SHANK.format(12, 30)))
+    assert checked(program, second=wide).near == (5, "the cutter", "the stock")
+
+
+def test_insides_are_told_with_their_place(checked):
+    """Wholly inside on the way, and near later: what is inside comes first."""
+    found = checked("G0 Z2\nG1 Z-14\nG0 X5\nG0 Z20", BLADE)
+    assert "at the start of line 4, but the cutter is inside the stock" in found.said
+    assert found.report["enclosure_at"] == {"move": 2, "line": 4}
+    found = checked("G0 Z2\nG1 Z-14\nG0 Z-13\nG0 X5\nG0 Z20", BLADE)
+    assert (found.status, found.report["what"], found.report["enclosure_at"]["line"]) == (
+        1, "the cutter's top", 4,
+    )  # fmt: skip
+    for words, why in (((), "the top is inside"), (("--surfaces-only",), "leave one of them out")):
+        found = checked("G0 Z2\nG1 Z-14\nG0 X5", BLADE, *words)
+        assert (found.status == 1) == (not words) and (not words or why in found.said)
+
+
+def test_of_an_open_stock_nothing_is_known_inside(checked, tmp_path):
+    scenes.write_stl(tmp_path / "open.stl", STOCK[1:])
+    found = checked("G0 Z2\nG1 Z-14\nG0 X5", BLADE, stocks=(tmp_path / "open.stl",))
+    assert found.status == 2 and "not closed" in found.said and "--surfaces-only" not in found.said
+
+
+def test_moves_of_a_profile_are_those_of_the_program(checked):
+    program = "G0 Z2\nG1 Z-5\nX20\nG0 Z10\nG0 X0 Z3\nG1 Z-1\nG0 Z5\nG0 X9"
+    found = checked(program, MILL, "--profile", 12)
+    assert {(place["move"], place["line"]) for place in found.report["profile"]} == {(0, 2), (4, 6), (7, 9)}
+
+
+def test_a_probe_touches_nothing(checked):
+    probe = "{ diameter = 6, length = 30, cuts = false }"
+    assert checked("G0 Z2\nG0 Z9", probe).status == 0
+    assert checked("G0 Z2\nG1 Z0", probe).near == (3, "the tool's body", "the stock")
+
+
+@pytest.mark.parametrize("stop", ["near the surface", "open"])
+def test_a_board_is_asked_for_insides_wherever_it_is_clear(tmp_path, stop):
+    """Insides are asked first. Where the start looks near then, and is shown clear after all, they count."""
+    (tmp_path / "m.toml").write_text(f"[[tools]]\nnumber = 1\nparts = [{BLADE}]\n")
+    scenes.write_stl(tmp_path / "stock.stl", STOCK if stop != "open" else STOCK[1:])
+    machine = read_machine(tmp_path / "m.toml")
+    differ = 0
+    for tenths in range(60):
+        deep = Fraction(-85000 - tenths, 10000)
+        start = (Fraction(0), Fraction(0), deep)
+        move = Move(1, start, (Fraction(0), Fraction(0), deep - Fraction(1, 100)), True)
+        program = Program(tmp_path / "p.nc", (move,), ())
+        mesh = scenes.read_stl(tmp_path / "stock.stl")
+        wanted = Wanted(Fraction(1, 2), Fraction(1, 1000), Fraction(4, 1000), Fraction(1), None)
+        scene = prepare_path(machine.tools[1].mesh, mesh, ("a", "b"), program, wanted)
+        engine = scene_engine("bulk", scene.a, scene.b, scene.grid.width)
+        first, after = (check_path(scene, engine, insides_first=asked).verdict for asked in (True, False))
+        assert first == after != "clear"
+        differ += _near_at(scene, 0) and check_path(scene, engine).near is None
+    assert differ > 0
+
+
+@pytest.mark.parametrize(
     ("parts", "why"),
     [
         ("{ diameter = 6, length = 8 }", "nobody said what of it cuts"),
+        ('{ mesh = "stock.stl" }, { diameter = 6, length = 8 }', "of a cylinder below all meshes"),
         ('{ diameter = 6, length = 8, cuts = "yes" }', "'cuts': must be true or false"),
     ],
 )
@@ -206,7 +292,8 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
             (rng.choice([2, 4, 6]), rng.choice([2, 4, 8]), k == 0 or rng.random() < 0.3) for k in (0, 1, 2)
         ]
         parts = sorted(parts, key=lambda part: not part[2])
-        lines, at = ["G21 G90 G61 F9 G0 X0 Y0 Z2"], np.array([0, 0, 2])
+        lines, at = ["G21 G90 G61 F9"], np.array([0, 0, rng.choice([2, 2, 2, -3])])
+        here = [int(c) for c in at]
         for _ in range(12):
             kind = rng.choice(["in", "out", "again", "along", "any"], p=[0.25, 0.3, 0.15, 0.25, 0.05])
             to = at.copy()
@@ -236,7 +323,8 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
         words = (
             "path",
             *words,
-            *START,
+            "--start",
+            *here,
             "--stock",
             stock,
             "--resolution",
@@ -247,7 +335,8 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
             "bulk",
         )
         status = main([str(word) for word in words])
-        moves = read_program(tmp_path / "p.nc", HERE, False, read_machine(tmp_path / "m.toml")).moves
+        start = vector(map(Fraction, here))
+        moves = read_program(tmp_path / "p.nc", start, False, read_machine(tmp_path / "m.toml")).moves
         first = crash(moves, parts, rng.uniform(low, high, (4000, 3)))
         said = json.loads(report.read_text())
         assert status in (0, 1), lines
