@@ -228,7 +228,8 @@ def _mutate(options: argparse.Namespace) -> int:
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
     if options.order:
-        print(f"written to {remember(result.fates, others=everything.by_id.keys() - found.by_id.keys())}")
+        places = mutation_result.noticed(result.fates)
+        print(f"written to {remember(places, others=everything.by_id.keys() - found.by_id.keys())}")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

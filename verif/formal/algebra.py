@@ -12,7 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from triaxis.verif.formal.definition import MARGIN, ONE, Polynomial, variable
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError
+from triaxis.verif.testbench.rtl_package import Package
 
 _REGISTERS = ("$dff", "$aldff")
 

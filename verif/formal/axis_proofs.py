@@ -40,8 +40,9 @@ from triaxis.verif.formal.definition import (
     same_up_to_signs,
     variable,
 )
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package, elaborate
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, elaborate
 from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.testbench.rtl_package import Package
 
 CLOSED = (
     "triaxis_mul", "triaxis_threshold", "triaxis_interval", "triaxis_box", "triaxis_flags", "triaxis_verdict",

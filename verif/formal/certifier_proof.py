@@ -35,9 +35,10 @@ from triaxis.verif.formal.definition import (
     same_up_to_signs,
     variable,
 )
-from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, Package, elaborate
+from triaxis.verif.formal.netlist import Bit, Cell, Netlist, NetlistError, elaborate
 from triaxis.verif.formal.pieces import shapes
 from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.testbench.rtl_package import Package
 
 _TOP = "triaxis_certifier"
 _CLOSED = ("triaxis_mul", "triaxis_reach", "triaxis_apart")

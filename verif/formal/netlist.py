@@ -1,47 +1,14 @@
-"""The elaborated core as a graph of words and registers, some modules left closed; its package, evaluated."""
+"""The elaborated core as a graph of words and registers, some modules left closed."""
 
 import json
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pyslang import SVInt
-from pyslang.ast import ScriptSession
-
-from triaxis.golden.errors import InputError
 from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import read_slang, run_to_result, yosys
-
-CORE_PACKAGE = "core/triaxis_pkg.sv"
-
-
-class Package:
-    """A package of a folder of RTL."""
-
-    def __init__(self, dut: Path = DUT, file: str = CORE_PACKAGE) -> None:
-        """Remember where the package is."""
-        self._path = dut / file
-        self._known: dict[str, int] = {}
-
-    @cached_property
-    def _session(self) -> ScriptSession:
-        session = ScriptSession()
-        session.eval(self._path.read_text(encoding="utf-8"))
-        return session
-
-    def call(self, name: str, *arguments: int) -> int:
-        """Return a constant, or what a function answers; InputError where the package has none so called."""
-        expression = f"{name}({', '.join(map(str, arguments))})" if arguments else name
-        if expression not in self._known:
-            value = self._session.eval(f"{self._path.stem}::{expression}").value
-            if not isinstance(value, SVInt):
-                raise InputError(f"{self._path}: {expression} has no value")
-            self._known[expression] = int(value)
-        return self._known[expression]
-
 
 # A bit of the netlist: the number of its net, or the constants "0", "1", "x", "z".
 Bit = int | str

@@ -21,12 +21,12 @@ from triaxis.verif.formal.netlist import (
     Cell,
     Netlist,
     NetlistError,
-    Package,
     flat,
     read_netlist,
     run_yosys,
 )
 from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.testbench.rtl_package import Package
 
 _TOP = "triaxis_mul"
 # Multiplies a narrow piece, in so many clocks; it has a proof of its own.

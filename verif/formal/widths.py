@@ -25,8 +25,8 @@ from triaxis.verif.formal.definition import (
     outer,
     vertex,
 )  # fmt: skip
-from triaxis.verif.formal.netlist import Package
 from triaxis.verif.formal.proof import Finding, Proof
+from triaxis.verif.testbench.rtl_package import Package
 
 _FIRST_SPACE_AXIS = 3
 

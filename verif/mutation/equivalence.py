@@ -44,7 +44,6 @@ from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
-from triaxis.verif.formal.netlist import Package
 from triaxis.verif.formal.proof import SbyProof
 from triaxis.verif.formal.proofs import board_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
@@ -59,6 +58,7 @@ from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
 from triaxis.verif.mutation.targets import EngineTarget, Target
 from triaxis.verif.mutation.twins import paired, split
+from triaxis.verif.testbench.rtl_package import Package
 
 FILE = Path(__file__).with_name("equivalents.toml")
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"

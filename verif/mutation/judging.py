@@ -112,7 +112,7 @@ def judge(
     ``excused``: mutants recorded as equivalent, which get one test, and no volume. Raises InputError where
     the RTL without a mutant does not pass, or does not build.
     """
-    store = Store(dut, seed, fresh)
+    store = Store(catalogue, dut, seed, fresh)
     todo = [one for one in catalogue.mutants if one.id not in store.killed and one.id not in store.surviving]
     progress(len(catalogue.mutants) - len(todo))
     numbers = runtime_numbers(catalogue.mutants)
@@ -131,7 +131,8 @@ def judge(
             _directed(hunt, wanted, of_core)
             _remaining(hunt, wanted, of_core, with_volume)
         if with_volume:
-            store.surviving |= {one.id for one in todo} - store.killed.keys()
+            # Those that are excused were tried by one test alone.
+            store.surviving |= {one.id for one in todo} - store.killed.keys() - excused
     finally:
         store.save()
     progress(sum(one.id not in store.killed for one in todo))

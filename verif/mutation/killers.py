@@ -1,8 +1,14 @@
-"""What decides a mutant's fate beside the RTL: a result is of today's where none of it has changed."""
+"""What decides a mutant's fate: a result is of today's where none of it has changed.
+
+Of a run as a whole that is all of the RTL, what plays and judges the mutants of all blocks, and the evidence
+of equivalence. What became of one mutant depends on less: on the RTL that the targets of its block elaborate,
+which is its own and that below it, and on the tests of its block. So a new test of the board leaves what is
+known of the core.
+"""
 
 from pathlib import Path
 
-from triaxis.sim.build import content_hash
+from triaxis.sim.build import content_hash, rtl_files
 from triaxis.sim.toolchain import verilator
 from triaxis.sim.validity import Sources
 from triaxis.verif.testbench.settings import BOARD_TESTS, CORE_TESTS, ENTRY, MESH_TESTS, TEST_DATA
@@ -31,3 +37,22 @@ KILLERS = Sources(
 def killers_hash() -> str:
     """Return the hash of these files and of Verilator's version."""
     return content_hash((), KILLERS.hash(), str(verilator()))
+
+
+# Of each block its tests, and the folders of dut/ that its targets elaborate.
+_TESTS = {"core": CORE_TESTS[0], "mesh": MESH_TESTS[0], "board": BOARD_TESTS[0]}
+BLOCKS = tuple(_TESTS)
+OUTCOMES = {
+    block: Sources(
+        ("triaxis.verif.mutation.judging", ENTRY, tests),
+        (f"verif/{block}/sva/*", *TEST_DATA, "requirements.lock"),
+    )
+    for block, tests in _TESTS.items()
+}
+
+
+def outcomes_hash(block: str, dut: Path) -> str:
+    """Return the hash of what decides the fates of a block's mutants in a folder of RTL."""
+    below = BLOCKS[: BLOCKS.index(block) + 1]
+    rtl = [path for path in rtl_files(dut) if path.relative_to(dut).parts[0] in below]
+    return content_hash(rtl, OUTCOMES[block].hash(), str(verilator()))

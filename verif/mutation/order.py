@@ -5,7 +5,7 @@ the others, and a place that is no more is as none. Those that the very first tr
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from typing import Any
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.sim.paths import VERIF
-from triaxis.verif.mutation.result import Fate
 
 FILE = VERIF / "mutation" / "order.json"
 # Names in a line of the file.
@@ -51,9 +50,11 @@ def read_order(mutants: Iterable[str], file: Path = FILE) -> dict[str, Place]:
     return {mutant: places[_short(mutant)] for mutant in mutants if _short(mutant) in places}
 
 
-def remember(fates: Iterable[Fate], file: Path = FILE, others: Iterable[str] = ()) -> Path:
-    """Write down where mutants were noticed in a run, for those to come; ``others`` keep their places."""
-    noticed = {one.id: (Place(one.stage, one.test), one.trial) for one in fates if one.stage and one.test}
+def remember(noticed: Mapping[str, tuple[Place, int]], file: Path = FILE, others: Iterable[str] = ()) -> Path:
+    """Write down where mutants were noticed in a run, and in which of their trials, for those to come.
+
+    ``others`` keep their places.
+    """
     known = read_order(noticed, file)
     places = read_order(others, file) | {
         mutant: place

@@ -4,12 +4,12 @@ import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from threading import Lock
-from typing import Any
 
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.sim.build import content_hash
 from triaxis.verif.mutation.builds import FOLDER
-from triaxis.verif.mutation.killers import killers_hash
+from triaxis.verif.mutation.catalogue import Catalogue
+from triaxis.verif.mutation.killers import BLOCKS, outcomes_hash
 from triaxis.verif.mutation.mutant import Mutant
 
 # Files of earlier states that are kept beside that of today's: for going back and forth.
@@ -41,33 +41,51 @@ class Outcome:
 
 
 class Store:
-    """What is known already: how mutants were killed, and which survive everything."""
+    """What is known already: how mutants were killed, and which survive everything; a file for each block."""
 
-    def __init__(self, dut: Path, seed: int, fresh: bool) -> None:
-        """Read what an earlier run with the same RTL, killers and seed left; nothing where ``fresh``."""
+    def __init__(self, catalogue: Catalogue, dut: Path, seed: int, fresh: bool) -> None:
+        """Read what earlier runs with the same RTL, tests and seed left; nothing where ``fresh``.
+
+        ``catalogue``: of the mutants that may be added.
+        """
         self._dut = dut
         # Several threads add to it.
         self._lock = Lock()
+        self._block = {one.id: one.file.partition("/")[0] for one in catalogue.mutants}
         self._state = self._state_now()
-        self._path = FOLDER / f"outcomes-{content_hash((), self._state, str(seed))[:12]}.json"
-        known: dict[str, Any] = {}
-        if not fresh and self._path.exists():
-            known = json.loads(self._path.read_text())
-        self.killed = {name: Killed(**how) for name, how in known.get("killed", {}).items()}
-        self.surviving: set[str] = set(known.get("surviving", ()))
+        self.killed: dict[str, Killed] = {}
+        self.surviving: set[str] = set()
+        self._paths = {
+            block: FOLDER / f"outcomes-{block}-{content_hash((), state, str(seed))[:12]}.json"
+            for block, state in self._state.items()
+        }
+        for block, path in self._paths.items():
+            if not fresh and path.exists():
+                known = json.loads(path.read_text())
+                self.killed |= {name: Killed(**how) for name, how in known["killed"].items()}
+                self.surviving |= set(known["surviving"])
+                self._block |= dict.fromkeys([*known["killed"], *known["surviving"]], block)
 
-    def _state_now(self) -> str:
-        return content_hash((), rtl_hash(self._dut), killers_hash())
+    def _state_now(self) -> dict[str, str]:
+        return {block: outcomes_hash(block, self._dut) for block in BLOCKS}
 
     def save(self) -> None:
-        """Write all to build/, unless what it depends on has changed since; remove files of long ago."""
-        if self._state_now() != self._state:
-            return
+        """Write all to build/, but what depends on something that has changed since; remove old files."""
+        now = self._state_now()
         with self._lock:
-            self._write({name: asdict(how) for name, how in dict(self.killed).items()})
+            for block, path in self._paths.items():
+                if now[block] == self._state[block]:
+                    self._write(block, path)
 
-    def _write(self, killed: dict[str, Any]) -> None:
-        write_whole(self._path, json.dumps({"killed": killed, "surviving": sorted(self.surviving)}))
-        others = {path: path.stat().st_mtime for path in FOLDER.glob("outcomes-*.json") if path != self._path}
-        for path in sorted(others, key=lambda path: -others[path])[_EARLIER:]:
-            path.unlink(missing_ok=True)
+    def _write(self, block: str, path: Path) -> None:
+        killed = {
+            name: asdict(how) for name, how in dict(self.killed).items() if self._block.get(name) == block
+        }
+        surviving = sorted(name for name in self.surviving if self._block.get(name) == block)
+        if not killed and not surviving:
+            return
+        write_whole(path, json.dumps({"killed": killed, "surviving": surviving}))
+        found = FOLDER.glob(f"outcomes-{block}-*.json")
+        others = {other: other.stat().st_mtime for other in found if other != path}
+        for other in sorted(others, key=lambda one: -others[one])[_EARLIER:]:
+            other.unlink(missing_ok=True)

@@ -18,6 +18,7 @@ from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
+from triaxis.verif.mutation.order import Place
 from triaxis.verif.mutation.outcomes import Outcome
 
 EVIDENCE = FOLDER / "mutation.json"
@@ -55,6 +56,15 @@ class Fate:
     def operator(self) -> str:
         """Return the operator."""
         return self.id.split("/")[1]
+
+
+def noticed(fates: Iterable[Fate]) -> dict[str, tuple[Place, int]]:
+    """Return where mutants were noticed, and in which of their trials."""
+    return {
+        one.id: (Place(one.stage, one.test), one.trial)
+        for one in fates
+        if one.stage and one.test and one.trial
+    }
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from triaxis.sim.models import (
 )
 from triaxis.sim.paths import DUT, VERIF, certified_sources
 from triaxis.sim.verilate import MANY, QUICK, Build
-from triaxis.verif.formal.netlist import CORE_PACKAGE, Package
 from triaxis.verif.mutation.syntax import kind, read_source, span
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
+from triaxis.verif.testbench.rtl_package import CORE_PACKAGE, Package
 from triaxis.verif.testbench.settings import BURST, RunSettings
 
 # The tests that mutants are tried with and the pairs that each sends, the quickest to notice anything first:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import threading
 import time
@@ -160,13 +161,15 @@ def test_where_a_mutant_was_noticed_late_is_where_it_is_tried_first(tmp_path, se
         replace(found, id=mutant.id, stage=place.stage, test=place.test, trial=trial)
         for mutant, trial in ((early, 1), (late, 7), (vain, 2))
     ]
-    written = order.read_order([early.id, late.id, vain.id], order.remember(fates, file))
+    written = order.read_order([early.id, late.id, vain.id], order.remember(result.noticed(fates), file))
     assert written == {late.id: place, vain.id: place}
     # Noticed at once, as it was tried there first: it keeps its place.
     again = [replace(fate, trial=1) for fate in fates[:2]]
-    assert order.read_order([early.id, late.id, vain.id], order.remember(again, file)) == {late.id: place}
+    assert order.read_order([early.id, late.id, vain.id], order.remember(result.noticed(again), file)) == {
+        late.id: place
+    }
     # What was not tried keeps its own.
-    assert order.read_order([late.id, vain.id], order.remember([], file, [late.id])) == {late.id: place}
+    assert order.read_order([late.id, vain.id], order.remember({}, file, [late.id])) == {late.id: place}
 
     tried: list[tuple[str, str]] = []
 
@@ -363,7 +366,7 @@ def test_volume_is_of_about_as_many_scenes_whatever_a_mesh_holds():
 
 def hunt(seed, progress=lambda _: None):
     """Return a hunt that knows of no mutant."""
-    store = outcomes.Store(DUT, seed, True)
+    store = outcomes.Store(few(), DUT, seed, True)
     return Hunt(few(), {}, DUT, seed, 2, store, frozenset(), {}, progress, Timeline())
 
 
@@ -446,6 +449,30 @@ def test_the_killers_are_all_of_them_and_nothing_else():
     assert not {"result.json", "README.md", "meshcheck.py"} & names
     foreign = ("host", "docs", "bench", "fpga")
     assert not [path for path in files if path.relative_to(ROOT).parts[0] in foreign]
+
+
+def test_what_is_known_of_a_block_rests_on_that_and_what_is_below(tmp_path, seed, monkeypatch):
+    files = {block: {path.name for path in killers.OUTCOMES[block].files()} for block in killers.BLOCKS}
+    assert "triaxis_board_sva.sv" in files["board"] and "reference.py" in files["board"]
+    assert not {"equivalents.toml", "triaxis_board_sva.sv", "triaxis_go_formal.sv"} & files["core"]
+    assert {"near_miss.py", "operators.py", "killing.py", "core_player.cpp"} <= files["core"]
+    shutil.copytree(DUT, tmp_path / "dut")
+    monkeypatch.setattr(outcomes, "FOLDER", tmp_path)
+    chosen = {
+        block: next(one for one in catalogue().mutants if one.file.startswith(block)) for block in files
+    }
+    store = outcomes.Store(catalogue(), tmp_path / "dut", seed, False)
+    store.killed |= {one.id: KILL for one in chosen.values()}
+    store.save()
+    for changed, left in (("board", {"core", "mesh"}), ("mesh", {"core"}), ("core", set())):
+        path = next((tmp_path / "dut" / changed).glob("triaxis_*.sv"))
+        path.write_text(path.read_text() + "\n// changed\n")
+        known = outcomes.Store(few(), tmp_path / "dut", seed, False).killed
+        assert known == {chosen[block].id: KILL for block in left}
+    # What changed meanwhile is not written.
+    store.killed.clear()
+    store.save()
+    assert not outcomes.Store(few(), tmp_path / "dut", seed, False).killed
 
 
 KILL = outcomes.Killed("MixedTest", "w8_m8", "wrong word", 3)
