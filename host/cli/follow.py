@@ -4,7 +4,10 @@ import argparse
 import sys
 import threading
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import TextIO
 
 from triaxis.golden.errors import InputError
@@ -15,13 +18,26 @@ from triaxis.host.cli.path import add_program, read_moves
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import NOT_ASKED, State
 from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
-from triaxis.host.motion.follow import LONGEST, Followed, Follower, Report, SimulatedTool, follow, pieces
+from triaxis.host.motion.follow import (
+    LONGEST,
+    Followed,
+    Follower,
+    Piece,
+    Report,
+    SimulatedTool,
+    StrayedError,
+    follow,
+    pieces,
+)
+from triaxis.host.motion.machine import Tool
+from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import insides_at
-from triaxis.host.motion.path_scene import Wanted, prepare_path
+from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.report import write_report
-from triaxis.host.stl import read_stl
+from triaxis.host.stl import StlMesh, read_stl
 
 _LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
@@ -35,7 +51,8 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         "path, the next is checked on the board, whose output says go from one to the next. It says stop "
         "where a piece is near, where the tool is not where it may be, and where an answer or a position is "
         "late. The control says where the tool is, in lines of three numbers in millimetres: X Y Z; their "
-        "end is the end of the machining. What is cut is not known: give what must not be touched."
+        "end is the end of the machining. It says stop while a tool is changed, until that is where the next "
+        "part of the program begins. What is cut is not known: give what must not be touched."
     )
     add_program(parser, Fraction(1, 100))
     add_numbers(parser, "--speed", "V", "the fastest that any axis moves, in mm/s", None)
@@ -70,7 +87,12 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
 
 
 class Positions:
-    """The last of the positions that a control writes, a line each, and when it came."""
+    """The last of the positions that a control writes, a line each, and when it came.
+
+    ``tool``: the number of the tool that was in the spindle then; None where lines do not say it.
+    """
+
+    tool: int | None = None
 
     def __init__(self, lines: TextIO) -> None:
         """Begin to read, until they end."""
@@ -87,9 +109,9 @@ class Positions:
                 # What has no end is cut off.
                 if not line.endswith("\n"):
                     break
-                position = _position(line)
+                position, tool = _position(line)
                 with self._changed:
-                    self._last = position, time.monotonic()
+                    self._last, self.tool = (position, time.monotonic()), tool
                     self._changed.notify()
         except InputError as error:
             wrong = error
@@ -119,15 +141,16 @@ class Positions:
             return last
 
 
-def _position(line: str) -> Vector:
+def _position(line: str) -> tuple[Vector, int | None]:
     words = line.split()
     try:
-        if len(words) != 3:
+        if len(words) not in (3, 4):
             raise ValueError
-        return vector(map(Fraction, words))
+        return vector(map(Fraction, words[:3])), int(words[3]) if len(words) == 4 else None
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(
-            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40: the machine is stopped"
+            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, or X Y Z and the tool's "
+            "number: the machine is stopped"
         ) from error
 
 
@@ -143,49 +166,118 @@ def run(options: argparse.Namespace) -> int:
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
-    if len(program.stretches) > 1:
-        raise InputError(f"{program.path}: several tools: follow each operation by a program of its own")
-    tool = given or machine.tools[program.moves[0].tool]
     work = read_stl(options.work)
     with board_of(options) as board:
         assert board
-        wanted = Wanted(
-            options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
-        )
-        scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
-        engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-        with progress_bar("pieces are cut", 1) as progress:
-            found = pieces(scene, engine, options.length)
-            progress(1)
-        insides = NOT_ASKED if options.surfaces_only else insides_at(scene)
-        if insides.state not in (State.OUTSIDE, State.NOT_ASKED):
-            insides.refuse_undecided((tool.name, str(options.work)))
-            return _told(options, Followed(), len(found), "inside")
+        operations = [
+            _operation(options, board, given or machine.tools[part.moves[0].tool], work, part)
+            for part in program.stretches
+        ]
+        count = sum(len(one.pieces) for one in operations)
+        for one in operations:
+            insides = NOT_ASKED if options.surfaces_only else insides_at(one.scene)
+            if insides.state not in (State.OUTSIDE, State.NOT_ASKED):
+                insides.refuse_undecided((one.tool.name, str(options.work)))
+                return _told(options, Followed(), count, "inside")
         print(f"board: {about(board.description)}")
-        print(f"path: {program.path}, {len(program.moves)} moves, {len(found)} pieces")
+        print(f"path: {program.path}, {len(program.moves)} moves, {count} pieces")
         for note in program.notes:
             print(f"note: {note}")
-        if lines := sorted({piece.line for piece in found if piece.near}):
+        if lines := sorted({piece.line for one in operations for piece in one.pieces if piece.near}):
             print(
                 f"note: the machine will be stopped before line {', '.join(map(str, lines[:_LISTED]))}: near"
             )
+        done, verdict = _follow(options, board, operations)
+    return _told(options, done, count, verdict, self_tested(options))
+
+
+@dataclass(frozen=True)
+class _Operation:
+    """A part of the program with one tool, and its pieces."""
+
+    tool: Tool
+    scene: PathScene
+    pieces: Sequence[Piece]
+
+
+def _operation(
+    options: argparse.Namespace, board: Board, tool: Tool, work: StlMesh, program: Program
+) -> _Operation:
+    wanted = Wanted(
+        options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
+    )
+    scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    with progress_bar("pieces are cut", 1) as progress:
+        found = pieces(scene, engine, options.length)
+        progress(1)
+    return _Operation(tool, scene, found)
+
+
+def _follow(
+    options: argparse.Namespace, board: Board, operations: Sequence[_Operation]
+) -> tuple[Followed, str]:
+    """Follow the machine through one operation after the other; return how far it came, and the verdict."""
+    done = Followed()
+    positions = None if options.simulate else Positions(options.positions)
+    for number, one in enumerate(operations):
+        scene = one.scene
         with progress_bar("facets loaded", len(scene.a) + len(scene.b)) as progress:
             on_board = BoardEngine(board, scene.a, scene.b, progress=progress)
             on_board.load()
-        print("ready: the machine may start where go is said", flush=True)
-        follower = Follower(scene, found, options.speed, options.lag / 1000, options.braking)
-        if options.simulate:
-            tool_of = SimulatedTool(program, options.speed, time.monotonic, lambda: on_board.says_go)
+        start = f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
+        print(f"ready: the machine may start where go is said{start}", flush=True)
+        follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking)
+        if positions is None:
+            tool_of = SimulatedTool(
+                scene.program, options.speed, time.monotonic, partial(getattr, on_board, "says_go")
+            )
             report = tool_of.report
         else:
-            positions = Positions(options.positions)
-            report = positions.report
-            # A board that hears nothing gives no go.
-            while not positions.wait(_ALIVE_SECONDS):
-                board.status()
-        done = follow(follower, on_board.permit, report, time.monotonic, options.hold)
-    verdict = "near" if done.near else "followed" if follower.at_the_end else "ended"
-    return _told(options, done, len(found), verdict, self_tested(options))
+            report = partial(_with_tool, positions, one.tool)
+            if not _come_to_start(board, positions, one.tool, follower if number else None):
+                return done, "ended"
+        ends = one is operations[-1]
+        done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends))
+        if done.near or not follower.at_the_end:
+            return done, "near" if done.near else "ended"
+    return done, "followed"
+
+
+def _come_to_start(board: Board, positions: Positions, tool: Tool, follower: Follower | None) -> bool:
+    """Wait until there is a position, and for a follower one of that tool where its first piece may begin.
+
+    Returns whether there is one. A board that hears nothing gives no go; until it is asked it says stop.
+    """
+    while not positions.wait(_ALIVE_SECONDS):
+        board.status()
+    while follower is not None:
+        here = positions.report()
+        if here is None:
+            return False
+        if positions.tool is None:
+            raise InputError(
+                "several tools: positions must say which one is in the spindle: X Y Z and its number"
+            )
+        try:
+            if positions.tool == tool.number:
+                follower.moved(here[0])
+                break
+        except StrayedError:
+            pass
+        board.status()
+    return True
+
+
+def _with_tool(positions: Positions, tool: Tool) -> Report:
+    """Return the last position; raise InputError where it is of another tool."""
+    here = positions.report()
+    if here is not None and tool.number and positions.tool not in (None, tool.number):
+        raise InputError(
+            f"tool {positions.tool} is in the spindle, and not {tool.number}; the machine is stopped: "
+            "change it"
+        )
+    return here
 
 
 def _told(

@@ -283,6 +283,13 @@ class Followed:
     shortest_hold: int = LONGEST
     longest_lag: float = 0.0
 
+    def add(self, other: "Followed") -> None:
+        """Take what came of the part that comes next."""
+        self.asked, self.permitted = self.asked + other.asked, self.permitted + other.permitted
+        self.near = other.near
+        self.shortest_hold = min(self.shortest_hold, other.shortest_hold)
+        self.longest_lag = max(self.longest_lag, other.longest_lag)
+
 
 # Where the tool is, in millimetres, and at which second of `now` it was so; None: the machine has ended.
 Report = tuple[Vector, float] | None
@@ -298,8 +305,11 @@ def follow(
     report: Callable[[], Report],
     now: Callable[[], float],
     longest: int,
+    ends: bool = True,
 ) -> Followed:
     """Have a machine permitted piece by piece, until it ends or a piece is near.
+
+    Where it does not end here, as another part of the program follows, until it is at the end of this one.
 
     ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
     aimed at, in milliseconds, and never exceeded. Raises StrayedError, and LateError where an answer takes,
@@ -315,6 +325,9 @@ def follow(
             return done
         position, since = here
         follower.moved(position)
+        if not ends and follower.at_the_end:
+            done.permitted = follower.permitted
+            return done
         number = follower.next(_AHEAD * longest)
         left = int(1000 * (until - since - float(follower.lag)) // 1)
         hold = min(max(follower.hold(number), left), longest)

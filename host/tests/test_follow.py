@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.host import scenes
 from triaxis.host.cli import follow as follow_module
 from triaxis.host.cli import main
 from triaxis.host.cli.engine import checkout_id
@@ -338,7 +339,8 @@ def test_what_halsampler_writes_is_understood():
     ("text", "what"),
     [
         ("1 2 3\noverrun\n1 2 3\n", "position 'overrun': must be X Y Z in mm"),
-        ("1 2 3 4\n", "must be X Y Z"), ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
+        ("1 2 3 4 5\n", "must be X Y Z"), ("1 2 3 4.5\n", "must be X Y Z"),
+        ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
         ("1 2 \ufffd\n", "must be X Y Z"),
     ],
 )  # fmt: skip
@@ -353,6 +355,82 @@ def test_a_position_that_is_cut_off_is_none():
     positions = follow_module.Positions(io.StringIO("1 2 3\n10 20 3"))
     while report := positions.report():
         assert report[0] == (1, 2, 3)
+
+
+TOOLS = """rapids = "straight"
+loaded = 1
+[[tools]]
+number = 1
+length = 0
+parts = [{ diameter = 2, length = 9 }]
+[[tools]]
+number = 2
+length = 0
+parts = [{ diameter = 4, length = 9 }]
+"""
+
+
+@pytest.mark.simulator
+def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    machine.write_text(TOOLS)
+    scenes.write_stl(work, FLOOR)
+    program.write_text("G21 G90 G61\nG0 X10\nT2 M6\nG1 X20 F1000\n")
+    positions = tmp_path / "positions"
+    ticks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
+    monkeypatch.setattr(follow_module, "time", clock)
+    # As a control would: the next line when the last has been looked at.
+    monkeypatch.setattr(follow_module, "Positions", lambda lines: Steps(lines.read().splitlines(True)))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, *words):
+            positions.write_text("\n".join(lines) + "\n")
+            where = () if words else ("--positions", str(positions))
+            arguments = [str(machine), str(work), str(program), "--port", served.path, *where, *words]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+            arguments += ["--surfaces-only", "--json", str(report), "--skip-self-test"]
+            status = main(["board", "follow", *arguments])
+            return status, capsys.readouterr()
+
+        status, said = run([], "--simulate")
+        assert status == 0 and "with tool 2 from line 4 on" in said.out, said.err
+        first = [f"{x} 0 40 1" for x in (0, 4, 8, 10, 10, 10, 10)]
+        # Away to change it, back with the old one, and only then with the new one.
+        away = ["10 0 200 1", "10 0 200 0", "10 0 200 2", "10 0 40 2"]
+        second = [f"{x} 0 40 2" for x in (10, 14, 18, 20, 20, 20, 20)]
+        status, said = run([*first, *away, *second])
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
+        assert '"verdict": "followed"' in report.read_text()
+        for lines, status, what in (
+            ([*first, *away[:3]], 1, "ENDED"),
+            ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
+            ([*first[:2], "8 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
+            ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
+        ):
+            found, said = run(lines)
+            assert found == status and what in said.out + said.err, (lines, said)
+    assert top.stop
+
+
+class Steps(follow_module.Positions):
+    """Positions of which each is looked at once, in their order."""
+
+    def __init__(self, lines):
+        """Take them; no thread reads them."""
+        self._steps = iter(lines)
+
+    def wait(self, seconds):
+        """There is one, or none will come."""
+        return True
+
+    def report(self):
+        """Return the next."""
+        line = next(self._steps, None)
+        if line is None:
+            return None
+        position, self.tool = follow_module._position(line)
+        return position, follow_module.time.monotonic()
 
 
 def says_late(fifo):
