@@ -261,7 +261,7 @@ def _print_help() -> NoReturn:
 def _print_group_help(group: str) -> NoReturn:
     print(f"usage: triaxis {group} COMMAND ..\n\n{GROUPS[group]}\n")
     for name, command in _actions(group):
-        print(f"  {name:12}{command.about}")
+        print(f"  {name:14}{command.about}")
     print(f"\n`triaxis {group} COMMAND --help` tells more.")
     raise SystemExit(0)
 

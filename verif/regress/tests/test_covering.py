@@ -129,6 +129,15 @@ def documented(file):
     return {name: (least, most) for name, least, most in rows}
 
 
+def test_the_documents_say_how_large_the_arrays_are():
+    said = " ".join((ROOT / "docs" / "verification.md").read_text().split())
+    assert (
+        f"{len(core_array())} configurations of the core, {len(certified_array())} of the certified core and "
+        f"{len(mesh_array())} of the mesh engine"
+    ) in said
+    assert f"and {len(board_array())} of the board" in said
+
+
 @pytest.mark.parametrize(
     ("file", "array", "names"),
     [
