@@ -70,9 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     parser.add_argument(
         "--config", default="w16_m0", metavar="NAME",
-        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated][_certified] (w16_m0); for the mesh engine "
-        "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated][_certified]; for the board "
-        "board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_plain][_real]",
+        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated][_certified] (w16_m0); for the "
+        "mesh engine mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]"
+        "[_certified]; for the board board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_plain][_real]",
     )  # fmt: skip
     parser.add_argument(
         "--pairs", type=positive, default=2000,

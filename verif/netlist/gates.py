@@ -38,8 +38,8 @@ class Scope:
         )  # fmt: skip
 
 
-# The cores that are signed up to W = 16, but for the certified one of 16 bits; scenes on the smallest engine that is;
-# talks with the whole board.
+# The cores that are signed up to W = 16, but for the certified one of 16 bits; scenes on the smallest engine
+# that is; talks with the whole board.
 SCOPES = (
     Scope("MixedTest", "w8_m8", 100_000),
     Scope("MixedTest", "w13_m4_t1", 100_000),
