@@ -25,8 +25,19 @@ _CHECK, _COVER = "check", "cover"
 _FROM_ANY_STATE = ("flatten", "setattr -unset init w:u_top.* w:started_q", "chformal -assert2assume")
 # A window begins in any state, whatever registers are configured with; a harness's own begin as it says.
 _ANY_STATE = ("flatten", "setattr -unset init w:u_*.*")
+# A stand-in for a module has its header: parameters and ports, and what they need.
+_STAND_IN, _HEADER = re.compile(r"^module (\w+);$", re.MULTILINE), r"^module {}\b.*?^\);$"
 # What the RTL and the harnesses include.
 _STAGE, _HARNESSES = "triaxis_stage.svh", "triaxis_formal.svh"
+
+
+def _header(module: str, dut: Path) -> str:
+    """Return the header of a module of dut/; raise InputError where there is none."""
+    for path in dut.rglob(f"{module}.sv"):
+        text = path.read_text(encoding="utf-8")
+        if found := re.search(_HEADER.format(module), text, re.MULTILINE | re.DOTALL):
+            return found[0]
+    raise InputError(f"{dut}: no module {module} with ports: a stand-in of a proof is named after it")
 
 
 class Result(StrEnum):
@@ -209,9 +220,11 @@ class SbyProof(Proof):
 
     def _copy(self, dut: Path, sources: Path) -> None:
         """Copy the RTL, with the proof's own edits; raise InputError where these no longer fit."""
-        own = [RTL / name for name in (*self.formal_files, _HARNESSES)]
-        for path in (dut / "core" / _STAGE, *own):
+        for path in (dut / "core" / _STAGE, RTL / _HARNESSES):
             shutil.copy(path, sources)
+        for name in self.formal_files:
+            text = (RTL / name).read_text(encoding="utf-8")
+            (sources / name).write_text(_STAND_IN.sub(lambda found: _header(found[1], dut), text))
         for name in self.dut_files:
             text = (dut / name).read_text(encoding="utf-8")
             for old, new in self.edits.get(name, ()):

@@ -1,7 +1,7 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Stand-ins, with the ports of the real ones, for what surrounds the decision of go on the board,
+// Stand-ins, with the real ones' headers, for what surrounds the decision of go on the board,
 // in the proof `board_go`. Signals named free_* have no driver: the prover chooses them anew each
 // clock. What is not free is what another proof shows of the real module, named beside it.
 
@@ -9,23 +9,7 @@
 // 13 to 256 bytes and a good CRC (`board_frame`). Of a frame one byte, of any place, reads the same
 // each time; all others are free at each reading, which allows more than the real one does; and any
 // byte that is shown may be told as broken.
-module triaxis_receiver
-  import triaxis_board_pkg::*;
-#(
-    parameter int unsigned ClocksPerBit = 50
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic line_i,
-    output logic full_o,
-    output logic [$clog2(MaxFrameBytes)-1:0] length_o,
-    input logic [$clog2(MaxFrameBytes)-1:0] address_i,
-    output byte_t data_o,
-    input logic release_i,
-    input logic trial_i,
-    output logic broken_o,
-    output logic error_o
-);
+module triaxis_receiver;
 
   logic free_arrives, free_broken, free_error;
   byte_t free_data, free_byte, byte_q;
@@ -60,51 +44,7 @@ endmodule
 // between, `engine_walk`; that verdicts are right, the proofs of the core. A fault comes at any clock, and
 // stays until it is acknowledged: `engine_checks`.
 // Triangles get the next number of their mesh: `engine_boxes`.
-module triaxis_mesh
-  import triaxis_mesh_pkg::*;
-#(
-    parameter int unsigned W = 16,
-    parameter int unsigned M = 16,
-    parameter int unsigned Depth = 4096,
-    parameter int unsigned Group = 8,
-    parameter int unsigned Lanes = 8,
-    parameter bit Certify = 1'b0,
-    localparam int unsigned IndexWidth = $clog2(Depth),
-    localparam int unsigned GroupPairWidth = 2 * $clog2(Depth / Group) + 1,
-    localparam int unsigned PairCountWidth = 2 * IndexWidth + 1
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic s_axis_load_tvalid_i,
-    output logic s_axis_load_tready_o,
-    input logic [9*W-1:0] s_axis_load_tdata_i,
-    input logic [1:0] s_axis_load_tuser_i,
-    output logic [IndexWidth:0] count_a_o,
-    output logic [IndexWidth:0] count_b_o,
-    output logic [1:0] overfull_o,
-    output logic [31:0] signature_a_o,
-    output logic [31:0] signature_b_o,
-    input logic s_axis_run_tvalid_i,
-    output logic s_axis_run_tready_o,
-    input logic [3*move_width(W)-1:0] s_axis_run_tdata_i,
-    input logic [$bits(trial_t)+M+1:0] s_axis_run_tuser_i,
-    input logic abort_i,
-    output logic busy_o,
-    output logic m_axis_near_tvalid_o,
-    input logic m_axis_near_tready_i,
-    output logic [2*IndexWidth-1:0] m_axis_near_tdata_o,
-    output logic m_axis_done_tvalid_o,
-    input logic m_axis_done_tready_i,
-    output status_e status_o,
-    output logic [31:0] cycles_o,
-    output logic [GroupPairWidth-1:0] group_pairs_skipped_o,
-    output logic [GroupPairWidth-1:0] group_pairs_opened_o,
-    output logic [PairCountWidth-1:0] pairs_skipped_o,
-    output logic [PairCountWidth-1:0] tested_o,
-    output logic [PairCountWidth-1:0] near_o,
-    input logic acknowledge_i,
-    output logic fault_o
-);
+module triaxis_mesh;
 
   logic free_ends, free_near_valid, free_fault;
   logic [2:0] free_status;
@@ -156,24 +96,7 @@ module triaxis_mesh
 endmodule
 
 // Replies leave at any pace; what they say has no part in go.
-module triaxis_transmitter
-  import triaxis_board_pkg::*;
-#(
-    parameter int unsigned IndexWidth   = 12,
-    parameter int unsigned ClocksPerBit = 50
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic valid_i,
-    output logic ready_o,
-    input reply_t reply_i,
-    input body_bytes_t body_bytes_i,
-    input near_pairs_t pairs_i,
-    input logic [31:0] first_pair_i,
-    output logic [31:0] ring_number_o,
-    input logic [2*IndexWidth-1:0] ring_data_i,
-    output logic line_o
-);
+module triaxis_transmitter;
 
   logic free_ready;
   assign ready_o = free_ready;
@@ -182,18 +105,7 @@ module triaxis_transmitter
 
 endmodule
 
-module triaxis_display #(
-    parameter int unsigned DigitClocks = 12_500
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic go_i,
-    input logic running_i,
-    input logic error_i,
-    input logic [31:0] near_i,
-    output logic [7:0] seg_no,
-    output logic [7:0] an_no
-);
+module triaxis_display;
 
   assign {seg_no, an_no} = '0;
 
@@ -201,24 +113,7 @@ endmodule
 
 // Pairs for the host have no part in go; their numbers only decide which RESULTS are refused.
 // verilog_lint: waive module-filename
-module triaxis_near_ring #(
-    parameter int unsigned Width   = 24,
-    parameter int unsigned Entries = 1024
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic clear_i,
-    input logic drop_i,
-    input logic free_i,
-    output logic [31:0] freed_o,
-    output logic [31:0] written_o,
-    output logic full_o,
-    input logic tvalid_i,
-    output logic tready_o,
-    input logic [Width-1:0] tdata_i,
-    input logic [31:0] number_i,
-    output logic [Width-1:0] data_o
-);
+module triaxis_near_ring;
 
   logic [31:0] free_freed, free_written;
   assign freed_o = free_freed;

@@ -1,56 +1,14 @@
 // Copyright Triaxis contributors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Stand-ins in the proof of the engine's walk, with the ports of the real ones.
+// Stand-ins in the proof of the engine's walk, with the real ones' headers.
 
 // A mesh in memory: what is known of it is one triangle, whichever number it has: its vertices, its
 // box, that of its group, that of the mesh. Whatever else is read is anything, and so is what is not
 // intact: that no other word is changed is shown by `engine_memory` and `engine_parity`. All of it is
 // new while the mesh is changed, and stays once it has settled: what the boxes are is shown by
 // `engine_boxes`.
-module triaxis_mesh_store
-  import triaxis_mesh_pkg::*;
-#(
-    parameter int unsigned W = 16,
-    parameter int unsigned Depth = 4096,
-    parameter int unsigned Group = 8,
-    parameter int unsigned Lanes = 8,
-    localparam int unsigned IndexWidth = $clog2(Depth),
-    localparam int unsigned WordWidth = address_width(Depth / Lanes),
-    localparam int unsigned GroupWordWidth = address_width(Depth / Group / Lanes)
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic clear_i,
-    input logic push_i,
-    input logic [9*W-1:0] triangle_i,
-    output logic [IndexWidth:0] count_o,
-    output logic overfull_o,
-    output logic settled_o,
-    output logic signed [W-1:0] object_o[2][3],
-    output logic [31:0] signature_o,
-    input logic scrub_i,
-    output logic broken_o,
-    input logic triangle_read_i,
-    input logic [IndexWidth-1:0] triangle_index_i,
-    output logic [9*W-1:0] triangle_o,
-    output logic triangle_intact_o,
-    input logic box_read_i,
-    input logic [WordWidth-1:0] box_word_i,
-    output logic signed [W-1:0] boxes_o[Lanes][2][3],
-    output logic [Lanes-1:0] boxes_intact_o,
-    input logic group_read_i,
-    input logic [GroupWordWidth-1:0] group_word_i,
-    output logic signed [W-1:0] group_boxes_o[Lanes][2][3],
-    output logic [Lanes-1:0] groups_intact_o,
-    input logic trial_triangles_i,
-    input logic trial_boxes_i,
-    input logic trial_groups_i,
-    input logic trial_intake_i,
-    input logic trial_scrub_i,
-    input logic [4:0] which_i,
-    output logic differ_o
-);
+module triaxis_mesh_store;
 
   // A box: lowest corner, highest corner.
   typedef logic [1:0][2:0][W-1:0] box_t;
@@ -146,27 +104,7 @@ endmodule
 // The core: takes pairs, and gives as many verdicts, at any clocks, of as many pairs at a time as its
 // queue has places: shown by `streams`. Verdicts are anything.
 // verilog_lint: waive module-filename
-module triaxis_core
-  import triaxis_pkg::*;
-#(
-    parameter int unsigned W = 16,
-    parameter int unsigned M = 0,
-    parameter int unsigned TAG = 16,
-    parameter bit EdgeBox = 1'b1,
-    parameter bit Gating = 1'b1,
-    localparam int unsigned DataWidth = 8 * ((18 * W + 7) / 8)
-) (
-    input logic clk_i,
-    input logic rst_ni,
-    input logic s_axis_tvalid_i,
-    output logic s_axis_tready_o,
-    input logic [DataWidth-1:0] s_axis_tdata_i,
-    input logic [TAG+M-1:0] s_axis_tuser_i,
-    output logic m_axis_tvalid_o,
-    input logic m_axis_tready_i,
-    output logic [15:0] m_axis_tdata_o,
-    output logic [TAG-1:0] m_axis_tuser_o
-);
+module triaxis_core;
 
   localparam int unsigned Places = 2 ** $clog2(core_latency(W, M));
   typedef logic [$clog2(Places):0] count_t;

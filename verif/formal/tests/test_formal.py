@@ -18,7 +18,7 @@ from triaxis.verif.formal import proving
 from triaxis.verif.formal.axis_proofs import axes_proof
 from triaxis.verif.formal.certifier_proof import certificate
 from triaxis.verif.formal.netlist import NetlistError
-from triaxis.verif.formal.proof import Finding, Proof, Result, SbyProof
+from triaxis.verif.formal.proof import Finding, Proof, Result, SbyProof, _header
 from triaxis.verif.formal.proofs import proofs
 
 pytestmark = pytest.mark.prover
@@ -473,6 +473,13 @@ CASES = [
     pytest.param(*row, id=name, marks=() if name in QUICK else pytest.mark.regress)
     for name, *row in BROKEN + AXES
 ]
+
+
+def test_a_stand_in_has_the_header_of_a_module_of_the_rtl():
+    header = _header("triaxis_ram", DUT)
+    assert header.startswith("module triaxis_ram") and header.endswith(");") and "endmodule" not in header
+    with pytest.raises(InputError, match="no module triaxis_nothing"):
+        _header("triaxis_nothing", DUT)
 
 
 def test_faults_are_of_the_rtl_as_it_is(tmp_path):
