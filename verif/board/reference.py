@@ -49,6 +49,8 @@ from triaxis.verif.mesh.items import WHICHES, ObservedRun, RunAccepted, RunReque
 
 # A frame is answered, and a run ends, within so many clocks; a run, for each of its pairs.
 _ANSWERED, _RUN_ENDS, _PAIR = 4000, 1000, 4
+# One that is cut off, when the pairs on their way have come out of the core: at most some 80 clocks.
+_CUT_OFF = 256
 # Clocks that the cycles of a run do not count: until the engine takes the run.
 _NOT_COUNTED = 1
 
@@ -526,6 +528,8 @@ class BoardReference:
         lasts = self._lasts(frame, code, repeats)
         if frame.due and lasts is not None and self.clock != frame.due + lasts:
             self._wrong(f"a reply begins, due at {frame.due + lasts}")
+        elif frame.due and lasts is None and code == Code.OK and self.clock > frame.due + _CUT_OFF:
+            self._wrong("a run that is cut off does not end")
         self._answered = frame
         self._moment(frame)
         name = Command(frame.command).name if frame.command in list(Command) else "another"

@@ -1082,14 +1082,22 @@ class BoardResetsTest(BoardTest):
         await self.shown()
 
     async def executing(self) -> None:
-        """Press it at every second clock in which LOAD, RUN, HELLO are executed; a clear run comes after."""
+        """Press it at the clocks in which commands are executed, after a run of which nothing is 0."""
         width = self.parameters.width
-        for command, clocks in ((Command.LOAD, 122), (Command.RUN, 102), (Command.HELLO, 42)):
-            for clock in range(0, clocks, 2 * self.stride):
+        for command, clocks in (
+            (Command.LOAD, range(0, 122, 2)), (Command.RUN, range(102)), (Command.HELLO, range(0, 42, 2)),
+            (Command.ABORT, range(40, 80, 12)),
+        ):  # fmt: skip
+            # What is cut off goes on for some time.
+            going = command == Command.ABORT
+            count = min(64, self.parameters.depth) if going else 2
+            for clock in clocks[:: self.stride]:
                 await self.hello()
-                await self.scene(self.flat(0, 2), self.flat(5, 2))
-                await self.start()
-                await self.idle()
+                self.move(3, 2, 1)
+                await self.scene(self.flat(0, count), self.corners(count) if going else self.flat(9, count))
+                await self.start(Mode.COUNT, self.parameters.max_margin & 3, (0, 9), hold=9)
+                if not going:
+                    await self.idle()
                 payload = {
                     Command.LOAD: load_payload(0, 0, self.flat(0, 2), width),
                     Command.RUN: self.asked(),
@@ -1100,7 +1108,7 @@ class BoardResetsTest(BoardTest):
                 await self.line(act=Act.RESET, clocks=2, until=Until.NOW, gap=_BYTE)
 
     async def shown(self) -> None:
-        """Press it while near pairs are shown, some of them freed, and in a frame too long."""
+        """Press it while near pairs are shown, some of them freed, in a frame too long, and after a fault."""
         await self.hello()
         await self.scene(self.flat(0, 3), self.flat(0, 3))
         await self.run()
@@ -1110,6 +1118,13 @@ class BoardResetsTest(BoardTest):
         await self.digits()
         await self.line(b"\xc0" + bytes(LONGEST + 9), gap=_SHORT)
         await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
+        await self.hello()
+        await self.scene(self.flat(0, 3), self.flat(9, 3))
+        await self.start(tries=(Trial.BOARD, 3))
+        await self.idle()
+        await self.digits()
+        await self.line(act=Act.RESET, clocks=3, until=Until.NOW, gap=_SHORT)
+        await self.digits()
         await self.hello()
 
     async def at_each_clock(self) -> None:

@@ -10,13 +10,24 @@ module triaxis_runner_sva
 (
     input logic clk_i,
     input logic rst_ni,
+    input logic forget,
     input logic [RunnerSeenWidth-1:0] seen,
-    input logic [RunnerSeenWidth-1:0] due
+    input logic [RunnerSeenWidth-1:0] due,
+    input run_fields_t asked,
+    input logic [7:0] number
 );
 
   RunnerShowsAll :
   assert property (@(posedge clk_i) disable iff (!rst_ni) seen == due)
   else $error("what is compared of a runner is not all that rests on it");
+
+  NothingInReset :
+  assert property (@(posedge clk_i) rst_ni || due == '0)
+  else $error("in reset a runner keeps something of a run");
+
+  ForgottenByHello :
+  assert property (@(posedge clk_i) disable iff (!rst_ni) forget |=> asked == '0 && number == '0)
+  else $error("a runner keeps what a session before has asked for");
 
 endmodule
 
@@ -79,6 +90,7 @@ endmodule
 bind triaxis_runner triaxis_runner_sva u_shown_sva (
     .clk_i,
     .rst_ni,
+    .forget(forget_i),
     .seen(seen_o),
     .due({
       run_tvalid_o,
@@ -92,7 +104,19 @@ bind triaxis_runner triaxis_runner_sva u_shown_sva (
       run_number_o,
       engine_status_o,
       summary_o
-    })
+    }),
+    .asked(
+    '{
+        mode: 8'(run_mode_o),
+        margin: run_margin_o,
+        count_a: '0,
+        count_b: '0,
+        trial: run_trial_o,
+        pose: run_pose_o,
+        hold: run_hold_o
+    }
+    ),
+    .number(run_number_o)
 );
 
 bind nexys4ddr_top triaxis_runners_sva u_runners_sva (
