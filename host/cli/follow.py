@@ -166,6 +166,10 @@ def run(options: argparse.Namespace) -> int:
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
+    if machine.objects or machine.rotary:
+        raise InputError(
+            f"{options.tool}: objects: the board is not asked for them here: check them with path"
+        )
     work = read_stl(options.work)
     with board_of(options) as board:
         assert board

@@ -21,11 +21,13 @@ from triaxis.host.cli.check import (
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
-from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
+from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine, unwatched
+from triaxis.host.euclidean import ROOT_3
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
-from triaxis.host.motion.contact import NOT_TRACKED, Rule, rules_of
+from triaxis.host.motion.contact import NOT_TRACKED, Rule, Setup, rules_of
+from triaxis.host.motion.kinematics import LINEAR, ROTARY, Piece
 from triaxis.host.motion.machine import Machine, Tool, read_machine
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import Effort, PathResult, check_path
@@ -33,12 +35,15 @@ from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
+from triaxis.host.scene import AUTOMATIC_WIDTHS
 from triaxis.host.stl import StlMesh, read_stl
 
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
 _PLACES = 200
+# Bits of the grid's width that a part of a turn takes at most, less than all.
+_COARSE_BITS = 4
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
@@ -135,7 +140,7 @@ def run(options: argparse.Namespace) -> int:
     tools = [given or machine.tools[part.moves[0].tool] for part in parts]
     for tool, part, stock in zip(tools, parts, _stocks(options, len(parts)), strict=True):
         first = sum(len(before.moves) for before in parts[: len(operations)])
-        operations.append(rules_of(tool, work, stock, part, first))
+        operations.append(rules_of(Setup(tool, work, stock, machine, options.scale), part, first))
     checked: list[_Checked] = []
     total = sum(len(rule.numbers) for rules in operations for rule in rules)
     with board_of(options) as board, progress_bar("moves", total) as progress:
@@ -158,8 +163,11 @@ def run(options: argparse.Namespace) -> int:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
 
-        draw_path(options.picture, scene, result, profile[0], rule.names)
+        draw_path(options.picture, scene, first.of_piece, profile[0], rule.names)
     for one in checked:
+        if one.rule.of_machine:
+            _print_objects(one)
+            continue
         _print_scene(one)
         if board is not None:
             print(f"board: {about(board.description)}")
@@ -188,14 +196,27 @@ def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path
 class _Checked:
     """What must stay clear of what on a part of the program, and what came of it.
 
+    ``piece``, ``scene``, ``of_piece``: the last of its pieces that was looked at, and what came of that;
     ``engine``: for poses that decide nothing.
     """
 
     tool: Tool
     rule: Rule
-    scene: PathScene
     result: PathResult
+    piece: Piece
+    scene: PathScene
+    of_piece: PathResult
     engine: SceneEngine
+
+    @property
+    def band(self) -> Fraction:
+        """Return how far beyond the clearance a false alarm can be, in millimetres.
+
+        Parts of a turn on which points are off by more than half a step raise none: they are cut in halves.
+        """
+        wanted = self.scene.wanted
+        less = max(Fraction(0), self.piece.swept - wanted.step / 2)
+        return self.scene.band - less * (ROOT_3 if wanted.euclidean else 1)
 
     @property
     def near_at(self) -> int | None:
@@ -212,7 +233,7 @@ class _Checked:
             "name": self.tool.name,
             "what": self.rule.names[0],
             "of": self.rule.names[1],
-            "moves": len(self.scene.program.moves),
+            "moves": len(self.rule.program.moves),
             "verdict": self.result.verdict,
             "facets": len(self.scene.a),
             "levels": self.result.levels,
@@ -243,6 +264,10 @@ def _operation(
 def _check(
     options: argparse.Namespace, board: Board | None, tool: Tool, rule: Rule, progress: Progress
 ) -> _Checked:
+    """Check all pieces of a path, as far as the first that is not clear.
+
+    A part of a turn is cut in halves where it is near, until no point is off by more than half a step.
+    """
     step = _STEPS * options.resolution if options.step is None else options.step
     wanted = Wanted(
         options.clearance,
@@ -252,13 +277,39 @@ def _check(
         width_of(options, board),
         options.distance == EUCLIDEAN,
     )
-    scene = prepare_path(rule.a, rule.b, rule.files, rule.program, wanted)
-    engine = BULK if board else options.engine
-    # What bounds the clearance decides nothing: a board is not asked at poses that are only looked at.
-    others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
-    asked = BoardEngine(board, scene.a, scene.b) if board else by_distance(options, scene.a, scene.b, others)
-    result = check_path(scene, asked, progress, options.surfaces_only, board is not None)
-    return _Checked(tool, rule, scene, result, others)
+    coarse = max(step / 2, options.resolution * (1 << (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS))
+    whole, turned, checked = PathResult(), -1, None
+    for found in rule.pieces(coarse):
+        pending = [found]
+        while pending:
+            piece = pending.pop()
+            scene = prepare_path(
+                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
+            )
+            engine = BULK if board else options.engine
+            # A board is not asked at poses that are only looked at, for bounds of the clearance.
+            others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
+            asked = (
+                BoardEngine(board, scene.a, scene.b)
+                if board
+                else by_distance(options, scene.a, scene.b, others)
+            )
+            watched = unwatched if piece.swept else progress
+            result = check_path(scene, asked, watched, options.surfaces_only, board is not None)
+            if result.near is not None and piece.swept > step / 2:
+                whole.count(result)
+                pending += reversed(piece.halves())
+                continue
+            near = result.near and piece.found(result.near)
+            whole.join(replace(result, near=near), piece.first)
+            checked = _Checked(tool, rule, whole, piece, scene, result, others)
+            if result.verdict != "clear":
+                return checked
+        if found.swept and found.first != turned:
+            progress(1)
+            turned = found.first
+    assert checked is not None
+    return checked
 
 
 def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
@@ -292,14 +343,14 @@ def _report(
         "clearance": wanted.clearance,
         "distance": options.distance,
         "step": wanted.step,
-        "false_alarm_band": scene.band,
+        "false_alarm_band": checked.band,
         "millimetres_per_file_unit": wanted.scale,
         "grid_in_file_units": grid_entry(scene.grid),
         "engine": options.engine,
         **enclosure_entry(result.insides, options.surfaces_only),
         "enclosure_at": {
             "move": numbers[result.asked_at],
-            "line": scene.program.moves[result.asked_at].line,
+            "line": checked.rule.program.moves[result.asked_at].line,
         },
         "what": checked.rule.names[0],
         "of": checked.rule.names[1],
@@ -307,7 +358,7 @@ def _report(
         "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": [replace(place, move=numbers[place.move]) for place in profile[0]],
+        "profile": [replace(place, move=numbers[checked.piece.first + place.move]) for place in profile[0]],
         "profile_effort": _effort_entry(profile[1]),
     }
 
@@ -323,13 +374,23 @@ def _effort_entry(effort: Effort) -> dict[str, Any]:
 
 def _print_scene(checked: _Checked) -> None:
     scene, rule = checked.scene, checked.rule
-    program, wanted, grid = scene.program, scene.wanted, scene.grid
+    program, wanted, grid = rule.program, scene.wanted, scene.grid
     what, of = (name.removeprefix("the ") for name in rule.names)
     print(f"{what}: {rule.files[0]}, {len(scene.a)} facets; {of}: {rule.files[1]}, {len(scene.b)} facets")
-    print(f"path: {program.path}, {len(program.moves)} moves, {lengths(scene).sum():.6g} mm")
+    print(f"path: {program.path}, {len(program.moves)} moves, {lengths(program).sum():.6g} mm")
     print(
         f"grid: {grid.width} bits, resolution {float(wanted.resolution):g} mm; clearance "
-        f"{float(wanted.clearance):g} mm, false alarms less than {float(scene.band):g} mm beyond it"
+        f"{float(wanted.clearance):g} mm, false alarms less than {float(checked.band):g} mm beyond it"
+    )
+
+
+def _print_objects(checked: _Checked) -> None:
+    what, of = (name.removeprefix("the ") for name in checked.rule.names)
+    levels, effort = checked.result.levels, checked.result.effort
+    proven = sum(level.by_boxes + level.by_pose for level in levels)
+    print(
+        f"{what}: {len(checked.scene.a)} facets; {of}: {len(checked.scene.b)} facets; segments proven clear: "
+        f"{proven}; poses asked: {effort.poses}{certificates(effort)}"
     )
 
 
@@ -357,7 +418,11 @@ def _print_verdict(checked: _Checked, several: bool) -> None:
     clearance = f"{float(scene.wanted.clearance):g} mm"
     near = result.near
     later = checked.rule.numbers[result.asked_at] > 0
-    start = f"at the start of line {scene.program.moves[result.asked_at].line}" if later else "at the start"
+    start = (
+        f"at the start of line {checked.rule.program.moves[result.asked_at].line}"
+        if later
+        else "at the start"
+    )
     if near is None:
         inside = result.verdict == "near" and later
         where = start if inside else "for each of these" if several else "anywhere on the path"
@@ -366,7 +431,8 @@ def _print_verdict(checked: _Checked, several: bool) -> None:
     for sentence in result.insides.told(names)[:_LISTED]:
         print(f"NEAR: {start} {sentence}")
     # To the tenth of a micrometre.
-    place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip("XYZ", near.position, strict=True))
+    place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip(LINEAR, near.position, strict=True))
+    place += "".join(f" {axis}{float(c):.4f}" for axis, c in zip(ROTARY, near.angles, strict=True) if c)
     print(f"NEAR: line {near.line}: at {place} {names[0]} comes within {clearance} of {names[1]}")
     if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")

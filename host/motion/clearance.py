@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from triaxis.golden.exact import Rational
 from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
+from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import Effort
 from triaxis.host.motion.path_scene import PathScene, nearest
 from triaxis.host.quantise import vector
@@ -37,9 +38,9 @@ class Clearance:
     seen: float
 
 
-def lengths(scene: PathScene) -> npt.NDArray[np.float64]:
+def lengths(program: Program) -> npt.NDArray[np.float64]:
     """Return the Euclidean length of each move in millimetres, a rapid taken for straight."""
-    return np.array([move.length for move in scene.program.moves])
+    return np.array([move.length for move in program.moves])
 
 
 def clearances(
@@ -53,7 +54,7 @@ def clearances(
     found: list[Clearance] = []
     before: tuple[Translation, int, int] | None = None
     moves = scene.program.moves
-    starts = [0.0, *accumulate(lengths(scene))]
+    starts = [0.0, *accumulate(lengths(scene.program))]
     for index, part in places(scene, count):
         move = moves[index]
         position = move.at(part)
@@ -81,7 +82,7 @@ def clearances(
 
 def places(scene: PathScene, count: int) -> list[tuple[int, Fraction]]:
     """Return where to look: (move, part of it 0..1), in the order of the path."""
-    length = lengths(scene)
+    length = lengths(scene.program)
     ends = np.concatenate([[0.0], np.cumsum(length)])
     chosen: set[tuple[int, Fraction]] = set()
     for along in np.linspace(0, ends[-1], count):

@@ -24,17 +24,25 @@ Straight down. To where the tool has been since it came to this X and Y: to no l
 had there.
 
 What a control may leave the path by (G64) is no part of this: by as much it may touch the stock.
+
+Where axes turn. A turn is straight neither up nor down, and after one the tool has been where it is then, and
+nowhere else. A tool that its own axes have turned does not rise along itself: its rapids must be clear.
+
+Of the objects of a machine file each two that move against each other must stay clear, always, but for those
+that it says may touch; so must tool, workpiece and stock of each of them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import combinations
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
-from triaxis.host.motion.machine import Tool
+from triaxis.host.motion.kinematics import Body, Meeting, Piece
+from triaxis.host.motion.machine import STOCK, TOOL, WORKPIECE, Machine, Tool
 from triaxis.host.motion.moves import Move, Program
-from triaxis.host.quantise import Vector
+from triaxis.host.quantise import NOWHERE, Vector, added, vector
 from triaxis.host.stl import StlMesh
 
 NOT_TRACKED = (
@@ -47,7 +55,8 @@ NOT_TRACKED = (
 class Rule:
     """Two objects, what they are called, and the moves on which they must stay clear of each other.
 
-    ``numbers``: of these moves in the whole program.
+    ``numbers``: of these moves in the whole program. ``meeting``: how they move, where it is not that B stays
+    where it is and A is where the program says; ``of_machine``: whether one is an object of a machine file.
     """
 
     names: tuple[str, str]
@@ -56,6 +65,17 @@ class Rule:
     files: tuple[str, str]
     program: Program
     numbers: Sequence[int]
+    meeting: Meeting | None = None
+    of_machine: bool = False
+
+    def pieces(self, coarse: Fraction) -> Iterator[Piece]:
+        """Yield the moves in pieces, as `Meeting.pieces` does."""
+        moves = self.program.moves
+        return (
+            self.meeting.pieces(moves, coarse)
+            if self.meeting
+            else iter((Piece(self.a, self.b, moves, moves, 0),))
+        )
 
     def until(self, last: int) -> "Rule | None":
         """Return the rule for the moves up to one of the whole program; None where there is none."""
@@ -64,21 +84,66 @@ class Rule:
         return replace(self, program=replace(self.program, moves=moves)) if moves else None
 
 
-def rules_of(
-    tool: Tool, work: tuple[StlMesh, Path], stock: tuple[StlMesh, Path] | None, program: Program, first: int
-) -> list[Rule]:
-    """Return what is to be checked of a part of a program with one tool, of which ``first`` moves precede.
+@dataclass(frozen=True)
+class Setup:
+    """What a part of a program is run with: one tool, in a machine, at millimetres per unit of STL files."""
+
+    tool: Tool
+    work: tuple[StlMesh, Path]
+    stock: tuple[StlMesh, Path] | None = None
+    machine: Machine = Machine()  # noqa: RUF009
+    scale: Fraction = Fraction(1)
+
+    def carried(self, name: str, mesh: StlMesh, file: str) -> Body:
+        """Return a part of the tool, workpiece or stock as an object of the machine."""
+        machine, nose = self.machine, self.machine.nose
+        if name in (WORKPIECE, STOCK):
+            return Body(name, mesh, file, added(nose, machine.offsets.get("G54", NOWHERE)), machine.table)
+        tip = vector((nose[0], nose[1], nose[2] - (self.tool.length or 0)))
+        return Body(name, mesh, file, tip, machine.spindle)
+
+    def meeting(self, a: Body, b: Body) -> Meeting:
+        """Return how two objects of the machine move against each other."""
+        zero = self.machine.offsets.get("G54", NOWHERE)
+        base = vector((zero[0], zero[1], zero[2] + (self.tool.length or 0)))
+        return Meeting.of(a, b, base, self.scale)
+
+    def rules(self, program: Program, first: int) -> Iterator[Rule]:
+        """Yield what must hold, on moves from the one with number ``first`` on, of objects of the machine.
+
+        Of each two, and each and what they carry, that move against each other, but for those that may touch.
+        """
+        tool, work, stock = self.tool, self.work, self.stock
+        carried = [self.carried(TOOL, tool.mesh, tool.name), self.carried(WORKPIECE, work[0], str(work[1]))]
+        if stock is not None:
+            carried.append(self.carried(STOCK, stock[0], str(stock[1])))
+        numbers = range(first, first + len(program.moves))
+        for a, b in combinations((*self.machine.objects, *carried), 2):
+            meeting, may_touch = self.meeting(a, b), {a.name, b.name} in self.machine.may_touch
+            if a in self.machine.objects and meeting.moving and not may_touch:
+                names = f"the {a.name}", f"the {b.name}"
+                yield Rule(names, a.mesh, b.mesh, (a.file, b.file), program, numbers, meeting, True)
+
+
+def rules_of(setup: Setup, program: Program, first: int) -> list[Rule]:
+    """Return what is to be checked of a part of a program, of which ``first`` moves precede.
 
     Raises InputError where there is a stock and nobody said what of the tool cuts.
     """
+    tool, work, stock = setup.tool, setup.work, setup.stock
 
     def rule(what: str, mesh: StlMesh, of: str, other: tuple[StlMesh, Path], kept: Sequence[int]) -> Rule:
         moves, numbers = tuple(program.moves[k] for k in kept), [first + k for k in kept]
-        part = replace(program, moves=moves)
-        return Rule((what, of), mesh, other[0], (tool.name, str(other[1])), part, numbers)
+        part, files = replace(program, moves=moves), (tool.name, str(other[1]))
+        meeting = None
+        if setup.machine.rotary:
+            bodies = setup.carried(TOOL, mesh, files[0]), setup.carried(of, other[0], files[1])
+            meeting = setup.meeting(*bodies)
+        return Rule((what, f"the {of}"), mesh, other[0], files, part, numbers, meeting)
 
     everything = range(len(program.moves))
-    found = [rule("the tool", tool.mesh, "the workpiece", work, everything)]
+    found = [rule("the tool", tool.mesh, WORKPIECE, work, everything)]
+    found += setup.rules(program, first)
     if stock is None:
         return found
     if tool.cutter is None and tool.body is None:
@@ -87,20 +152,25 @@ def rules_of(
             "cuts = true for those that do, or cuts = false"
         )
     if tool.body is not None:
-        found.append(rule("the tool's body", tool.body, "the stock", stock, everything))
+        found.append(rule("the tool's body", tool.body, STOCK, stock, everything))
     if tool.cutter is None:
         return found
-    rising, others = _rapids_into_stock(program.moves)
+    rising, others = _rapids_into_stock(
+        program.moves, [axis.number for axis in setup.machine.spindle if axis.rotary]
+    )
     if tool.top is not None:
-        found.append(rule("the cutter's top", tool.top, "the stock", stock, rising))
+        found.append(rule("the cutter's top", tool.top, STOCK, stock, rising))
     elif not tool.covered:
         others = sorted([*rising, *others])
-    found.append(rule("the cutter", tool.cutter, "the stock", stock, others))
+    found.append(rule("the cutter", tool.cutter, STOCK, stock, others))
     return [one for one in found if one.numbers]
 
 
-def _rapids_into_stock(moves: Sequence[Move]) -> tuple[list[int], list[int]]:
-    """Return the rapids that go straight up, and all others but those to where the tool has been."""
+def _rapids_into_stock(moves: Sequence[Move], tilting: Sequence[int]) -> tuple[list[int], list[int]]:
+    """Return the rapids that go straight up, and all others but those to where the tool has been.
+
+    ``tilting``: the axes that turn the tool.
+    """
     rising, others = list[int](), list[int]()
     here: Vector | None = None
     # The lowest Z at which the tool has been since it came to this X and Y; none yet where it begins.
@@ -108,7 +178,8 @@ def _rapids_into_stock(moves: Sequence[Move]) -> tuple[list[int], list[int]]:
     for number, move in enumerate(moves):
         if move.start != here:
             low = None
-        upright = move.curve is None and move.start[:2] == move.end[:2]
+        upright = move.curve is None and move.start[:2] == move.end[:2] and not move.turning
+        upright = upright and not any(move.turns[0][k] for k in tilting)
         if move.rapid and upright and low is not None and move.end[2] >= move.start[2]:
             rising.append(number)
         elif move.rapid and not (upright and low is not None and move.end[2] >= low):

@@ -84,7 +84,7 @@ class Arc(Curve):
     def extent(self) -> tuple[Vector, Vector]:
         """Return the corners of a box: no more than that of whole turns, however many there are."""
         low, high = (list(corner) for corner in super().extent())
-        radius = _above(max(self.radii)) + self.slack
+        radius = above(max(self.radii)) + self.slack
         for k, centre in zip(self.axes, self.centre, strict=False):
             low[k] = max(low[k], Fraction(centre) - radius)
             high[k] = min(high[k], Fraction(centre) + radius)
@@ -145,7 +145,7 @@ def arc(
     # |p''| of (r0 + dr t) e(angle + sweep t) is at most r sweep^2 + 2 |dr sweep|.
     bend = max(radii) * sweep**2 + 2 * apart * abs(sweep)
     return Arc(
-        start, end, _above(bend), SLACK + _above(apart), axes, (float(centre[0]), float(centre[1])), radii,
+        start, end, above(bend), SLACK + above(apart), axes, (float(centre[0]), float(centre[1])), radii,
         angle, sweep,
     )  # fmt: skip
 
@@ -179,9 +179,9 @@ def bezier(points: Sequence[Vector]) -> Bezier:
         math.sqrt(sum((p - 2 * q + r) ** 2 for p, q, r in zip(*three, strict=True)))
         for three in zip(points, points[1:], points[2:], strict=False)
     ]
-    return Bezier(points[0], points[-1], _above(n * (n - 1) * max(second)), SLACK, tuple(points))
+    return Bezier(points[0], points[-1], above(n * (n - 1) * max(second)), SLACK, tuple(points))
 
 
-def _above(length: float) -> Fraction:
+def above(length: float) -> Fraction:
     """Return a decimal that is no less, with what double precision rounds in it."""
     return Fraction(math.ceil(length * (1 + 1e-9) * 2**30), 2**30)

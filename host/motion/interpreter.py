@@ -10,7 +10,8 @@ goes to
 
     v + zero of the system in force + G92 + length compensation,
 
-and where no length is known, S is the tip, and compensation takes it for what it is.
+and where no length is known, S is the tip, and compensation takes it for what it is. A, B and C are in
+degrees, and without offsets.
 """
 
 import math
@@ -23,6 +24,7 @@ from triaxis.golden.input_file import Place
 from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius
 from triaxis.host.motion.expression import Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
+from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move
 from triaxis.host.motion.words import ARCS, CYCLES, GROUPS, TAKERS, TAKING_AXES, WHY_REFUSED
@@ -66,6 +68,8 @@ class Interpreter:
     zeros: dict[str, Vector]
     loaded: int | None
     modal: Modal
+    # Of A, B and C.
+    turned: Vector = ORIGIN
     shift: Vector = ORIGIN
     shifted: bool = True
     # Whose length G43 adds; None without compensation.
@@ -102,7 +106,9 @@ class Interpreter:
             return self.shift[key - 5211] / scale
         if 5401 <= key < 5404:
             return None if self.offset and not self._known() else self.compensation[key - 5401] / scale
-        if 5423 <= key < 5429 or 5214 <= key < 5220 or 5404 <= key < 5410:
+        if 5423 <= key < 5426:
+            return self.turned[key - 5423]
+        if 5426 <= key < 5429 or 5214 <= key < 5220 or 5404 <= key < 5410:
             return Fraction(0)
         tool = self.machine.tools.get(self.loaded or 0)
         known = {
@@ -155,8 +161,9 @@ class Interpreter:
             self._choose_system(place, word)
         words |= self._polar(place, words, bool(on_line & (TAKING_AXES | {"G53"})))
         axes = {_AXES.index(letter): words[letter] for letter in _AXES if letter in words}
+        turning = [words[letter] for letter in ROTARY if letter in words]
         if not self._non_modal(place, codes, words, axes):
-            if axes | self._arc_alone(words):
+            if axes | self._arc_alone(words) or turning:
                 self._motion(place, codes, words, axes)
             elif on_line & (ARCS | CYCLES | {"G5", "G5.1", "G33", "G53"}):
                 raise place.error(block.words[0].text, "a motion without X, Y or Z: give one")
@@ -187,13 +194,16 @@ class Interpreter:
         # The motion in force takes letters where it moves by this line, and no other word takes the line.
         groups = {GROUPS[code] for code in on_line}
         by_it = not groups & {"motion", "cycle"} and not on_line & TAKING_AXES
-        moving = any(word.letter in f"XYZIJK{POLAR}" for word in block.words)
+        moving = any(word.letter in f"XYZIJK{ROTARY}{POLAR}" for word in block.words)
         in_force = on_line | ({self.modal.motion or ""} if by_it and moving else set())
         for index, word in enumerate(block.words):
             letter = word.letter
             if letter in "GM":
                 continue
-            if letter not in "XYZFSTNO" + POLAR and not TAKERS.get(letter, frozenset()) & in_force:
+            if (
+                letter not in {*"XYZFSTNO" + POLAR, *self.machine.rotary}
+                and not TAKERS.get(letter, frozenset()) & in_force
+            ):
                 self.refuse(block.place, word, WHY_REFUSED.get(letter, "not known: correct it"))
                 continue
             if letter in words:
@@ -344,6 +354,13 @@ class Interpreter:
         if code == "G4" and axes and "P" not in words:
             why = "on a line with G4 a control may take it for a time: split the line"
             raise place.error(next(iter(axes.values())).text, why)
+        turning = [words[letter] for letter in ROTARY if letter in words]
+        if taking and turning:
+            raise place.error(
+                turning[0].text, f"with {code}: axes that turn have no offsets here, and no home"
+            )
+        if code in ("G28", "G30") and not axes and self.machine.rotary:
+            raise place.error(word.text, "turns axes to where only the machine knows: name X, Y or Z")
         if code in ("G92", "G52") and not axes:
             raise place.error(word.text, "takes X, Y or Z: give one")
         if code == "G10":
@@ -436,7 +453,8 @@ class Interpreter:
         self, place: Place, codes: dict[str, list[Word]], words: dict[str, Word], axes: dict[int, Word]
     ) -> None:
         motion = self.modal.motion
-        first = next(iter(axes.values()), None) or next(iter(self._arc_alone(words).values()))
+        turning = {ROTARY.index(letter): words[letter] for letter in ROTARY if letter in words}
+        first = next(word for given in (axes, self._arc_alone(words), turning) for word in given.values())
         if motion is None:
             raise place.error(first.text, "an axis word, but no G0 or G1 on the line or in force: add one")
         absolute = [word for word in codes.get("no modal group", ()) if word.code == "G53"]
@@ -444,7 +462,7 @@ class Interpreter:
             if (
                 motion not in ("G0", "G1")
                 or self.modal.relative
-                or first.letter not in _AXES
+                or first.letter not in _AXES + ROTARY
                 or first.text[0] in POLAR
             ):
                 raise place.error(
@@ -459,10 +477,17 @@ class Interpreter:
         if motion not in ("G0", "G33") and not self.modal.feed:
             word = next(iter(codes.get("motion", ())), first)
             raise place.error(word.text, f"a {motion} move without a feed: give F on the line or before it")
+        if turning and motion not in ("G0", "G1"):
+            raise place.error(
+                next(iter(turning.values())).text, f"{motion} does not turn axes: give G0 or G1"
+            )
         if motion in CYCLES:
             return self._drill(place, words, axes)
+        turned = list(self.turned)
+        for k, word in turning.items():
+            turned[k] = exact(word.value) + (turned[k] if self.modal.relative else 0)
         try:
-            self._line(place, target, motion == "G0", self._curve(place, words, target))
+            self._line(place, target, motion == "G0", self._curve(place, words, target), vector(turned))
         except ValueError as error:
             if isinstance(error, InputError):
                 raise
@@ -553,7 +578,10 @@ class Interpreter:
             self._line(place, at(target, bottom), rapid=False)
             self._line(place, at(target, above), rapid=True)
 
-    def _line(self, place: Place, target: Vector, rapid: bool, curve: Curve | None = None) -> None:
+    def _line(
+        self, place: Place, target: Vector, rapid: bool, curve: Curve | None = None,
+        turned: Vector | None = None,
+    ) -> None:  # fmt: skip
         """Move the spindle's nose, and the tool with it."""
         tools = self.machine.tools
         if tools and self.loaded is None:
@@ -574,10 +602,15 @@ class Interpreter:
             curve = curve.moved(below)
         straight = curve is None and (not rapid or self.machine.straight)
         # The corner between two moves is rounded by the larger tolerance of both.
-        slack = max(self.modal.tolerance, self.blended) + (curve.slack if curve is not None else 0)
-        self.blended = self.modal.tolerance
+        blended, self.blended = max(self.modal.tolerance, self.blended), self.modal.tolerance
+        slack = blended + (curve.slack if curve is not None else 0)
         if not (rapid or self.exact_path):
             told = "without G61 or G64 the path is taken for exactly followed"
             self.notes.setdefault("path mode", f"line {place.line}: {told}")
-        self.moves.append(Move(place.line, start, end, rapid, straight, curve, slack, self.loaded or 0))
-        self.position = target
+        turns = self.turned, turned or self.turned
+        move = Move(place.line, start, end, rapid, straight, curve, slack, self.loaded or 0, turns)
+        try:
+            self.moves.append(self.machine.turned(move, self.moves, blended))
+        except ValueError as error:
+            raise place.error("move", str(error)) from error
+        self.position, self.turned = target, turns[1]

@@ -13,6 +13,20 @@
     mesh = "mill.stl"            # or parts, from the tip on
     parts = [{ diameter = 6, length = 20, cuts = true }, { diameter = 20, length = 45 },
              { mesh = "holder.stl" }]
+    turn_tolerance = 0.01        # degrees that A, B, C may be off
+    [[objects]]                  # what the machine is of (`kinematics`), what carries others before them
+    name = "table"
+    on = "saddle"                # what carries it; left out where it stands still, or moves on that
+    axis = "-X"                  # by which it moves there: here against X; A, B, C turn it
+    pivot = [0.0, 0.0, 0.0]      # a point of the line about which it turns, for A, B, C
+    mesh = "table.stl"           # left out where it has none that could touch anything
+    at = [0.0, 80.0, 0.0]        # where the mesh's origin is with all axes at 0
+    may_touch = ["saddle"]       # with what it is in contact; also "workpiece", "stock", "tool"
+    [spindle]
+    on = "head"
+    nose = [0.0, 0.0, 150.0]     # where it is with all axes at 0
+    [workpiece]
+    on = "table"
 
 Parts are in the unit of the STL files. Those that cut may touch a stock while the tool feeds (`contact`).
 """
@@ -31,7 +45,9 @@ import numpy as np
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input
-from triaxis.host.quantise import Vector, vector
+from triaxis.host.motion.kinematics import LINEAR, ROTARY, Axis, Body, signs
+from triaxis.host.motion.moves import Move
+from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.scenes import revolved
 from triaxis.host.stl import StlMesh, read_stl
 
@@ -43,6 +59,8 @@ _LARGEST = 10**6
 _SIDES = 64
 # Parts of its diameter that a cutter's top is thick.
 _THIN = 64
+# What the objects of a machine carry.
+TOOL, WORKPIECE, STOCK = CARRIED = ("tool", "workpiece", "stock")
 SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 
@@ -69,7 +87,11 @@ class Tool:
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine file. ``straight``: rapids are. ``loaded``, ``tolerance``: None where it does not say."""
+    """A machine file. ``straight``: rapids are. ``loaded``, tolerances: None where it does not say.
+
+    ``spindle``, ``table``: the axes that move tool and workpiece; ``nose``: where the spindle's is with all
+    axes at 0. ``apart``: objects of which two are never looked at, as they may touch.
+    """
 
     tools: Mapping[int, Tool] = field(default_factory=dict)
     offsets: Mapping[str, Vector] = field(default_factory=dict)
@@ -77,6 +99,43 @@ class Machine:
     straight: bool = False
     tolerance: Fraction | None = None
     loaded: int | None = None
+    turn_tolerance: Fraction | None = None
+    objects: tuple[Body, ...] = ()
+    spindle: tuple[Axis, ...] = ()
+    table: tuple[Axis, ...] = ()
+    nose: Vector = NOWHERE
+    may_touch: frozenset[frozenset[str]] = frozenset()
+
+    @property
+    def placed(self) -> bool:
+        """Return whether it says what carries tool and workpiece."""
+        return bool(self.spindle or self.table)
+
+    @property
+    def rotary(self) -> frozenset[str]:
+        """Return the letters of its axes that turn anything."""
+        chains = (self.spindle, self.table, *(body.chain for body in self.objects))
+        return frozenset(axis.letter for chain in chains for axis in chain if axis.rotary)
+
+    @property
+    def assumed(self) -> dict[str, str]:
+        """Return what is assumed of a program's start, for its notes."""
+        letters = " and ".join(sorted(self.rotary))
+        return {"turned": f"{letters} at 0 at the start, which is assumed"} if letters else {}
+
+    def turned(self, move: Move, before: Sequence[Move], blended: Fraction) -> Move:
+        """Return a move with how far axes that turn may be off; raise ValueError where nobody says it.
+
+        ``blended``: how far, in millimetres, the control may leave the path, and mix it with those before.
+        """
+        if not self.rotary:
+            return move
+        turning = move.turning or (before and before[-1].turning)
+        if self.turn_tolerance is None and blended and turning:
+            raise ValueError(
+                "turns axes while the control rounds corners: give turn_tolerance in the machine file, or G61"
+            )
+        return replace(move, turn_slack=move.turn_slack + (self.turn_tolerance or 0))
 
 
 def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
@@ -110,8 +169,10 @@ def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
     loaded = table.take("loaded", int, next(iter(tools)) if len(tools) == 1 else None)
     if loaded is not None and loaded not in tools:
         raise table.wrong("loaded", "the number of a tool")
+    machine = Machine(tools, offsets, homes, rapids == "straight", tolerance, loaded)
+    machine = _with_objects(table, machine)
     table.finish()
-    return Machine(tools, offsets, homes, rapids == "straight", tolerance, loaded)
+    return machine
 
 
 def _decimal(text: str) -> Fraction:
@@ -155,16 +216,23 @@ class _Table:
             raise InputError(f"{self.path}: {self.name}{key!r}: not known: correct or remove it")
 
 
+def _place(table: _Table, key: str) -> Vector | None:
+    numbers = table.take(key, list, None)
+    if numbers is None:
+        return None
+    fits = [isinstance(x, (int, Fraction)) and not isinstance(x, bool) for x in numbers]
+    if len(numbers) != 3 or not all(fits) or max(abs(x) for x in numbers) > _LARGEST:
+        raise table.wrong(key, f"three numbers of at most {_LARGEST:g}")
+    return vector(map(Fraction, numbers))
+
+
 def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector]:
     inner = _Table(table.path, f"{name}: ", table.take(name, dict, {}))
     found: dict[str, Vector] = {}
     for key in keys:
-        numbers = inner.take(key, list, None)
-        if numbers is not None:
-            fits = [isinstance(x, (int, Fraction)) and not isinstance(x, bool) for x in numbers]
-            if len(numbers) != 3 or not all(fits) or max(abs(x) for x in numbers) > _LARGEST:
-                raise inner.wrong(key, f"three numbers of at most {_LARGEST:g}")
-            found[key] = vector(map(Fraction, numbers))
+        place = _place(inner, key)
+        if place is not None:
+            found[key] = place
     inner.finish()
     return found
 
@@ -248,3 +316,88 @@ def _joined(meshes: Sequence[StlMesh]) -> StlMesh | None:
     if not meshes:
         return None
     return StlMesh(np.concatenate([one.facets for one in meshes]), max(one.rounding for one in meshes))
+
+
+def _with_objects(table: _Table, machine: Machine) -> Machine:
+    """Return the machine with what carries what."""
+    tolerance = table.take("turn_tolerance", Fraction, None)
+    if tolerance is not None and tolerance < 0:
+        raise table.wrong("turn_tolerance", "not negative")
+    chains: dict[str, tuple[Axis, ...]] = {}
+    bodies, touching = list[Body](), list[tuple[_Table, str, str]]()
+    for number, entry in enumerate(table.take("objects", list, []), 1):
+        inner = _Table(table.path, f"object {number}: ", entry)
+        name = inner.take("name", str, "")
+        if not name.isprintable() or not name or name in (*chains, *CARRIED):
+            raise inner.wrong("name", "given, and no other's")
+        chain = _carried(inner, chains, False)
+        axis, pivot = inner.take("axis", str, None), _place(inner, "pivot")
+        if axis is not None:
+            letter, sign = axis.removeprefix("-"), -1 if axis.startswith("-") else 1
+            if len(letter) != 1 or letter not in LINEAR + ROTARY:
+                raise inner.wrong("axis", "X, Y, Z, A, B or C, or -X, ..")
+            if letter in LINEAR and any(one.rotary for one in chain):
+                raise inner.wrong("axis", "A, B or C: nothing that turns carries linear axes")
+            if any(one.letter == letter for one in chain):
+                raise inner.wrong("axis", "another: what carries it moves by this one")
+            if (letter in ROTARY) != (pivot is not None):
+                raise inner.wrong("pivot", "given for A, B and C, and for these alone")
+            chain = (*chain, Axis(name, letter, sign, pivot or NOWHERE))
+        elif pivot is not None:
+            raise inner.wrong("pivot", "of an axis: give A, B or C")
+        chains[name] = chain
+        mesh, at = inner.take("mesh", str, None), _place(inner, "at") or NOWHERE
+        if mesh is not None:
+            file = table.path.parent / mesh
+            bodies.append(Body(name, read_stl(file), str(file), at, chain))
+        touching += [(inner, name, other) for other in inner.take("may_touch", list, [])]
+        inner.finish()
+    spindle, workpiece = (
+        _Table(table.path, f"{name}: ", table.take(name, dict, {})) for name in ("spindle", "workpiece")
+    )
+    carrying = _carried(spindle, chains, bool(chains)), _carried(workpiece, chains, bool(chains))
+    nose = _place(spindle, "nose")
+    if bool(chains) != (nose is not None):
+        raise spindle.wrong("nose", "given where there are objects, and there alone")
+    spindle.finish()
+    workpiece.finish()
+    for inner, _, other in touching:
+        if other not in (*chains, *CARRIED):
+            raise inner.wrong("may_touch", f"names of objects, or {', '.join(CARRIED)}")
+    pairs = frozenset(frozenset((name, other)) for _, name, other in touching)
+    found = replace(
+        machine, turn_tolerance=tolerance, objects=tuple(bodies), spindle=carrying[0], table=carrying[1],
+        nose=nose or NOWHERE, may_touch=pairs,
+    )  # fmt: skip
+    if chains:
+        _check_axes(table.path, found)
+    return found
+
+
+def _carried(table: _Table, chains: Mapping[str, tuple[Axis, ...]], needed: bool) -> tuple[Axis, ...]:
+    """Return the axes that move what carries something."""
+    on = table.take("on", str, "")
+    if not on and not needed:
+        return ()
+    if on not in chains:
+        raise table.wrong("on", "the name of an object that stands before it")
+    return chains[on]
+
+
+def _check_axes(path: Path, machine: Machine) -> None:
+    """Raise InputError unless X, Y and Z move the tool as they should, as the workpiece sees it."""
+    for letter, tool, work in zip(LINEAR, signs(machine.spindle), signs(machine.table), strict=True):
+        if tool - work != 1:
+            raise InputError(
+                f"{path}: objects: by {letter} the tool, seen from the workpiece, does not move as the "
+                f"program says: give one object on its side the axis {letter}, or one on the other -{letter}"
+            )
+    if "G54" not in machine.offsets:
+        raise InputError(
+            f"{path}: objects: where the program's zero is among them, G54 says: give its offset"
+        )
+    for tool in machine.tools.values():
+        if tool.length is None:
+            raise InputError(
+                f"{path}: tool {tool.number}: with objects the length of each is needed: give it"
+            )

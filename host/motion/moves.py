@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from triaxis.host.motion.curves import Curve
-from triaxis.host.quantise import Vector, vector
+from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.stl import Facets
 
 # Chords that a curve is drawn with.
@@ -21,7 +21,7 @@ class Move:
     """A move of the tool's origin from ``start`` to ``end`` in millimetres, of the program's line ``line``.
 
     A rapid that is not straight may be anywhere in the box of both. ``slack``: how far the control may be off
-    all this.
+    all this. ``turns``: A, B and C at both ends, in degrees; ``turn_slack``: how far they may be off.
     """
 
     line: int
@@ -32,12 +32,19 @@ class Move:
     curve: Curve | None = None
     slack: Fraction = Fraction(0)
     tool: int = 0
+    turns: tuple[Vector, Vector] = (NOWHERE, NOWHERE)
+    turn_slack: Fraction = Fraction(0)
 
     def at(self, part: Fraction) -> Vector:
         """Return the position after a part of it, 0..1."""
         if self.curve is not None:
             return self.curve.at(part)
         return vector(a + (b - a) * part for a, b in zip(self.start, self.end, strict=True))
+
+    @property
+    def turning(self) -> bool:
+        """Return whether A, B or C move."""
+        return self.turns[0] != self.turns[1]
 
     @property
     def corners(self) -> Facets:

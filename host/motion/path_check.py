@@ -7,7 +7,7 @@ to the step. Far from the workpiece one question serves for many moves.
 """
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,7 +18,7 @@ from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, 
 from triaxis.host.euclidean import euclidean_distance
 from triaxis.host.motion.moves import Move
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest
-from triaxis.host.quantise import Vector, vector
+from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.scene import distance_of
 
 # Near facet pairs whose exact distance is computed.
@@ -39,7 +39,7 @@ class NearPose:
     """The first pose that could not be proven clear.
 
     ``facets``: the nearest of the ``facet_pairs`` within the margin, nearest first. Really within the
-    clearance is one of them at the position, in millimetres.
+    clearance is one of them at the position, in millimetres, and at the angles of A, B and C, in degrees.
     """
 
     move: int
@@ -50,6 +50,7 @@ class NearPose:
     facet_pairs: int
     facets: tuple[NearFacets, ...]
     within_clearance_for_certain: bool
+    angles: Vector = NOWHERE
 
 
 @dataclass
@@ -75,6 +76,13 @@ class Effort(Counts):
         if run.cycles is not None:
             self.most_cycles = max(self.most_cycles or 0, run.cycles)
 
+    def join(self, other: "Effort") -> None:
+        """Count all poses of another."""
+        self.add(other)
+        self.poses += other.poses - 1
+        if other.most_cycles is not None:
+            self.most_cycles = max(self.most_cycles or 0, other.most_cycles)
+
 
 @dataclass
 class PathResult:
@@ -94,6 +102,23 @@ class PathResult:
     def verdict(self) -> str:
         """Return clear, near or unknown."""
         return self.insides.verdict(self.near is not None)
+
+    def join(self, other: "PathResult", first: int) -> None:
+        """Go on with what was found of the moves from a number on."""
+        self.count(other)
+        if other.near is not None:
+            self.near = replace(other.near, move=first + other.near.move)
+        if other.insides != NOT_ASKED:
+            self.insides, self.asked_at = other.insides, first + other.asked_at
+
+    def count(self, other: "PathResult") -> None:
+        """Count what another took."""
+        self.effort.join(other.effort)
+        self.levels += [Level() for _ in other.levels[len(self.levels) :]]
+        for level, more in zip(self.levels, other.levels, strict=False):
+            level.by_boxes += more.by_boxes
+            level.by_pose += more.by_pose
+            level.halved += more.halved
 
 
 def check_path(

@@ -43,9 +43,8 @@ def draw_path(
         fontsize=LARGE,
         weight="bold",
     )
-    lines = (
-        f"{len(scene.program.moves)} moves, {lengths(scene).sum():.5g} mm; {result.effort.poses} poses asked"
-    )
+    length = f"{lengths(scene.program).sum():.5g} mm"
+    lines = f"{len(scene.program.moves)} moves, {length}; {result.effort.poses} poses asked"
     if result.near is not None:
         where = "  ".join(
             f"{axis} {float(c):.3f}" for axis, c in zip("XYZ", result.near.position, strict=True)
@@ -160,12 +159,12 @@ def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: l
     )
     axes.plot(along, proven, color=A.colour, linewidth=1.2, label="proven lower bound")
     axes.axhline(wanted, color=B.colour, linestyle="--", linewidth=1.4, label=f"wanted: {wanted:g} mm")
-    total = float(lengths(scene).sum())
+    total = float(lengths(scene.program).sum())
     if result.near is None:
         axes.axhspan(0, wanted, color=GAP, alpha=0.08, linewidth=0)
     else:
-        before = float(lengths(scene)[: result.near.move].sum())
-        at = before + float(result.near.part_of_move) * float(lengths(scene)[result.near.move])
+        before = float(lengths(scene.program)[: result.near.move].sum())
+        at = before + float(result.near.part_of_move) * float(lengths(scene.program)[result.near.move])
         axes.axvspan(at, total, color=_WORK, alpha=0.15, linewidth=0, label="after the first near pose")
         axes.plot([at], [wanted], marker="X", markersize=10, color="black", linestyle="", zorder=5)
         right = at > 0.6 * total

@@ -46,6 +46,7 @@ def read_program(
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
+    state.notes |= machine.assumed
     return Program(path, tuple(state.moves), tuple(state.notes.values()))
 
 

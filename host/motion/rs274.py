@@ -21,6 +21,7 @@ from triaxis.golden.input_file import Place, read_input
 from triaxis.host.motion.curves import Curve, arc
 from triaxis.host.motion.expression import ARGUMENTS, number
 from triaxis.host.motion.gcode import AFTER_THE_END
+from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
@@ -37,6 +38,9 @@ _ERROR = re.compile(r"^(?!executing|File ended).*\S", re.MULTILINE)
 _HALF = Rational(1, 20000)
 # The same of degrees, in radians and more.
 _HALF_ANGLE = Rational(9, 10**7)
+_NOT_TURNED = (
+    "turns an axis that is none of the machine's: objects of a machine file say what A, B and C turn"
+)
 _OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
@@ -67,6 +71,8 @@ class _Told:
     joined: Fraction = Fraction(0)
     blended: Fraction = Fraction(0)
     position: Vector | None = None
+    # Of A, B and C.
+    turned: Vector = NOWHERE
     # Whether the program may turn systems; how far from their zero anything was, in X and Y together.
     turns: bool = False
     farthest: Fraction = Fraction(0)
@@ -135,6 +141,8 @@ class _Told:
 
     def _set(self, name: str, line: int, values: list[Fraction]) -> None:
         new = vector(values[:3])
+        if any(values[3:]):
+            raise ValueError("an offset of an axis that turns, or of U, V, W: leave it out")
         if name == "compensation":
             if line and line == self.changed:
                 raise ValueError("on a line with a change of the tool, which it mistakes: give the next line")
@@ -162,14 +170,19 @@ class _Told:
         parts = zip((x, y, z), *offsets, zero, strict=True)
         return vector(Rational(p + s + c - o) for p, s, c, o in parts)
 
-    def _straight(self, line: int, values: list[Fraction], rapid: bool) -> None:
-        if any(values[3:]):
-            raise ValueError("only X, Y and Z move here: check single poses with `triaxis check --rotate`")
-        self._go(line, self._place(values[:3]), rapid)
+    def _straight(self, line: int, values: list[Fraction], numbers: list[Fraction], rapid: bool) -> None:
+        self._go(line, self._place(values[:3]), rapid, turned=self._angles(numbers[3:]))
+
+    def _angles(self, numbers: list[Fraction]) -> Vector:
+        """Return A, B and C, which follow the other coordinates."""
+        moving = [axis for axis, value in zip(ROTARY, numbers, strict=True) if value]
+        if not self.machine.rotary.issuperset(moving):
+            raise ValueError(_NOT_TURNED)
+        return vector(numbers[:3])
 
     def _arc(self, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
-        if any(values[6:]):
-            raise ValueError("only X, Y and Z move here: check single poses with `triaxis check --rotate`")
+        if self._angles(numbers[6:]) != self.turned:
+            raise ValueError("an arc on which axes turn: write straight moves")
         axes = _PLANES[self.plane]
         if self.angle and self.plane != "XY":
             raise ValueError("an arc of a turned system out of XY: write turned moves")
@@ -187,7 +200,7 @@ class _Told:
     def _tap(self, line: int, values: list[Fraction]) -> None:
         """Go down, and up again."""
         start = self.position
-        self._straight(line, values, False)
+        self._go(line, self._place(values[:3]), False)
         assert start is not None
         self._go(line, start, False)
 
@@ -196,8 +209,12 @@ class _Told:
         error = _HALF * self.unit + sum(self.errors.values(), Fraction(0))
         return error + self.farthest * _HALF_ANGLE if self.turns else error
 
-    def _go(self, line: int, target: Vector, rapid: bool, curve: Curve | None = None) -> None:
+    def _go(
+        self, line: int, target: Vector, rapid: bool, curve: Curve | None = None, turned: Vector | None = None
+    ) -> None:
         start, self.position = self.position, target
+        turns = self.turned, turned or self.turned
+        self.turned = turns[1]
         # The first goes to where the program begins.
         if start is None:
             return
@@ -214,16 +231,17 @@ class _Told:
         # The centre of an arc moves all of it.
         printed = self._error() * (1 if curve is None else 3)
         tolerance = self.tolerance + self.joined
-        slack = max(tolerance, self.blended) + printed + (curve.slack if curve is not None else 0)
-        self.blended = tolerance
+        blended, self.blended = max(tolerance, self.blended), tolerance
+        slack = blended + printed + (curve.slack if curve is not None else 0)
         straight = curve is None and (not rapid or self.machine.straight)
         moved = curve.moved(below) if curve is not None else None
-        self.moves.append(Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0))
+        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, _HALF)
+        self.moves.append(self.machine.turned(move, self.moves, blended))
 
 
 _CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] = {
-    "STRAIGHT_TRAVERSE": lambda to, line, values, _: to._straight(line, values, True),
-    "STRAIGHT_FEED": lambda to, line, values, _: to._straight(line, values, False),
+    "STRAIGHT_TRAVERSE": lambda to, line, values, numbers: to._straight(line, values, numbers, True),
+    "STRAIGHT_FEED": lambda to, line, values, numbers: to._straight(line, values, numbers, False),
     "RIGID_TAP": lambda to, line, values, _: to._tap(line, values),
     "ARC_FEED": lambda to, line, values, numbers: to._arc(line, values, numbers),
     "SET_G5X_OFFSET": lambda to, line, values, numbers: to._set_system(line, values, numbers),
@@ -285,6 +303,7 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
+    state.notes |= machine.assumed
     line = state.moves[0].line
     state.notes.setdefault("units", f"line {line}: no G20 or G21 before it: millimetres assumed")
     if machine.tolerance is None and not all(move.rapid for move in state.moves):

@@ -48,7 +48,7 @@ WHY_REFUSED = {
         ("M19", "orients the spindle, and so turns the tool: check the program without it"),
         ("M97 M98 M99", "is not followed: call subroutines with O words"),
         ("A B C U V W",
-         "only X, Y and Z move here: check single poses with `triaxis check --rotate`"),
+         "not an axis of the machine: only X, Y, Z move, and A, B, C where objects of a machine file turn"),
         ("D E H I J K L P Q R", "belongs to a word that is not on the line: correct it"),
     )
     for code in codes.split()

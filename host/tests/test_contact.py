@@ -10,7 +10,7 @@ import pytest
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import scene_engine
-from triaxis.host.motion.contact import rules_of
+from triaxis.host.motion.contact import Setup, rules_of
 from triaxis.host.motion.machine import read_machine
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import _near_at, check_path
@@ -357,7 +357,7 @@ def test_rapids_that_need_no_look(tmp_path):
     machine = read_machine(tmp_path / "m.toml")
     program = read_program(tmp_path / "p.nc", HERE, False, machine)
     mesh = scenes.read_stl(tmp_path / "stock.stl"), tmp_path / "stock.stl"
-    rules = rules_of(machine.tools[1], mesh, mesh, program, 7)
+    rules = rules_of(Setup(machine.tools[1], mesh, mesh), program, 7)
     assert [list(rule.numbers) for rule in rules] == [[7, 8, 9, 10, 11, 12]] * 2 + [[7, 11, 12]]
     assert rules[2].program.starts == [0, 1]
     part = rules[2].until(11)

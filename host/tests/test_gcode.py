@@ -376,7 +376,7 @@ NOT_KNOWN_THERE = [
     ("G43 H2 G0 Z9\nG20", MACHINE, "a change of units"),
     ("T1 M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
-    ("G0 A1", "", "only X, Y and Z move"), ("M61 Q2", MACHINE, "change tools with M6"),
+    ("G0 A1", "", "none of the machine's"), ("M61 Q2", MACHINE, "change tools with M6"),
     ("G10 L2.0 P1 X1", "", "needs machine coordinates"), ("G5 3 G0 X-9", "", "needs machine coordinates"),
     ("#1=5221\nG0 X##1", "", "may be any parameter"), ("G0 X#100", "", "does not give it"),
     ("O1 if [#<_task> EQ 1]\nO1 endif", "", "does not give it"),

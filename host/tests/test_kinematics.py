@@ -1,0 +1,488 @@
+"""Machines of objects: what carries and moves what, and what comes near what while a program runs."""
+
+import json
+import shutil
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from triaxis.golden.bulk import bulk_verdicts
+from triaxis.host import scenes
+from triaxis.host.cli import main
+from triaxis.host.motion.kinematics import Axis, Body, Meeting
+from triaxis.host.motion.machine import read_machine
+from triaxis.host.motion.moves import Move
+from triaxis.host.motion.program import read_program
+from triaxis.host.motion.rs274 import read_by_rs274
+from triaxis.host.quantise import NOWHERE, vector
+from triaxis.host.scene import near_facets
+from triaxis.host.stl import StlMesh, read_stl
+
+LETTERS = "XYZABC"
+HEAD = 'rapids = "straight"\nloaded = 1\n[offsets]\nG54 = [0.0, 0.0, -250.0]\n'
+TOOL = '[[tools]]\nnumber = 1\nlength = {}\nmesh = "tool.stl"\n'
+
+
+def entry(name, on=None, axis=None, pivot=None, mesh=None, at=None, may_touch=None):
+    """Return an object of a machine file."""
+    values = {"on": on, "axis": axis, "pivot": pivot, "mesh": mesh, "at": at, "may_touch": may_touch}
+    lines = [f"{key} = {json.dumps(value)}" for key, value in values.items() if value is not None]
+    return "\n".join(("[[objects]]", f'name = "{name}"', *lines, ""))
+
+
+def carriers(spindle, workpiece, nose=(0.0, 0.0, 0.0)):
+    """Return what carries tool and workpiece."""
+    return f'[spindle]\non = "{spindle}"\nnose = {list(nose)}\n[workpiece]\non = "{workpiece}"\n'
+
+
+# A table on a slide on a saddle, which may turn, and a post beside it; a head above.
+MILL = (
+    HEAD
+    + TOOL.format(50)
+    + entry("bed", mesh="post.stl")
+    + entry("saddle", axis="-Y")
+    + entry("slide", "saddle", "-X")
+    + entry("table", "slide", "C", [0.0, 0.0, 0.0], "table.stl")
+    + entry("head", axis="Z", mesh="head.stl", at=[0.0, 0.0, 250.0])
+    + carriers("head", "table", (0.0, 0.0, 250.0))
+)
+
+
+@pytest.fixture
+def checked(tmp_path, capsys):
+    """Return a function that checks a program on a machine, and gives what it said."""
+    meshes = {
+        "tool": scenes.box((-3, -3, 0), (3, 3, 50)), "table": scenes.box((-50, -50, -10), (50, 50, 0)),
+        "post": scenes.box((60, -5, -30), (70, 5, 60)), "head": scenes.box((-40, -40, 0), (65, 40, 60)),
+        "work": scenes.box((-20, -20, 0), (20, 20, 20)), "stock": scenes.box((-15, -15, 20.5), (15, 15, 40)),
+    }  # fmt: skip
+    for name, mesh in meshes.items():
+        scenes.write_stl(tmp_path / f"{name}.stl", mesh)
+
+    def run(machine, program, *words, start=("0", "0", "100")):
+        (tmp_path / "m.toml").write_text(machine)
+        (tmp_path / "p.nc").write_text(f"G21 G90 G61 G43 H1 F100\n{program}\n")
+        files = (tmp_path / "m.toml", tmp_path / "work.stl", tmp_path / "p.nc")
+        more = ("--start", *start, "--json", tmp_path / "r.json", "--engine", "bulk", *words)
+        status = main([str(word) for word in ("path", *files, *more)])
+        said = "".join(capsys.readouterr())
+        return status, said, json.loads((tmp_path / "r.json").read_text()) if status < 2 else {}
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("program", "near"),
+    [
+        ("G0 Z30\nX5 Y5\nG1 X-4", None),
+        # What nothing of tool and workpiece shows: the table goes to the post, its corner as it turns.
+        ("G0 Z60\nX-9.4", None),
+        ("G0 Z60\nX-9.6", (3, "the bed", "the table")),
+        ("G0 Z60\nC30", (3, "the bed", "the table")),
+        ("G0 Z60\nX40 C90\nX-9", None),
+        ("G0 Z60\nX20 C90", (3, "the bed", "the table")),
+        ("G0 Z60\nX12\nC-90\nC0", None),
+        ("G0 Z60\nX10\nC-90", (4, "the bed", "the table")),
+        # The same turn, when the table has gone away meanwhile, and when it is at the end of it only.
+        ("G0 Z60\nX30 C20\nC45", None),
+        ("G0 Z60\nX-9 C45", (3, "the bed", "the table")),
+        ("G0 Z60\nG91 G1 X-9 C45", (3, "the bed", "the table")),
+        # The head reaches beyond its tool.
+        ("G0 Z30\nX40\nZ10.4", (4, "the bed", "the head")),
+        ("G0 Z30\nX40\nZ10.6", None),
+        # And the tool itself is beside the workpiece, or not, as that is turned.
+        ("G0 Z30\nX24\nG1 Z12", None),
+        ("G0 Z30\nX24\nC45\nG1 Z12", (5, "the tool", "the workpiece")),
+        ("G0 Z30\nX24\nG1 Z12\nG1 C45", (5, "the tool", "the workpiece")),
+    ],
+)
+def test_each_object_is_watched(checked, program, near):
+    status, said, report = checked(MILL, program)
+    found = report["near"] and (report["near"]["line"], report["what"], report["of"])
+    assert (status, found) == (int(near is not None), near), said
+    assert "C at 0 at the start, which is assumed" in said
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An object of a machine made up: what carries it, its axis, a point of that, its mesh, where that is."""
+
+    on: str | None
+    axis: str | None = None
+    pivot: np.ndarray | None = None
+    mesh: np.ndarray | None = None
+    at: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+
+def made_up(rng):
+    """Return a machine by random: its file, its objects, what carries tool and workpiece, where these are."""
+    sides = rng.integers(0, 2, 3)
+    things, ends = {}, []
+    for side, sign in ((0, ""), (1, "-")):
+        on = None
+        axes = [sign + letter for letter, at in zip("XYZ", sides, strict=True) if at == side]
+        turning = rng.choice(list("ABC"), rng.integers(0, 4), replace=False)
+        axes = [*rng.permutation(axes), *(rng.choice(["", "-"]) + letter for letter in turning), None]
+        for axis in axes:
+            name = f"thing {len(things)}"
+            mesh = rng.uniform(-7, 7, (4, 3)).round(3) if rng.random() < 0.5 else None
+            pivot = rng.uniform(-9, 9, 3).round(2) if axis and axis[-1] in "ABC" else None
+            facets = None if mesh is None else mesh[[[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]]
+            things[name] = Thing(on, axis, pivot, facets, rng.uniform(-20, 20, 3).round(2))
+            on = name
+        ends.append(on)
+    nose, zero = rng.uniform(-9, 9, (2, 3)).round(2)
+    return things, ends, nose, zero
+
+
+def moved(things, name, points, coordinates):
+    """Return points that an object carries, (.., 3), at coordinates of six axes, by one after the other."""
+    while name is not None:
+        thing = things[name]
+        if thing.axis is not None:
+            value = coordinates[LETTERS.index(thing.axis[-1])] * (-1 if thing.axis[0] == "-" else 1)
+            k = LETTERS.index(thing.axis[-1]) % 3
+            if thing.pivot is None:
+                points = points + value * np.eye(3)[k]
+            else:
+                turn = turned_about(k, np.radians(value))
+                points = (points - thing.pivot) @ turn.T + thing.pivot
+        name = thing.on
+    return points
+
+
+def turned_about(k, angle):
+    """Return the matrix of a turn about an axis."""
+    matrix, (i, j) = np.eye(3), ((k + 1) % 3, (k + 2) % 3)
+    matrix[[i, j, i, j], [i, j, j, i]] = np.cos(angle), np.cos(angle), -np.sin(angle), np.sin(angle)
+    return matrix
+
+
+def axes_of(things, name):
+    """Return what moves an object."""
+    found = set()
+    while name is not None:
+        found |= {name} if things[name].axis else set()
+        name = things[name].on
+    return found
+
+
+def within(a, b, distance):
+    """Return whether any two facets (N, 3, 3) are within a distance, but for a millionth."""
+    step = 1e-6
+    a, b = (np.rint(mesh / step).astype(np.int64) for mesh in (a, b))
+    found = near_facets(a, b, round(distance / step), bulk_verdicts)
+    return any(len(near) for _, near in found)
+
+
+def angles_between(rng, first, last, part, free):
+    """Return all coordinates a part of the way from first to last, each on its own where ``free``."""
+    return first + (last - first) * (rng.random(6) if free else part)
+
+
+@pytest.mark.parametrize("number", range(120))
+def test_pieces_hold_every_position_and_angle(rng, number):
+    """No point of A, as B sees it, is further from where a piece has it than the slack of its moves."""
+    things = made_up(rng)[0]
+    bodies, free = [], rng.random() < 0.5
+    chains: dict[str | None, tuple[Axis, ...]] = {None: ()}
+    for name, thing in things.items():
+        axis = thing.axis and Axis(
+            name, thing.axis[-1], -1 if thing.axis[0] == "-" else 1,
+            NOWHERE if thing.pivot is None else exactly(thing.pivot),
+        )  # fmt: skip
+        chains[name] = (*chains[thing.on], *((axis,) if axis else ()))
+        mesh = StlMesh(rng.uniform(-7, 7, (3, 3, 3)), Fraction(0))
+        bodies.append(Body(name, mesh, name, exactly(thing.at), chains[name]))
+    first, last = rng.uniform([-25] * 3 + [-60] * 3, [25] * 3 + [60] * 3, (2, 6)).round(2)
+    turns, base = (exactly(first[3:]), exactly(last[3:])), exactly(rng.uniform(-9, 9, 3))
+    move = Move(1, exactly(first[:3]), exactly(last[:3]), free, not free, turns=turns)
+    for a, b in rng.permutation(list(combinations(range(len(bodies)), 2)))[:4]:
+        a, b = bodies[a], bodies[b]
+        meeting = Meeting.of(a, b, base, Fraction(1))
+        pieces = list(meeting.pieces([move], Fraction(12)))
+        assert all(piece.swept <= 12 for piece in pieces)
+        for part in rng.random(8):
+            real = angles_between(rng, first, last, part, free)
+            piece = next(one for one in pieces if holds(one, part, real, free))
+            (seen,), (inner,) = piece.moves, piece.program
+            start, end = (np.array([float(c) for c in place]) for place in (seen.start, seen.end))
+            along = (real[:3] - first[:3]) / (last[:3] - first[:3])
+            if not free:
+                low, high = map(float, piece.part)
+                along = (part - low) / (high - low)
+            taken = (
+                piece.a.facets.reshape(-1, 1, 3)
+                + start
+                + (end - start) * along
+                - piece.b.facets.reshape(-1, 3)
+            )
+            at = real + np.array([*map(float, base), 0, 0, 0])
+            one, other = (
+                moved(things, body.name, body.mesh.facets.reshape(-1, 3) + things[body.name].at, at)
+                for body in (a, b)
+            )
+            # The common axes turn both: distances alone stay the same, by all axes but those.
+            common = len(chains[a.name]) - len(meeting.a.chain)
+            if not any(axis.rotary for axis in chains[a.name][:common]):
+                assert np.abs(one[:, None] - other - taken).max() <= float(seen.slack) + 1e-9
+            apart = np.linalg.norm(one[:, None] - other, axis=-1) - np.linalg.norm(taken, axis=-1)
+            assert np.abs(apart).max() <= 2 * float(seen.slack) + 1e-9
+            assert inner.line == 1
+
+
+@pytest.mark.parametrize("number", range(30))
+def test_no_point_is_further_from_its_line(rng, number):
+    mesh = StlMesh(rng.uniform(-2, 2, (3, 3, 3)), Fraction(0))
+    letters, at = rng.permutation(list("ABC")), rng.uniform(-9, 9, 3)
+    pivots = rng.uniform(-50, 50, (3, 3))
+    axes = zip(letters, pivots, strict=True)
+    chain = tuple(Axis(letter, letter, 1, exactly(pivot)) for letter, pivot in axes)
+    radii = Body("", mesh, "", exactly(at), chain).radii(Fraction(1))
+    for outer in range(3):
+        found = 0.0
+        for _ in range(300):
+            points = mesh.facets.reshape(-1, 3) + at
+            for letter, pivot in [*zip(letters, pivots, strict=True)][:outer:-1]:
+                turn = turned_about(LETTERS.index(letter) % 3, rng.uniform(0, 2 * np.pi))
+                points = (points - pivot) @ turn.T + pivot
+            off = np.delete(points - pivots[outer], LETTERS.index(letters[outer]) % 3, 1)
+            found = max(found, np.linalg.norm(off, axis=1).max())
+        assert found <= float(radii[outer]) and radii[outer] < 4 * found
+
+
+def exactly(numbers):
+    """Return numbers as they are."""
+    return vector(Fraction(float(c)) for c in numbers)
+
+
+def holds(piece, part, real, free):
+    """Return whether a piece has a part of a straight move, or angles of one that is not."""
+    low, high = (np.array([float(c) for c in end]) for end in piece.program[0].turns)
+    if not free:
+        return piece.part[0] <= part <= piece.part[1]
+    return bool(((np.minimum(low, high) <= real[3:]) & (real[3:] <= np.maximum(low, high))).all())
+
+
+@pytest.mark.parametrize("number", range(24))
+def test_machines_made_up(checked, tmp_path, rng, number):
+    things, (spindle, table), nose, zero = made_up(rng)
+    length, start = 6.0, rng.uniform(-9, 9, 3).round(2)
+    meshes, parts = {}, []
+    for name, thing in things.items():
+        if thing.mesh is not None:
+            scenes.write_stl(tmp_path / f"{name}.stl", thing.mesh)
+            meshes[name] = name, read_stl(tmp_path / f"{name}.stl").facets + thing.at
+        file = None if thing.mesh is None else f"{name}.stl"
+        pivot = None if thing.pivot is None else thing.pivot.tolist()
+        parts.append(entry(name, thing.on, thing.axis, pivot, file, thing.at.tolist()))
+    small = scenes.box((-2, -2, 0), (2, 2, 6)), scenes.box((-5, -4, -3), (5, 4, 3))
+    for name, mesh, on, at in (
+        ("tool", small[0], spindle, nose - [0, 0, length]), ("work", small[1], table, nose + zero),
+    ):  # fmt: skip
+        scenes.write_stl(tmp_path / f"{name}.stl", mesh)
+        meshes[{"tool": "tool", "work": "workpiece"}[name]] = on, mesh.astype(np.float64) + at
+    letters = {thing.axis[-1] for thing in things.values() if thing.axis and thing.axis[-1] in "ABC"}
+    straight = rng.random() < 0.7
+    machine = "".join(
+        (
+            f'rapids = "{"straight" if straight else "any"}"\nloaded = 1\n[offsets]\nG54 = {zero.tolist()}\n',
+            TOOL.format(length), *parts, carriers(spindle, table, nose.tolist()),
+        )
+    )  # fmt: skip
+    here, poses, lines = np.zeros(6), [], []
+    here[:3] = start
+    for _ in range(rng.integers(1, 5)):
+        to = here.copy()
+        for k, letter in enumerate(LETTERS):
+            if rng.random() < 0.6 and (k < 3 or letter in letters):
+                to[k] = rng.uniform(-25, 25) if k < 3 else rng.uniform(-120, 120)
+        to = to.round(2)
+        if (to == here).all():
+            continue
+        rapid = rng.random() < 0.5
+        words = "".join(f" {letter}{to[k]}" for k, letter in enumerate(LETTERS) if to[k] != here[k])
+        lines.append(("G0" if rapid else "G1") + words)
+        free = rapid and not straight
+        poses += [here + (to - here) * (rng.random(6) if free else rng.random()) for _ in range(120)]
+        here = to
+    if not lines:
+        return
+    first = [str(c) for c in start + np.array([0, 0, length])]
+    status, said, report = checked(
+        machine,
+        "\n".join(lines),
+        "--surfaces-only",
+        "--clearance",
+        "0.3",
+        "--resolution",
+        "0.01",
+        start=first,
+    )
+    assert status < 2, said
+    base = np.array([zero[0], zero[1], zero[2] + length, 0, 0, 0])
+
+    def near(one, other, pose, distance):
+        a, b = (moved(things, meshes[name][0], meshes[name][1], pose + base) for name in (one, other))
+        return within(a, b, distance)
+
+    if status:
+        found = report["near"]
+        pose = np.array([float(c) for c in (*found["position"], *found["angles"])])
+        what, of = (report[key].removeprefix("the ") for key in ("what", "of"))
+        assert near(what, of, pose, 0.3 + float(report["false_alarm_band"]) + 1e-5), said
+        return
+    for one, other in combinations(meshes, 2):
+        if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0]):
+            for pose in poses:
+                assert not near(one, other, pose, 0.3 - 1e-5), (one, other, pose, machine, lines)
+
+
+def test_both_readers_turn_alike(tmp_path):
+    if shutil.which("rs274") is None:
+        pytest.skip("rs274 is not installed")
+    path = tmp_path / "p.nc"
+    scenes.write_stl(tmp_path / "tool.stl", scenes.box((-3, -3, 0), (3, 3, 50)))
+    for mesh in ("table", "post", "head"):
+        scenes.write_stl(tmp_path / f"{mesh}.stl", scenes.box((0, 0, 0), (1, 1, 1)))
+    (tmp_path / "m.toml").write_text(MILL)
+    machine = read_machine(tmp_path / "m.toml")
+    path.write_text(
+        "G21 G90 G61 F100\nG0 X1 C12.5\nG91 C-30\nG20 G1 C.0625 Y1\nG90\nC0\nG2 I1\nG1 C[1/3]\nM2\n"
+    )
+    own, other = (read(path, NOWHERE, False, machine) for read in (read_program, read_by_rs274))
+    assert len(own.moves) == len(other.moves) == 6
+    for one, two in zip(own.moves, other.moves, strict=True):
+        for mine, theirs in zip(one.turns, two.turns, strict=True):
+            assert all(abs(a - b) <= two.turn_slack for a, b in zip(mine, theirs, strict=True))
+    assert [move.turns[1][2] for move in own.moves[:5]] == [
+        Fraction(25, 2), Fraction(-35, 2), Fraction(-35, 2) + Fraction(1, 16), 0, 0,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("program", "why"),
+    [
+        ("G0 B1", "not an axis of the machine"),
+        ("G2 X2 I1 C5", "G2 does not turn axes"),
+        ("G98 G81 Z5 R8 C5", "G81 does not turn axes"),
+        ("G92 C5", "axes that turn have no offsets here"),
+        ("G10 L2 P1 C5", "axes that turn have no offsets here"),
+        ("G28", "name X, Y or Z"),
+        ("G0 C5 C6", "C stands twice"),
+        ("C5", "no G0 or G1"),
+        ("G64 P0.1\nG0 C5", "give turn_tolerance"),
+        ("G0 C5\nG64 P0.1\nG0 X5", "give turn_tolerance"),
+    ],
+)
+def test_what_does_not_turn_is_refused(checked, program, why):
+    status, said, _ = checked(MILL.replace("[offsets]", "[homes]\nG28 = [0, 0, 0]\n[offsets]"), program)
+    assert status == 2 and why in said and "p.nc: line " in said, said
+
+
+def test_axes_that_turn_may_be_off(checked):
+    near = "G0 Z60\nX12\nG64 P0.01\nC-90\nC0"
+    for degrees, wanted in (("0.01", 0), ("3", 1)):
+        machine = f"turn_tolerance = {degrees}\n" + MILL
+        status, said, _ = checked(machine, near)
+        assert status == wanted, said
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "why"),
+    [
+        ('name = "slide"', 'name = "saddle"', "object 3: 'name': must be given, and no other's"),
+        ('name = "slide"', 'name = "tool"', "object 3: 'name'"),
+        (
+            'on = "saddle"',
+            'on = "table"',
+            "object 3: 'on': must be the name of an object that stands before it",
+        ),
+        ('axis = "-X"', 'axis = "X"', "by X the tool, seen from the workpiece, does not move"),
+        ('axis = "-X"', 'axis = "-Y"', "object 3: 'axis': must be another"),
+        ('axis = "-X"', 'axis = "U"', "object 3: 'axis': must be X, Y"),
+        ('axis = "C"', 'axis = "-Z"', "object 4: 'pivot': must be given for A, B and C"),
+        ("pivot = [0.0, 0.0, 0.0]\n", "", "object 4: 'pivot'"),
+        ('on = "slide"\naxis = "C"', "", "object 4: 'pivot': must be of an axis"),
+        ('[spindle]\non = "head"', "[spindle]", "spindle: 'on'"),
+        ("nose = [0.0, 0.0, 250.0]", "", "spindle: 'nose'"),
+        ("G54 = [0.0, 0.0, -250.0]", "", "G54 says: give its offset"),
+        ("length = 50", "", "the length of each is needed"),
+        ('name = "bed"', 'name = "bed"\nmay_touch = ["sadle"]', "object 1: 'may_touch'"),
+        ('name = "bed"', 'name = "bed"\nmay_touch = "saddle"', "object 1: 'may_touch'"),
+        ('name = "bed"', 'name = "bed"\nweight = 5', "object 1: 'weight': not known"),
+        ("loaded = 1", "loaded = 1\nturn_tolerance = -1", "'turn_tolerance': must be not negative"),
+    ],
+)
+def test_machines_that_are_none(checked, before, after, why):
+    assert before in MILL
+    status, said, _ = checked(MILL.replace(before, after, 1), "G0 X1")
+    assert status == 2 and why in said, said
+
+
+def test_what_may_touch_is_not_looked_at(checked):
+    machine = MILL.replace('name = "bed"', 'name = "bed"\nmay_touch = ["table"]')
+    assert checked(MILL, "G0 Z60\nC30")[0] == 1
+    status, _, report = checked(machine, "G0 Z60\nC30")
+    assert status == 0 and not any(
+        {one["what"], one["of"]} == {"the bed", "the table"} for one in report["tools"]
+    )
+
+
+def test_where_a_table_turned_the_tool_has_not_been(checked, tmp_path):
+    """Down again at another angle is not back."""
+    mill = MILL.replace('mesh = "tool.stl"', "parts = [{ diameter = 6, length = 50, cuts = true }]")
+    cut = "G0 Z42\nG1 X5 Z30\nG0 Z42\n"
+    stock = ("--stock", tmp_path / "stock.stl", "--clearance", "0.4")
+    for program, near in ((f"{cut}Z30", None), (f"{cut}C5\nZ30", 6), (f"{cut}C5\nC0\nZ30", 7)):
+        status, said, report = checked(mill, program, *stock)
+        assert (report["near"] and report["near"]["line"]) == near, said
+        assert status == int(near is not None)
+
+
+def test_a_tilted_tool_does_not_come_out_along_itself(checked, tmp_path):
+    parts = "parts = [{ diameter = 6, length = 30, cuts = true }, { diameter = 6, length = 20 }]"
+    swivel = entry("swivel", "head", "B", [0.0, 0.0, 250.0])
+    mill = MILL.replace('mesh = "tool.stl"', parts).replace("[spindle]", swivel + "[spindle]")
+    mill = mill.replace('name = "head"', 'name = "head"\nmay_touch = ["tool"]')
+    mill = mill.replace('on = "head"', 'on = "swivel"', 2).replace('on = "swivel"', 'on = "head"', 1)
+    for angle, near in ((0, None), (10, 6)):
+        program = f"G0 Z60\nB{angle}\nG1 Z30\nX1\nG0 Z60"
+        status, said, report = checked(mill, program, "--stock", tmp_path / "stock.stl")
+        assert (report["near"] and report["near"]["line"]) == near, said
+        assert status == int(near is not None) and (not near or "the cutter" in report["what"])
+
+
+def test_a_machining_centre(tmp_path, capsys):
+    """The carousel is apart from the head when that is up, and touches it at Z-250."""
+    folder = Path("../shared/data/vmc")
+    if not folder.is_dir():
+        pytest.skip("meshes of a machining centre: ../shared/data is not here")
+    for mesh in ("base", "head", "saddle", "table", "carousel"):
+        (tmp_path / f"{mesh}.stl").write_bytes((folder / f"{mesh}.stl").read_bytes())
+    scenes.write_stl(tmp_path / "tool.stl", scenes.box((-0.3, -0.3, 0), (0.3, 0.3, 5)))
+    scenes.write_stl(tmp_path / "work.stl", scenes.box((-3, -3, 0), (3, 3, 2)))
+    machine = (
+        HEAD.replace("-250.0", "-559.0")
+        + TOOL.format(50)
+        + entry("base", mesh="base.stl", may_touch=["saddle", "head"])
+        + entry("carousel", mesh="carousel.stl")
+        + entry("saddle", axis="-Y", mesh="saddle.stl", at=[0, 70, 0], may_touch=["table"])
+        + entry("table", "saddle", "-X", mesh="table.stl", at=[0, 80, 0])
+        + entry("head", axis="Z", mesh="head.stl", at=[0, 0, 40])
+        + carriers("head", "table", (0.0, 560.0, 940.0))
+    )
+    (tmp_path / "m.toml").write_text(machine)
+    for down, wanted in (("460", 0), ("250", 1)):
+        (tmp_path / "p.nc").write_text(f"G21 G90 G61 G43 H1 F500\nG0 Z500\nX50\nZ{down}\nX-80 Y30\n")
+        files = [tmp_path / name for name in ("m.toml", "work.stl", "p.nc")]
+        words = ["path", *files, "--scale", "10", "--start", "0", "0", "559", "--engine", "bulk"]
+        status = main([str(word) for word in (*words, "--surfaces-only", "--resolution", "0.01")])
+        said = "".join(capsys.readouterr())
+        assert status == wanted, said
+        if status:
+            assert "the carousel comes within 0.5 mm of the head" in said
