@@ -100,6 +100,25 @@ class Arc(Curve):
 
 
 @dataclass(frozen=True)
+class Turned(Curve):
+    """A curve turned about z, in radians, and then moved."""
+
+    of: Curve
+    angle: float
+    by: Vector
+
+    def _point(self, part: float) -> Sequence[float]:
+        x, y, z = (float(c) for c in self.of.at(Fraction(part)))
+        cos, sin = math.cos(self.angle), math.sin(self.angle)
+        there = x * cos - y * sin, x * sin + y * cos, z
+        return [c + float(b) for c, b in zip(there, self.by, strict=True)]
+
+    def moved(self, by: Vector) -> "Turned":
+        """Return the curve elsewhere."""
+        return replace(self, start=added(self.start, by), end=added(self.end, by), by=added(self.by, by))
+
+
+@dataclass(frozen=True)
 class Bezier(Curve):
     """A Bezier curve of control points, the ends among them."""
 

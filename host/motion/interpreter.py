@@ -110,7 +110,7 @@ class Interpreter:
             return self.turned[key - 5423]
         if 5426 <= key < 5429 or 5214 <= key < 5220 or 5404 <= key < 5410:
             return Fraction(0)
-        tool = self.machine.tools.get(self.loaded or 0)
+        tool = None if self.loaded is None else self.machine.tools.get(self.loaded)
         known = {
             5220: Fraction(SYSTEMS.index(self.modal.system) + 1),
             5400: None if self.loaded is None else Fraction(self.loaded),
@@ -279,14 +279,15 @@ class Interpreter:
             raise place.error(word.text, "which tool it is: give Q")
         number = int(words["Q"].value) if word.code == "M61" else self.chosen
         if self.machine.tools:
-            if number not in self.machine.tools:
+            if number and number not in self.machine.tools:
                 raise place.error(word.text, f"the machine file has no tool {number}: add it")
             self.notes["tool"] = f"line {place.line}: how the machine moves to change tools is not checked"
         elif self.moves or "tool" in self.notes:
             raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
         else:
             self.notes["tool"] = f"line {place.line}: the tool of {word.text} is taken to be the one given"
-        self.loaded = number
+        # Of moves with an empty spindle nothing is known, but by a tool 0.
+        self.loaded = number if number in self.machine.tools or not self.machine.tools else None
 
     def _compensate(self, place: Place, word: Word, words: dict[str, Word]) -> None:
         self.offset, self.compensation = None, ORIGIN
@@ -585,7 +586,7 @@ class Interpreter:
         """Move the spindle's nose, and the tool with it."""
         tools = self.machine.tools
         if tools and self.loaded is None:
-            raise place.error("move", "no tool is in the spindle: give `loaded` in the machine file")
+            raise place.error("move", "no tool is in the spindle: change to one, or give `loaded`")
         down = self._length(self.loaded)
         basis = None if self._known() else (self.loaded, self.offset)
         if self.moves and basis != self.basis:

@@ -8,7 +8,7 @@
     [homes]                      # machine coordinates to which G28 and G30 go
     G28 = [0.0, 0.0, 0.0]
     [[tools]]
-    number = 1
+    number = 1                   # 0: the spindle without a tool
     length = 82.5                # mm from the spindle's nose to the origin of the STL, the tip: what G43 adds
     mesh = "mill.stl"            # or parts, from the tip on
     parts = [{ diameter = 6, length = 20, cuts = true }, { diameter = 20, length = 45 },
@@ -239,8 +239,8 @@ def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector
 
 def _tool(table: _Table, scale: Fraction) -> Tool:
     number, length = table.take("number", int, None), table.take("length", Fraction, None)
-    if number is None or number < 1:
-        raise table.wrong("number", "given, and 1 or more: 0 is an empty spindle")
+    if number is None or number < 0:
+        raise table.wrong("number", "given, and 1 or more, or 0 for an empty spindle")
     if length is not None and length < 0:
         raise table.wrong("length", "not negative")
     parts, mesh = table.take("parts", list, []), table.take("mesh", str, None)

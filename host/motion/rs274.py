@@ -2,7 +2,9 @@
 
 ``rs274`` (Debian's linuxcnc-uspace) runs a program and prints what a machine would be told, with four
 decimals in the unit in force, which the slack of each move covers. Each line is given its number as N word,
-so that moves know theirs. It thinks in inches: so do the offsets and the tool table that it is given.
+so that moves know theirs. It thinks in inches: so do the offsets and the tool table that it is given. Where
+a line changes the tool and its compensation it forgets the new tool's length until Z moves: as both are done
+in turn, such a line is given as two. Comments that print, or write files, become plain ones.
 """
 
 import math
@@ -18,7 +20,7 @@ from pathlib import Path
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place, read_input
-from triaxis.host.motion.curves import Curve, arc
+from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import ARGUMENTS, number
 from triaxis.host.motion.gcode import AFTER_THE_END
 from triaxis.host.motion.kinematics import ROTARY
@@ -71,14 +73,17 @@ class _Told:
     joined: Fraction = Fraction(0)
     blended: Fraction = Fraction(0)
     position: Vector | None = None
-    # Of A, B and C.
+    # Of A, B and C, and their offsets: of the system, and G92.
     turned: Vector = NOWHERE
+    turned_by: dict[str, Vector] = field(default_factory=dict[str, Vector])
     # Whether the program may turn systems; how far from their zero anything was, in X and Y together.
     turns: bool = False
     farthest: Fraction = Fraction(0)
     # The line of the last change of a tool; whether compensation has changed since the last move of Z.
     changed: int = -1
     stale: bool = False
+    # Lines that were given as two.
+    split: frozenset[int] = frozenset()
     moves: list[Move] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
 
@@ -124,9 +129,10 @@ class _Told:
 
     def _change_tool(self, line: int, row: int) -> None:
         """Take the row of the tool table, from 1 on, of the tool that is in the spindle now."""
-        tools = [-1, *self.machine.tools]
-        if self.machine.tools and not 0 < row < len(tools):
-            raise ValueError("no tool is in the spindle then: change to one of the machine file")
+        # Of moves with an empty spindle nothing is known, but by a tool 0.
+        tools = [0 if 0 in self.machine.tools else None, *filter(None, self.machine.tools)]
+        if self.machine.tools and not 0 <= row < len(tools):
+            raise ValueError("changes to a tool that the machine file does not have: add it")
         tool = tools[row] if self.machine.tools else row
         if not self.machine.tools and (self.moves or "tool" in self.notes):
             raise ValueError("changes the tool, and so its shape: give a machine file with tools")
@@ -139,12 +145,14 @@ class _Told:
             self.notes["tool"] = f"line {line}: {note}"
         self.loaded, self.changed = tool, line
 
-    def _set(self, name: str, line: int, values: list[Fraction]) -> None:
+    def _set(self, name: str, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
         new = vector(values[:3])
-        if any(values[3:]):
-            raise ValueError("an offset of an axis that turns, or of U, V, W: leave it out")
+        if name == "compensation" and any(numbers[3:]):
+            raise ValueError("compensation of more than X, Y and Z: leave it out")
+        if name != "compensation":
+            self.turned_by[name] = self._angles(numbers[3:])
         if name == "compensation":
-            if line and line == self.changed:
+            if line and line == self.changed and line not in self.split:
                 raise ValueError("on a line with a change of the tool, which it mistakes: give the next line")
             self.stale |= new != self.offsets[name]
         self.offsets[name], self.errors[name] = new, _HALF * self.unit
@@ -153,7 +161,7 @@ class _Told:
         system = SYSTEMS[int(numbers[0]) - 1]
         if system != "G54" and system not in self.machine.offsets:
             raise ValueError(f"where {system} has its zero, only the machine knows: give a machine file")
-        self._set("system", line, values[1:])
+        self._set("system", line, values[1:], numbers[1:])
 
     def _joined(self, values: list[Fraction]) -> None:
         self.joined = values[0]
@@ -165,13 +173,14 @@ class _Told:
         if self.angle:
             cos, sin = Fraction(math.cos(self.angle)), Fraction(math.sin(self.angle))
             x, y = (Rational(round(v * 10**9), 10**9) for v in (x * cos - y * sin, x * sin + y * cos))
-        zero = self.machine.offsets.get("G54", NOWHERE)
-        offsets = (self.offsets[name] for name in ("system", "compensation"))
-        parts = zip((x, y, z), *offsets, zero, strict=True)
-        return vector(Rational(p + s + c - o) for p, s, c, o in parts)
+        return vector(Rational(p + o) for p, o in zip((x, y, z), self._origin(), strict=True))
 
     def _straight(self, line: int, values: list[Fraction], numbers: list[Fraction], rapid: bool) -> None:
-        self._go(line, self._place(values[:3]), rapid, turned=self._angles(numbers[3:]))
+        self._go(line, self._place(values[:3]), rapid, turned=self._turned(numbers[3:]))
+
+    def _turned(self, numbers: list[Fraction]) -> Vector:
+        """Return A, B and C of the machine."""
+        return added(self._angles(numbers), *self.turned_by.values())
 
     def _angles(self, numbers: list[Fraction]) -> Vector:
         """Return A, B and C, which follow the other coordinates."""
@@ -181,21 +190,40 @@ class _Told:
         return vector(numbers[:3])
 
     def _arc(self, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
-        if self._angles(numbers[6:]) != self.turned:
+        if self._turned(numbers[6:]) != self.turned:
             raise ValueError("an arc on which axes turn: write straight moves")
         axes = _PLANES[self.plane]
-        if self.angle and self.plane != "XY":
-            raise ValueError("an arc of a turned system out of XY: write turned moves")
         end, centre = [Fraction(0)] * 3, [Fraction(0)] * 3
         for k, value in zip(axes, (values[0], values[1], values[5]), strict=True):
             end[k] = value
         for k, value in zip(axes, (values[2], values[3], values[5]), strict=True):
             centre[k] = value
-        target, middle, turns = self._place(end), self._place(centre), int(numbers[4])
+        target, turns = self._place(end), int(numbers[4])
         assert self.position is not None
+        # An arc in XY stays one when it is turned about z; of another what is turned is the arc.
+        turned = self.angle if self.plane != "XY" else 0.0
+        start, stop, middle = self.position, target, self._place(centre)
+        if turned:
+            start = self._before_turning(start)
+            stop, middle = (added(vector(place), self.offsets["shift"]) for place in (end, centre))
         about = middle[axes[0]], middle[axes[1]]
-        curve = arc(self.position, target, axes, about, turns < 0, abs(turns), 4 * self._error())
+        curve: Curve = arc(start, stop, axes, about, turns < 0, abs(turns), 4 * self._error())
+        if turned:
+            slack = curve.slack + 2 * SLACK
+            curve = Turned(self.position, target, curve.bend, slack, curve, turned, self._origin())
         self._go(line, target, False, curve)
+
+    def _origin(self) -> Vector:
+        """Return where the zero of a system is that is turned, in the frame of WORK.stl."""
+        zero = self.machine.offsets.get("G54", NOWHERE)
+        parts = zip(self.offsets["system"], self.offsets["compensation"], zero, strict=True)
+        return vector(Rational(s + c - o) for s, c, o in parts)
+
+    def _before_turning(self, place: Vector) -> Vector:
+        """Return a place of the frame of WORK.stl as a system sees it that is turned."""
+        x, y, z = (float(p - o) for p, o in zip(place, self._origin(), strict=True))
+        cos, sin = math.cos(self.angle), math.sin(self.angle)
+        return vector(Fraction(round(c * 2**30), 2**30) for c in (x * cos + y * sin, y * cos - x * sin, z))
 
     def _tap(self, line: int, values: list[Fraction]) -> None:
         """Go down, and up again."""
@@ -220,9 +248,9 @@ class _Told:
             return
         tools = self.machine.tools
         if tools and self.loaded is None:
-            raise ValueError("no tool is in the spindle: give `loaded` in the machine file")
+            raise ValueError("no tool is in the spindle: change to one, or give `loaded` in the machine file")
         self.stale &= start[2] == target[2]
-        tool = tools.get(self.loaded or 0)
+        tool = None if self.loaded is None else tools.get(self.loaded)
         length = tool.length if tool else None
         if length is None and any(self.offsets["compensation"]):
             raise ValueError("a move with length compensation, of a tool whose length is not known: give it")
@@ -235,7 +263,7 @@ class _Told:
         slack = blended + printed + (curve.slack if curve is not None else 0)
         straight = curve is None and (not rapid or self.machine.straight)
         moved = curve.moved(below) if curve is not None else None
-        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, _HALF)
+        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 3 * _HALF)
         self.moves.append(self.machine.turned(move, self.moves, blended))
 
 
@@ -245,8 +273,10 @@ _CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] 
     "RIGID_TAP": lambda to, line, values, _: to._tap(line, values),
     "ARC_FEED": lambda to, line, values, numbers: to._arc(line, values, numbers),
     "SET_G5X_OFFSET": lambda to, line, values, numbers: to._set_system(line, values, numbers),
-    "SET_G92_OFFSET": lambda to, line, values, _: to._set("shift", line, values),
-    "USE_TOOL_LENGTH_OFFSET": lambda to, line, values, _: to._set("compensation", line, values),
+    "SET_G92_OFFSET": lambda to, line, values, numbers: to._set("shift", line, values, numbers),
+    "USE_TOOL_LENGTH_OFFSET": lambda to, line, values, numbers: to._set(
+        "compensation", line, values, numbers
+    ),
     "SET_NAIVECAM_TOLERANCE": lambda to, _, values, __: to._joined(values),
 }
 
@@ -261,9 +291,11 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
     first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
     first += [f"N0 G21 G90 G0 X{x:.9f} Y{y:.9f} Z{z:.9f}", "N0 G80"]
+    given = [_split(_PRINTING.sub(r"\1-\2", line)) for line in lines]
     numbered = [
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
-        for count, line in enumerate(lines, 1)
+        for count, parts in enumerate(given, 1)
+        for line in parts
     ]
     body = [line for line in numbered if _PERCENT.fullmatch(line) is None]
     program = ["%", *first, *body, "N0 M2", "%", ""]
@@ -286,7 +318,8 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     if done.returncode:
         told = _ERROR.findall(done.stderr)
         raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
-    state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0))
+    split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
+    state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
     state.turns = any(_TURNS.search(_bare(line)) for line in lines)
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
@@ -326,6 +359,13 @@ _CALLED, _DEFINED = re.compile(r"o(<[^>]*>|\d+|[\[#]).*?call"), re.compile(r"o(<
 # Of names that begin with _, those that mean the same on each machine; the others are the control's.
 _NAMES = ("x", "y", "z", "metric", "imperial", "absolute", "incremental", "value")
 _MEANT = frozenset(f"<_{name}>" for name in _NAMES)
+# Words without expressions, after / and N; of these what changes the tool, and what sets compensation.
+_VALUE = r"(?:[+-]?[\d.]+|#\d+|#<[^>]*>)"
+_PLAIN = re.compile(rf"(\s*/?\s*)(?:[Nn]\s*\d+)?((?:\s*[A-Za-z]\s*{_VALUE})*)\s*", re.ASCII)
+_WORD = re.compile(rf"[A-Za-z]\s*{_VALUE}", re.ASCII)
+_CHANGE = re.compile(r"[Tt].*|[Mm]\s*0*6", re.ASCII)
+_COMPENSATION = re.compile(r"[Gg]\s*0*4(3|9)", re.ASCII)
+_PRINTING = re.compile(r"([(;]\s*)((?:print|debug|log|probe)\w*\s*[,)])", re.IGNORECASE)
 _COMMENT, _PERCENT = re.compile(r"\([^)]*\)|;.*"), re.compile(r"\s*(?:N\d+\s*)?%\s*")
 
 
@@ -372,6 +412,20 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
             raise Place(path, count).error(line[:20], AFTER_THE_END)
 
 
+def _split(line: str) -> list[str]:
+    """Return a line; the change of the tool by itself, and the rest, where it sets compensation, too."""
+    begin, words = _PLAIN.fullmatch(_COMMENT.sub("", line)), list[str]()
+    if begin is not None:
+        words = _WORD.findall(begin[2])
+    changing = [word for word in words if _CHANGE.fullmatch(word)]
+    if not any(_CHANGE.fullmatch(word) and word[0] in "Mm" for word in words) or not any(
+        _COMPENSATION.fullmatch(word) for word in words
+    ):
+        return [line]
+    assert begin is not None
+    return [f"{begin[1]}{' '.join(part)}" for part in (changing, [w for w in words if w not in changing])]
+
+
 def _lines_of(path: Path) -> list[str]:
     return re.split(r"\r\n|\n|\r", read_input(path).decode("utf-8", errors="replace"))
 
@@ -391,6 +445,7 @@ def _tool_table(machine: Machine) -> str:
         f"T{tool.number} P{tool.number} Z{float((tool.length or 0) / _INCH):.12f} "
         f"D{float((tool.diameter or 0) / _INCH):.12f} ;\n"
         for tool in machine.tools.values()
+        if tool.number
     )
 
 

@@ -331,13 +331,19 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
             read_machine(file)
     with pytest.raises(InputError, match="no tool 7"):
         read("T7 M6\nG0 X1", machine=machine)
+    with pytest.raises(InputError, match="no tool is in the spindle"):
+        read("T0 M6\nG0 X1", machine=machine)
+    assert [move.tool for move in read("T0 M6\nT1 M6\nG0 X1", machine=machine).moves] == [1]
+    file.write_text(MACHINE + "[[tools]]\nnumber = 0\nlength = 0\nparts = [{ diameter = 60, length = 9 }]\n")
+    assert [move.tool for move in read("T0 M6\nG0 X1", machine=read_machine(file)).moves] == [0]
 
 
 BOTH = (
     "G20 G90 F10\n#1=[2/3]\nG0 X1 Y#1 Z.5\nG3 X2 I.5 J0\nG18 G2 X2.5 Z.75 R1\nG17\nG91 G1 X-.25\nG90\n"
     "O1 repeat [2]\nG2 X[#5420+.1] I.05\nO1 endrepeat\nG92 X0\nX.1 Y1 R3\n"
     "G92.1\nG10 L20 P2 X0 Y0 Z0\nG55 G1 X.1\n"
-    "T1 M6\nG43 Z1\nG64 P.001\n/G1 X.5\nG98 G83 X.2 Y.1 Z.3 R.6 Q.1\nG80\nG54 G53 G0 X0\nG28 Z2\nM2\n",
+    "(PRINT, 1)\n/ T0 M6\n;debug, #5420\nN7 T1 M6 S9 G43 (z stays)\nX.2\nZ1\nG64 P.001\n"
+    "/G1 X.5\nG98 G83 X.2 Y.1 Z.3 R.6 Q.1\nG80\nG54 G53 G0 X0\nG28 Z2\nM2\n",
     "G21\nG0 X0\nF100 G17 G2 X10 I5 P2 Z3\nG0 X0 Y5\nG1 X1\n",
 )
 
@@ -374,9 +380,10 @@ NOT_KNOWN_THERE = [
     ("F9 G41 D1 G1 X1", "", "needs the diameter"), ("G0 X#5221", MACHINE, "does not give it"),
     ("G43 H2 G0 Z9\nT1 M6", MACHINE, "mistakes where the tool is"),
     ("G43 H2 G0 Z9\nG20", MACHINE, "a change of units"),
-    ("T1 M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
+    ("T[1] M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
     ("G0 A1", "", "none of the machine's"), ("M61 Q2", MACHINE, "change tools with M6"),
+    ("T0 M6\nG0 X1", MACHINE, "no tool is in the spindle"),
     ("G10 L2.0 P1 X1", "", "needs machine coordinates"), ("G5 3 G0 X-9", "", "needs machine coordinates"),
     ("#1=5221\nG0 X##1", "", "may be any parameter"), ("G0 X#100", "", "does not give it"),
     ("O1 if [#<_task> EQ 1]\nO1 endif", "", "does not give it"),
@@ -405,6 +412,31 @@ def test_whole_circles_stay_whole_where_decimals_are_lost(tmp_path):
     circle, down, up, last = read_by_rs274(program, ORIGIN, False, Machine()).moves[1:]
     assert circle.curve and max(circle.extent[1]) > 49
     assert down.end[2] == -5 and up.end[2] == last.end[2] == 0
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_arcs_of_turned_systems(tmp_path):
+    """What R of G10 turns is the path of the same program without it, turned about the zero."""
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    file.write_text(MACHINE.replace("path_tolerance = 0.5\n", ""))
+    found = []
+    for angle in ("0", "30"):
+        program.write_text(
+            f"G21 G61 F9\nG10 L2 P1 X3 Y4 Z5 R{angle}\nG43 H1 G0 X9 Y0 Z2\nG18 G2 X15 Z1 R5\n"
+            "G19 G3 Y-3 Z3 R7\nG17 G2 X10 R4\n"
+        )
+        found.append(read_by_rs274(program, ORIGIN, False, read_machine(file)).moves[1:])
+    cos, sin = math.cos(math.pi / 6), math.sin(math.pi / 6)
+    turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    zero = np.array([3.0, 4.0, 5.0]) - np.array([float(c) for c in read_machine(file).offsets["G54"]])
+    for plain, turned in zip(*found, strict=True):
+        assert plain.curve is not None and turned.curve is not None
+        assert turned.slack < Fraction(1, 1000)
+        low, high = (np.array([float(c) for c in corner]) for corner in turned.extent)
+        for part in (Fraction(k, 7) for k in range(8)):
+            there, here = (np.array([float(c) for c in move.at(part)]) for move in (plain, turned))
+            assert np.abs(turn @ (there - zero) + zero - here).max() <= float(plain.slack + turned.slack)
+            assert (low <= here).all() and (here <= high).all()
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")

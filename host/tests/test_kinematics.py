@@ -359,6 +359,9 @@ def test_both_readers_turn_alike(tmp_path):
     for one, two in zip(own.moves, other.moves, strict=True):
         for mine, theirs in zip(one.turns, two.turns, strict=True):
             assert all(abs(a - b) <= two.turn_slack for a, b in zip(mine, theirs, strict=True))
+    path.write_text("G21 G90 G61 F100\nG0 X1\nG92 C5\nC10\nG92.1\nC4\nM2\n")
+    turns = [float(move.turns[1][2]) for move in read_by_rs274(path, NOWHERE, False, machine).moves]
+    assert turns == [0, 5, 4]
     assert [move.turns[1][2] for move in own.moves[:5]] == [
         Fraction(25, 2), Fraction(-35, 2), Fraction(-35, 2) + Fraction(1, 16), 0, 0,
     ]  # fmt: skip
