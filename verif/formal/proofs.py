@@ -531,7 +531,7 @@ def _board_twice() -> SbyProof:
         "no change, error or fault since; go is that of the one, stop the contrary of the other; for any "
         "states of the two. Two runners that differ in anything that they say or ask for, a byte that is "
         "broken, and what is tried of these, are a fault in the next clock, and nothing else is, until the "
-        "next HELLO; a fault is told to the host.",
+        "next HELLO; a fault is told to the host, and so are margin, pose and number of the first, whole.",
         method=Method.WINDOW,
         parameters=_BOARD_SIZES,
         assumptions=("the engine tells its faults: `engine_checks`; a frame its own: `board_frame`",),

@@ -4,7 +4,7 @@
 // What permits the machine to move is there twice on the board, and each permits nothing on its own, whatever
 // the other does: go is the one's, stop the other's. The registers begin with anything, so each of the two
 // may have whatever state it likes: claims are about what the next clock makes of it. Two runs that differ,
-// and a byte of a frame that is broken, are a fault in the next clock.
+// and a byte of a frame that is broken, are a fault in the next clock. Of the first run all bits are told.
 
 `include "triaxis_formal.svh"
 
@@ -147,6 +147,10 @@ module triaxis_board_twice_formal
     Said :
     assert (u_top.status.flags.fault == u_top.fault &&
             (!u_top.fault || u_top.status.engine_status inside {8'(StatusNone), 8'(StatusFault)}));
+    Told :
+    assert ({u_top.status.margin, u_top.status.pose, u_top.status.run_number} ==
+            {u_top.g_runner[0].u_runner.margin_q, u_top.g_runner[0].u_runner.pose_q,
+             u_top.g_runner[0].u_runner.run_number_q});
     if (full) begin
       for (int i = 0; i < 2; i++) begin
         // Go, and being armed, of each come from its own past alone.
