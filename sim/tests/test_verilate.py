@@ -1,5 +1,6 @@
 """A build has a name of its own for everything that goes in: all that can elaborate, tools, options."""
 
+import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -24,6 +25,7 @@ from triaxis.sim.models import (
     pin_build,
 )
 from triaxis.sim.paths import DUT, SIM, listed
+from triaxis.sim.programs import executable
 from triaxis.sim.verilate import (
     FAST,
     MANY,
@@ -162,3 +164,66 @@ def test_arithmetic_is_that_of_verilator(rng, tmp_path):
     assert _checked(tmp_path, rng, header).returncode == 0
     broken = header.replace("(64 - bits)", "(63 - bits)")
     assert "not what Verilator's gives" in _checked(tmp_path, rng, broken).stdout
+
+
+@pytest.mark.parametrize("package", ["triaxis.core", "Bender.yml"])
+def test_packages_list_the_files_of_each_block(package):
+    text = (DUT.parent / package).read_text()
+    files = [path for block in ("core", "mesh", "board") for path in listed(next((DUT / block).glob("*.f")))]
+    assert re.findall(r"^ *- (dut/\S+\.sv)$", text, re.MULTILINE) == [
+        str(path.relative_to(DUT.parent)) for path in files
+    ]
+
+
+FIRST_PAIR = DUT.parent / "docs" / "first_pair.sv"
+ANSWERS = ["margin 2: clear", "margin 3: near"]
+
+
+def _answers(said: str) -> list[str]:
+    return [" ".join(line.split()) for line in said.splitlines() if line.startswith("margin")]
+
+
+@pytest.mark.simulator
+def test_the_first_pair(tmp_path):
+    """The integrator's example, compiled from the list of files alone."""
+    tool = toolchain.verilator()
+    command = [
+        "verilator", "--binary", "--timing", "-Wall", "-Wno-UNUSEDSIGNAL", "-CFLAGS", "-std=gnu++20", "-Mdir",
+        tmp_path, "--top-module", "first_pair", f"-I{DUT / 'core'}", "-F", DUT / "core" / "triaxis.f",
+        FIRST_PAIR,
+    ]  # fmt: skip
+    subprocess.run([str(word) for word in command], env=tool.environment(), check=True, capture_output=True)
+    done = subprocess.run([tmp_path / "Vfirst_pair"], check=True, capture_output=True, text=True)
+    assert _answers(done.stdout) == ANSWERS
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("target", ["lint", "lint_mesh", "lint_board", "sim"])
+def test_fusesoc(tmp_path, target):
+    fusesoc = executable("fusesoc")
+    if not fusesoc.exists():
+        pytest.skip("fusesoc is not installed: `make regress` installs it")
+    tool = toolchain.verilator()
+    command = [fusesoc, "--cores-root", DUT.parent, "run", f"--target={target}", "triaxis"]
+    done = subprocess.run(
+        [str(word) for word in command], cwd=tmp_path, env=tool.environment(),
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert target != "sim" or _answers(done.stdout + done.stderr) == ANSWERS
+
+
+@pytest.mark.regress
+@pytest.mark.skipif(shutil.which("bender") is None, reason="bender is not installed: cargo install bender")
+@pytest.mark.parametrize(("target", "top"), [("rtl", "triaxis_core"), ("board", "nexys4ddr_top")])
+def test_bender(tmp_path, target, top):
+    tool = toolchain.verilator()
+    made = subprocess.run(
+        ["bender", "-d", str(DUT.parent), "script", "verilator", "-t", target],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    (tmp_path / "files.f").write_text(made.stdout)
+    command = ["verilator", "--lint-only", "-Wall", "--top-module", top, "-f", tmp_path / "files.f"]
+    subprocess.run([str(word) for word in command], env=tool.environment(), check=True, capture_output=True)
