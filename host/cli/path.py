@@ -27,7 +27,7 @@ from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
 from triaxis.host.motion.contact import NOT_TRACKED, Rule, Setup, rules_of
-from triaxis.host.motion.kinematics import LINEAR, ROTARY, Piece
+from triaxis.host.motion.kinematics import LINEAR, ROTARY
 from triaxis.host.motion.machine import Machine, Tool, read_machine
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import Effort, PathResult, check_path
@@ -44,6 +44,8 @@ _STEPS = 4
 _PLACES = 200
 # Bits of the grid's width that a part of a turn takes at most, less than all.
 _COARSE_BITS = 4
+# Of one move between two objects: some ten minutes.
+_MOST_PIECES = 20_000
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
@@ -134,6 +136,8 @@ def run(options: argparse.Namespace) -> int:
     if options.stock and options.surfaces_only:
         raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     program, machine, given = read_moves(options)
+    if (machine.objects or machine.rotary) and (options.picture is not None or options.profile):
+        raise InputError("--picture, --profile: of one tool and one workpiece: leave them out with objects")
     work = read_stl(options.work), options.work
     operations: list[list[Rule]] = []
     parts = program.stretches
@@ -163,7 +167,7 @@ def run(options: argparse.Namespace) -> int:
         # Matplotlib loads for a picture alone.
         from triaxis.host.motion.picture import draw_path
 
-        draw_path(options.picture, scene, first.of_piece, profile[0], rule.names)
+        draw_path(options.picture, scene, result, profile[0], rule.names)
     for one in checked:
         if one.rule.of_machine:
             _print_objects(one)
@@ -196,27 +200,16 @@ def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path
 class _Checked:
     """What must stay clear of what on a part of the program, and what came of it.
 
-    ``piece``, ``scene``, ``of_piece``: the last of its pieces that was looked at, and what came of that;
-    ``engine``: for poses that decide nothing.
+    ``scene``: of the last of its pieces; ``engine``: for poses that decide nothing; ``band``: how far beyond
+    the clearance a false alarm can be, in millimetres.
     """
 
     tool: Tool
     rule: Rule
     result: PathResult
-    piece: Piece
     scene: PathScene
-    of_piece: PathResult
     engine: SceneEngine
-
-    @property
-    def band(self) -> Fraction:
-        """Return how far beyond the clearance a false alarm can be, in millimetres.
-
-        Parts of a turn on which points are off by more than half a step raise none: they are cut in halves.
-        """
-        wanted = self.scene.wanted
-        less = max(Fraction(0), self.piece.swept - wanted.step / 2)
-        return self.scene.band - less * (ROOT_3 if wanted.euclidean else 1)
+    band: Fraction
 
     @property
     def near_at(self) -> int | None:
@@ -278,8 +271,9 @@ def _check(
         options.distance == EUCLIDEAN,
     )
     coarse = max(step / 2, options.resolution * (1 << (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS))
-    whole, turned, checked = PathResult(), -1, None
+    whole, turned, checked, pieces, band = PathResult(), -1, None, 0, Fraction(0)
     for found in rule.pieces(coarse):
+        pieces = pieces if found.first == turned else 0
         pending = [found]
         while pending:
             piece = pending.pop()
@@ -296,13 +290,23 @@ def _check(
             )
             watched = unwatched if piece.swept else progress
             result = check_path(scene, asked, watched, options.surfaces_only, board is not None)
-            if result.near is not None and piece.swept > step / 2:
-                whole.count(result)
+            pieces += 1
+            if pieces > _MOST_PIECES:
+                raise InputError(
+                    f"{rule.program.path}: line {piece.program[0].line}: undecided after {_MOST_PIECES} "
+                    'parts of its turn: give rapids = "straight" in the machine file, or a coarser --step'
+                )
+            undecided = result.near is not None or result.verdict == "unknown"
+            if undecided and piece.swept > step / 2:
+                whole.effort.join(result.effort)
                 pending += reversed(piece.halves())
                 continue
             near = result.near and piece.found(result.near)
             whole.join(replace(result, near=near), piece.first)
-            checked = _Checked(tool, rule, whole, piece, scene, result, others)
+            # Nothing near counts where points are off by more than half a step: that is cut in halves.
+            less = max(Fraction(0), piece.swept - step / 2) * (ROOT_3 if wanted.euclidean else 1)
+            band = max(band, scene.band - less)
+            checked = _Checked(tool, rule, whole, scene, others, band)
             if result.verdict != "clear":
                 return checked
         if found.swept and found.first != turned:
@@ -358,7 +362,7 @@ def _report(
         "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": [replace(place, move=numbers[checked.piece.first + place.move]) for place in profile[0]],
+        "profile": [replace(place, move=numbers[place.move]) for place in profile[0]],
         "profile_effort": _effort_entry(profile[1]),
     }
 

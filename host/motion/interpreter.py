@@ -478,15 +478,14 @@ class Interpreter:
         if motion not in ("G0", "G33") and not self.modal.feed:
             word = next(iter(codes.get("motion", ())), first)
             raise place.error(word.text, f"a {motion} move without a feed: give F on the line or before it")
-        if turning and motion not in ("G0", "G1"):
-            raise place.error(
-                next(iter(turning.values())).text, f"{motion} does not turn axes: give G0 or G1"
-            )
-        if motion in CYCLES:
-            return self._drill(place, words, axes)
         turned = list(self.turned)
         for k, word in turning.items():
             turned[k] = exact(word.value) + (turned[k] if self.modal.relative else 0)
+        if vector(turned) != self.turned and motion not in ("G0", "G1"):
+            word = next(iter(turning.values()))
+            raise place.error(word.text, f"{motion} does not turn axes: give G0 or G1")
+        if motion in CYCLES:
+            return self._drill(place, words, axes)
         try:
             self._line(place, target, motion == "G0", self._curve(place, words, target), vector(turned))
         except ValueError as error:

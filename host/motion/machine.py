@@ -55,6 +55,8 @@ _DIGITS = 15
 _DECIMAL = re.compile(rf"[+-]?(?=.{{1,{_DIGITS + 1}}}$)\d*\.?\d*")
 # Millimetres, beyond which no machine goes.
 _LARGEST = 10**6
+# Degrees of one move.
+_MOST_DEGREES = 3600
 # Sides of a prism around a cylinder, which is in it.
 _SIDES = 64
 # Parts of its diameter that a cutter's top is thick.
@@ -105,6 +107,7 @@ class Machine:
     table: tuple[Axis, ...] = ()
     nose: Vector = NOWHERE
     may_touch: frozenset[frozenset[str]] = frozenset()
+    axes: frozenset[str] = frozenset()
 
     @property
     def placed(self) -> bool:
@@ -113,15 +116,15 @@ class Machine:
 
     @property
     def rotary(self) -> frozenset[str]:
-        """Return the letters of its axes that turn anything."""
-        chains = (self.spindle, self.table, *(body.chain for body in self.objects))
-        return frozenset(axis.letter for chain in chains for axis in chain if axis.rotary)
+        """Return the letters of its axes that turn."""
+        return self.axes & frozenset(ROTARY)
 
     @property
     def assumed(self) -> dict[str, str]:
         """Return what is assumed of a program's start, for its notes."""
         letters = " and ".join(sorted(self.rotary))
-        return {"turned": f"{letters} at 0 at the start, which is assumed"} if letters else {}
+        told = f"{letters} at 0 at the start, which is assumed, and then by its numbers, no shorter way round"
+        return {"turned": told} if letters else {}
 
     def turned(self, move: Move, before: Sequence[Move], blended: Fraction) -> Move:
         """Return a move with how far axes that turn may be off; raise ValueError where nobody says it.
@@ -130,6 +133,8 @@ class Machine:
         """
         if not self.rotary:
             return move
+        if any(abs(b - a) > _MOST_DEGREES for a, b in zip(*move.turns, strict=True)):
+            raise ValueError(f"turns by more than {_MOST_DEGREES} degrees: split it")
         turning = move.turning or (before and before[-1].turning)
         if self.turn_tolerance is None and blended and turning:
             raise ValueError(
@@ -241,8 +246,8 @@ def _tool(table: _Table, scale: Fraction) -> Tool:
     number, length = table.take("number", int, None), table.take("length", Fraction, None)
     if number is None or number < 0:
         raise table.wrong("number", "given, and 1 or more, or 0 for an empty spindle")
-    if length is not None and length < 0:
-        raise table.wrong("length", "not negative")
+    if length is not None and (length < 0 or (length and not number)):
+        raise table.wrong("length", "not negative, and 0 of an empty spindle")
     parts, mesh = table.take("parts", list, []), table.take("mesh", str, None)
     if bool(parts) == bool(mesh):
         raise table.wrong("mesh", "given, or parts, and not both")
@@ -348,6 +353,8 @@ def _with_objects(table: _Table, machine: Machine) -> Machine:
         chains[name] = chain
         mesh, at = inner.take("mesh", str, None), _place(inner, "at") or NOWHERE
         if mesh is not None:
+            if not mesh.isprintable():
+                raise inner.wrong("mesh", "the name of a file")
             file = table.path.parent / mesh
             bodies.append(Body(name, read_stl(file), str(file), at, chain))
         touching += [(inner, name, other) for other in inner.take("may_touch", list, [])]
@@ -368,6 +375,7 @@ def _with_objects(table: _Table, machine: Machine) -> Machine:
     found = replace(
         machine, turn_tolerance=tolerance, objects=tuple(bodies), spindle=carrying[0], table=carrying[1],
         nose=nose or NOWHERE, may_touch=pairs,
+        axes=frozenset(axis.letter for chain in chains.values() for axis in chain),
     )  # fmt: skip
     if chains:
         _check_axes(table.path, found)

@@ -105,20 +105,16 @@ class PathResult:
 
     def join(self, other: "PathResult", first: int) -> None:
         """Go on with what was found of the moves from a number on."""
-        self.count(other)
-        if other.near is not None:
-            self.near = replace(other.near, move=first + other.near.move)
-        if other.insides != NOT_ASKED:
-            self.insides, self.asked_at = other.insides, first + other.asked_at
-
-    def count(self, other: "PathResult") -> None:
-        """Count what another took."""
         self.effort.join(other.effort)
         self.levels += [Level() for _ in other.levels[len(self.levels) :]]
         for level, more in zip(self.levels, other.levels, strict=False):
             level.by_boxes += more.by_boxes
             level.by_pose += more.by_pose
             level.halved += more.halved
+        if other.near is not None:
+            self.near = replace(other.near, move=first + other.near.move)
+        if other.insides != NOT_ASKED:
+            self.insides, self.asked_at = other.insides, first + other.asked_at
 
 
 def check_path(

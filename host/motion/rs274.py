@@ -4,7 +4,7 @@
 decimals in the unit in force, which the slack of each move covers. Each line is given its number as N word,
 so that moves know theirs. It thinks in inches: so do the offsets and the tool table that it is given. Where
 a line changes the tool and its compensation it forgets the new tool's length until Z moves: as both are done
-in turn, such a line is given as two. Comments that print, or write files, become plain ones.
+in turn, such a line is given as two. Comments of the program that print become plain ones.
 """
 
 import math
@@ -141,14 +141,17 @@ class _Told:
             raise ValueError(f"{why}: the interpreter mistakes where the tool is then; give them before it")
         taken = "how the machine moves to change tools is not checked"
         note = taken if self.machine.tools else "the tool is taken to be the one given"
-        if line:
-            self.notes["tool"] = f"line {line}: {note}"
+        # Before its first position it is told what the machine file says.
+        if self.position is not None:
+            self.notes["tool"] = f"line {line}: {note}" if line else note
         self.loaded, self.changed = tool, line
 
     def _set(self, name: str, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
         new = vector(values[:3])
         if name == "compensation" and any(numbers[3:]):
             raise ValueError("compensation of more than X, Y and Z: leave it out")
+        if name == "compensation" and any(new) and self.machine.tools and not self.loaded:
+            raise ValueError("compensation of an empty spindle, for which it takes the tool before: give G49")
         if name != "compensation":
             self.turned_by[name] = self._angles(numbers[3:])
         if name == "compensation":
@@ -179,8 +182,9 @@ class _Told:
         self._go(line, self._place(values[:3]), rapid, turned=self._turned(numbers[3:]))
 
     def _turned(self, numbers: list[Fraction]) -> Vector:
-        """Return A, B and C of the machine."""
-        return added(self._angles(numbers), *self.turned_by.values())
+        """Return A, B and C of the machine: as they were, where they differ by what is not printed alone."""
+        new = added(self._angles(numbers), *self.turned_by.values())
+        return vector(b if abs(a - b) <= 3 * _HALF else a for a, b in zip(new, self.turned, strict=True))
 
     def _angles(self, numbers: list[Fraction]) -> Vector:
         """Return A, B and C, which follow the other coordinates."""
@@ -263,7 +267,7 @@ class _Told:
         slack = blended + printed + (curve.slack if curve is not None else 0)
         straight = curve is None and (not rapid or self.machine.straight)
         moved = curve.moved(below) if curve is not None else None
-        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 3 * _HALF)
+        move = Move(line, start, end, rapid, straight, moved, slack, self.loaded or 0, turns, 6 * _HALF)
         self.moves.append(self.machine.turned(move, self.moves, blended))
 
 
@@ -286,12 +290,12 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     lines = _lines_of(path)
     if shutil.which(_PROGRAM) is None:
         raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
-    _refuse_unknown(path, lines, machine)
+    turns = _refuse_unknown(path, lines, machine)
     x, y, z = (float(c) for c in start or NOWHERE)
     # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
     first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
     first += [f"N0 G21 G90 G0 X{x:.9f} Y{y:.9f} Z{z:.9f}", "N0 G80"]
-    given = [_split(_PRINTING.sub(r"\1-\2", line)) for line in lines]
+    given = [_split(_PRINTING.sub(r"\1-", line)) for line in lines]
     numbered = [
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
         for count, parts in enumerate(given, 1)
@@ -320,7 +324,7 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
     split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
     state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
-    state.turns = any(_TURNS.search(_bare(line)) for line in lines)
+    state.turns = turns
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
@@ -351,6 +355,8 @@ _MACHINE_WORDS = re.compile(rf"g0*(53|28|30){_END}|g0*10{_END}(?=.*l0*2{_END}|.*
 _HOMES = {name: re.compile(rf"g0*{name[1:]}{_END}|{_ANY_WORD}") for name in ("G28", "G30")}
 _LENGTH_WORDS = re.compile(rf"g0*43(\.0*[12]?)?(?!\d)|g0*10{_END}(?=.*l0*1{_END}|.*l[\[#])|{_ANY_WORD}")
 _RADIUS_WORDS = re.compile(rf"g0*4[12](\.0*1?)?(?!\d)|{_ANY_WORD}")
+_ANY_HOME, _BY_LINEAR = re.compile(rf"g0*(28|30){_END}"), re.compile(r"(?!.*[abc])(?=.*[xyz]).*")
+_CHANGES, _COMPENSATES = (re.compile(rf"{word}{_END}|{_ANY_WORD}") for word in ("m0*6", "g0*4[39]"))
 _LOADING = re.compile(rf"m0*61{_END}")
 _TURNS = re.compile(rf"g0*10{_END}|{_ANY_WORD}")
 _READ, _SET = re.compile(r"#(\d+|<[^>]*>)(?!\d*=)"), re.compile(r"#(\d+|<[^>]*>)=")
@@ -365,7 +371,7 @@ _PLAIN = re.compile(rf"(\s*/?\s*)(?:[Nn]\s*\d+)?((?:\s*[A-Za-z]\s*{_VALUE})*)\s*
 _WORD = re.compile(rf"[A-Za-z]\s*{_VALUE}", re.ASCII)
 _CHANGE = re.compile(r"[Tt].*|[Mm]\s*0*6", re.ASCII)
 _COMPENSATION = re.compile(r"[Gg]\s*0*4(3|9)", re.ASCII)
-_PRINTING = re.compile(r"([(;]\s*)((?:print|debug|log|probe)\w*\s*[,)])", re.IGNORECASE)
+_PRINTING = re.compile(r"([(;]\s*)(?=print|debug|log|probe)", re.IGNORECASE)
 _COMMENT, _PERCENT = re.compile(r"\([^)]*\)|;.*"), re.compile(r"\s*(?:N\d+\s*)?%\s*")
 
 
@@ -374,8 +380,10 @@ def _bare(line: str) -> str:
     return "".join(_COMMENT.sub("", line).split()).lower()
 
 
-def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
-    """Raise InputError at words for which the interpreter would take what it is not told for 0."""
+def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> bool:
+    """Raise InputError at words for which the interpreter would take what it is not told for 0, and others
+    that it mistakes; return whether any line may turn a system.
+    """
     tools = machine.tools.values()
     needed = [
         (_MACHINE_WORDS, "G54" not in machine.offsets,
@@ -396,6 +404,12 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
     given = {name for text in texts.values() for line in text for name in _SET.findall(line)}
     for file, text in texts.items():
         for count, line in enumerate(text, 1):
+            if file != path and _CHANGES.search(line) and _COMPENSATES.search(line):
+                why = "with a change of the tool, in a file of its own, which it mistakes: give two lines"
+                raise Place(file, count).error("G43", why)
+            if machine.rotary and (home := _ANY_HOME.search(line)) and not _BY_LINEAR.fullmatch(line):
+                why = "turns axes to where only the machine knows: name X, Y or Z, and no other"
+                raise Place(file, count).error(home[0], why)
             for pattern, missing, why in needed:
                 if missing and (match := pattern.search(line)):
                     raise Place(file, count).error(match[0], why)
@@ -410,6 +424,7 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> None:
     for count, line in enumerate(texts[path], 1):
         if closed is not None and count > closed and line:
             raise Place(path, count).error(line[:20], AFTER_THE_END)
+    return any(_TURNS.search(line) for text in texts.values() for line in text)
 
 
 def _split(line: str) -> list[str]:

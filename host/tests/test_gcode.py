@@ -384,6 +384,9 @@ NOT_KNOWN_THERE = [
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
     ("G0 A1", "", "none of the machine's"), ("M61 Q2", MACHINE, "change tools with M6"),
     ("T0 M6\nG0 X1", MACHINE, "no tool is in the spindle"),
+    ("T0 M6\nG43\nG0 X1", MACHINE, "compensation of an empty spindle"),
+    ("T0 M6 G43 H0\nG0 X1", MACHINE, "compensation of an empty spindle"),
+    ("o<changing> call\nG0 X1", MACHINE, "in a file of its own"),
     ("G10 L2.0 P1 X1", "", "needs machine coordinates"), ("G5 3 G0 X-9", "", "needs machine coordinates"),
     ("#1=5221\nG0 X##1", "", "may be any parameter"), ("G0 X#100", "", "does not give it"),
     ("O1 if [#<_task> EQ 1]\nO1 endif", "", "does not give it"),
@@ -398,6 +401,7 @@ def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why)
     program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
     program.write_text(f"G21\n{text}\n")
     (tmp_path / "below.ngc").write_text("o<below> sub\nG53 G0 X1\no<below> endsub\n")
+    (tmp_path / "changing.ngc").write_text("o<changing> sub\nT1 M6 G43 H1\no<changing> endsub\n")
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):
         read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
@@ -414,6 +418,11 @@ def test_whole_circles_stay_whole_where_decimals_are_lost(tmp_path):
     assert down.end[2] == -5 and up.end[2] == last.end[2] == 0
 
 
+def zero_of(file):
+    """Return the offset of G54."""
+    return np.array([float(c) for c in read_machine(file).offsets["G54"]])
+
+
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 def test_arcs_of_turned_systems(tmp_path):
     """What R of G10 turns is the path of the same program without it, turned about the zero."""
@@ -428,7 +437,13 @@ def test_arcs_of_turned_systems(tmp_path):
         found.append(read_by_rs274(program, ORIGIN, False, read_machine(file)).moves[1:])
     cos, sin = math.cos(math.pi / 6), math.sin(math.pi / 6)
     turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    zero = np.array([3.0, 4.0, 5.0]) - np.array([float(c) for c in read_machine(file).offsets["G54"]])
+    called = tmp_path / "turn.ngc"
+    called.write_text("o<turn> sub\nG10 L2 P1 X3 Y4 Z5 R30.00004\no<turn> endsub\n")
+    program.write_text("G21 G61 F9\no<turn> call\nG43 H1 G0 X500 Y0 Z2\n")
+    far = read_by_rs274(program, ORIGIN, False, read_machine(file)).moves[-1]
+    angle = math.radians(30.00004)
+    assert abs(float(far.end[1]) - (500 * math.sin(angle) + 4 - zero_of(file)[1])) <= float(far.slack)
+    zero = np.array([3.0, 4.0, 5.0]) - zero_of(file)
     for plain, turned in zip(*found, strict=True):
         assert plain.curve is not None and turned.curve is not None
         assert turned.slack < Fraction(1, 1000)

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import combinations
 from pathlib import Path
@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
+from triaxis.golden.errors import InputError
 from triaxis.host import scenes
-from triaxis.host.cli import main
+from triaxis.host.cli import main, path
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine import read_machine
 from triaxis.host.motion.moves import Move
@@ -345,23 +346,30 @@ def test_machines_made_up(checked, tmp_path, rng, number):
 def test_both_readers_turn_alike(tmp_path):
     if shutil.which("rs274") is None:
         pytest.skip("rs274 is not installed")
-    path = tmp_path / "p.nc"
+    program = tmp_path / "p.nc"
     scenes.write_stl(tmp_path / "tool.stl", scenes.box((-3, -3, 0), (3, 3, 50)))
     for mesh in ("table", "post", "head"):
         scenes.write_stl(tmp_path / f"{mesh}.stl", scenes.box((0, 0, 0), (1, 1, 1)))
     (tmp_path / "m.toml").write_text(MILL)
     machine = read_machine(tmp_path / "m.toml")
-    path.write_text(
+    program.write_text(
         "G21 G90 G61 F100\nG0 X1 C12.5\nG91 C-30\nG20 G1 C.0625 Y1\nG90\nC0\nG2 I1\nG1 C[1/3]\nM2\n"
     )
-    own, other = (read(path, NOWHERE, False, machine) for read in (read_program, read_by_rs274))
+    own, other = (read(program, NOWHERE, False, machine) for read in (read_program, read_by_rs274))
     assert len(own.moves) == len(other.moves) == 6
     for one, two in zip(own.moves, other.moves, strict=True):
         for mine, theirs in zip(one.turns, two.turns, strict=True):
             assert all(abs(a - b) <= two.turn_slack for a, b in zip(mine, theirs, strict=True))
-    path.write_text("G21 G90 G61 F100\nG0 X1\nG92 C5\nC10\nG92.1\nC4\nM2\n")
-    turns = [float(move.turns[1][2]) for move in read_by_rs274(path, NOWHERE, False, machine).moves]
+    program.write_text("G21 G90 G61 F100\nG0 X1\nG92 C5\nC10\nG92.1\nC4\nM2\n")
+    turns = [float(move.turns[1][2]) for move in read_by_rs274(program, NOWHERE, False, machine).moves]
     assert turns == [0, 5, 4]
+    # What is not printed of an angle is no turn.
+    program.write_text("G21 G90 G61 F100\nG1 X3 C[1/3]\nG92 C[1/7]\nG2 X30 I13.5\nG64 P.1\nG1 X31\nM2\n")
+    assert not any(move.turning for move in read_by_rs274(program, NOWHERE, False, machine).moves[1:])
+    for line in ("G28", "G30 C5", "G28 X0 C5"):
+        program.write_text(f"G21 G90 G61 F100\nG0 X1\n{line}\nM2\n")
+        with pytest.raises(InputError, match="name X, Y or Z"):
+            read_by_rs274(program, NOWHERE, False, replace(machine, homes={"G28": NOWHERE, "G30": NOWHERE}))
     assert [move.turns[1][2] for move in own.moves[:5]] == [
         Fraction(25, 2), Fraction(-35, 2), Fraction(-35, 2) + Fraction(1, 16), 0, 0,
     ]  # fmt: skip
@@ -372,6 +380,7 @@ def test_both_readers_turn_alike(tmp_path):
     [
         ("G0 B1", "not an axis of the machine"),
         ("G2 X2 I1 C5", "G2 does not turn axes"),
+        ("G0 C4000", "turns by more than 3600 degrees"),
         ("G98 G81 Z5 R8 C5", "G81 does not turn axes"),
         ("G92 C5", "axes that turn have no offsets here"),
         ("G10 L2 P1 C5", "axes that turn have no offsets here"),
@@ -385,6 +394,33 @@ def test_both_readers_turn_alike(tmp_path):
 def test_what_does_not_turn_is_refused(checked, program, why):
     status, said, _ = checked(MILL.replace("[offsets]", "[homes]\nG28 = [0, 0, 0]\n[offsets]"), program)
     assert status == 2 and why in said and "p.nc: line " in said, said
+
+
+def test_what_is_undecided_is_said(checked, monkeypatch):
+    monkeypatch.setattr(path, "_MOST_PIECES", 9)
+    status, said, _ = checked(MILL, "G0 Z60\nX-9 C45")
+    assert status == 2 and "line 3: undecided after 9 parts of its turn" in said
+    for word in (("--picture", "p.png"), ("--profile", "5")):
+        assert checked(MILL, "G0 Z60", *word)[0] == 2
+
+
+def test_an_angle_that_stays_is_none(checked):
+    status, said, _ = checked(MILL, "G0 Z60\nX20\nC10\nG2 X22 I1 C10\nG98 G81 X23 Z55 R58 C10\nG80")
+    assert status == 0, said
+
+
+def test_an_axis_of_nothing_turns_nothing(checked):
+    machine = MILL.replace("[spindle]", entry("spare", axis="A", pivot=[0.0, 0.0, 0.0]) + "[spindle]")
+    assert checked(machine, "G0 Z60 A30")[0] == 0
+
+
+def test_nothing_comes_into_an_open_mesh_by_a_coarse_turn(checked, tmp_path):
+    """Above a box without a lid, so near that the first parts of a turn are too coarse to tell."""
+    scenes.write_stl(tmp_path / "work.stl", scenes.box((-20, -20, 0), (20, 20, 20))[:-2])
+    machine = MILL.replace('name = "bed"', 'name = "bed"\nmay_touch = ["table"]')
+    machine = machine.replace('mesh = "tool.stl"', "parts = [{ diameter = 1, length = 1 }]")
+    status, said, _ = checked(machine, "G0 Z21\nC90")
+    assert status == 0, said
 
 
 def test_axes_that_turn_may_be_off(checked):
@@ -419,6 +455,8 @@ def test_axes_that_turn_may_be_off(checked):
         ('name = "bed"', 'name = "bed"\nmay_touch = "saddle"', "object 1: 'may_touch'"),
         ('name = "bed"', 'name = "bed"\nweight = 5', "object 1: 'weight': not known"),
         ("loaded = 1", "loaded = 1\nturn_tolerance = -1", "'turn_tolerance': must be not negative"),
+        ('mesh = "post.stl"', 'mesh = "po\\u0000st.stl"', "object 1: 'mesh': must be the name of a file"),
+        ("number = 1", "number = 0", "'length': must be not negative, and 0 of an empty spindle"),
     ],
 )
 def test_machines_that_are_none(checked, before, after, why):
