@@ -256,10 +256,10 @@ class Enclosure:
         """Return a sentence for each part inside, with the names of A and B."""
         return [part.sentence(names) for part in self.parts if part.state == State.INSIDE]
 
-    def refuse_undecided(self, files: Sequence[object], by_surfaces: bool = True) -> None:
+    def refuse_undecided(self, files: Sequence[object], by_surfaces: bool = True, at: str = "") -> None:
         """Raise InputError where it is undecided, naming the files of A and B.
 
-        ``by_surfaces``: these alone may be compared instead.
+        ``by_surfaces``: these alone may be compared instead; ``at``: where it was asked.
         """
         if self.state != State.UNDECIDED:
             return
@@ -268,7 +268,7 @@ class Enclosure:
         outer = names[1] if part.mesh == "a" else names[0]
         instead = ", or compare surfaces only, with --surfaces-only" if by_surfaces else ""
         raise InputError(
-            f"{outer}: {part.why}, and {part.sentence(names)}: verdict unknown; repair it{instead}"
+            f"{outer}: {part.why}, and {part.sentence(names)}{at}: verdict unknown; repair it{instead}"
         )
 
 

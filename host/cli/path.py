@@ -180,7 +180,9 @@ def run(options: argparse.Namespace) -> int:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
     if result.verdict == "unknown":
-        result.insides.refuse_undecided(rule.files, not options.stock)
+        line = rule.program.moves[result.asked_at].line
+        at = f" at the start of line {line}" if rule.numbers[result.asked_at] else ""
+        result.insides.refuse_undecided(rule.files, not options.stock, at)
     return DONE if result.verdict == "clear" else NO
 
 

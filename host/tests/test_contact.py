@@ -191,6 +191,7 @@ def test_of_an_open_stock_nothing_is_known_inside(checked, tmp_path):
     scenes.write_stl(tmp_path / "open.stl", STOCK[1:])
     found = checked("G0 Z2\nG1 Z-14\nG0 X5", BLADE, stocks=(tmp_path / "open.stl",))
     assert found.status == 2 and "not closed" in found.said and "--surfaces-only" not in found.said
+    assert "may be inside" in found.said and "at the start of line 4: verdict unknown" in found.said
 
 
 def test_moves_of_a_profile_are_those_of_the_program(checked):
