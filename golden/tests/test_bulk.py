@@ -1,6 +1,7 @@
 """The bulk checker: facts by their definitions, verdicts by the linear program; broken builds are noticed."""
 
 import shutil
+import subprocess
 from dataclasses import fields
 from pathlib import Path
 
@@ -19,6 +20,23 @@ from triaxis.golden.tests.bulk_pairs import awkward_margins, awkward_pairs, hard
 from triaxis.golden.tests.bulk_reference import slow_facts
 
 WIDTHS = (8, 16, 24, 32)
+FOLDER = Path(bulk.__file__).parent
+# Reads pairs and margins, and writes: the claim of each, whether that is proven, and near, of each alone.
+IN_C = """
+#include <stdio.h>
+#include <triaxis.h>
+int main(void) {
+  struct { int32_t pair[TRIAXIS_COORDINATES]; uint32_t margin; } one;
+  while (fread(&one, sizeof one, 1, stdin) == 1) {
+    int8_t claim;
+    uint8_t proven;
+    triaxis_claims(one.pair, &one.margin, 1, &claim);
+    triaxis_proven(one.pair, &one.margin, &claim, 1, &proven);
+    printf("%d %d %d\\n", claim, proven, triaxis_near(one.pair, one.margin));
+  }
+  return 0;
+}
+"""
 NAMES = [field.name for field in fields(Facts)]
 
 
@@ -214,3 +232,36 @@ def test_equivalent_builds_agree(change, hard, file, edits):
 def test_claims_on_a_processor_with_short_vectors_agree(change, hard):
     change("bulk_lanes.h", ("__AVX512F__", "NONE"), ("__AVX__", "NONE"), claims=True)
     assert np.array_equal(bulk_claims(*hard), bulk_facts(*hard).claim)
+
+
+def test_a_program_in_c_is_answered_alike(rng, tmp_path):
+    (tmp_path / "program.c").write_text(IN_C)
+    flags = ["-O3", "-march=native"]
+    sources = [FOLDER / "bulk_claims.cpp", FOLDER / "certificate.cpp"]
+    built = [
+        ["c++", *flags, "-std=c++20", "-c", *map(str, sources)],
+        [
+            "cc",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            f"-I{FOLDER}",
+            "program.c",
+            *(f"{path.stem}.o" for path in sources),
+            "-lstdc++",
+            "-o",
+            "program",
+        ],
+    ]
+    for command in built:
+        subprocess.run(command, cwd=tmp_path, check=True)
+    pairs = awkward_pairs(rng, 3000, 32)
+    margins = awkward_margins(rng, pairs, 32)
+    asked = np.concatenate(
+        [pairs.reshape(-1, 18).astype(np.int32), margins.astype(np.uint32).view(np.int32)[:, None]], axis=1
+    )
+    done = subprocess.run([tmp_path / "program"], input=asked.tobytes(), capture_output=True, check=True)
+    claims, proven, near = np.array(done.stdout.split(), np.int64).reshape(-1, 3).T
+    assert (claims == bulk_claims(pairs, margins)).all()
+    assert (proven == (claims != NO_AXIS)).all() and (near == bulk_verdicts(pairs, margins)["near"]).all()
+    assert 100 < near.sum() < 2900
