@@ -245,7 +245,7 @@ def test_a_program_in_c_is_answered_alike(rng, tmp_path):
             "-Wall",
             "-Wextra",
             "-Werror",
-            f"-I{FOLDER}",
+            f"-I{FOLDER.parent / 'docs'}",
             "program.c",
             *(f"{path.stem}.o" for path in sources),
             "-lstdc++",

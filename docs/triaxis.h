@@ -5,7 +5,7 @@
 // second look at such an axis by other code. Exact for all coordinates of 32 bits and margins of 32 bits. To build:
 //
 //   c++ -O3 -march=native -std=c++20 -c golden/bulk_claims.cpp golden/certificate.cpp
-//   cc -Igolden program.c bulk_claims.o certificate.o -lstdc++
+//   cc -Idocs program.c bulk_claims.o certificate.o -lstdc++
 //
 // A pair is 18 numbers: x, y, z of A1, A2, A3, B1, B2, B3. Nothing is kept between calls, which may go on at the same
 // time. Axes are numbered as in docs/theory.md, section 2.
