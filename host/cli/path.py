@@ -442,6 +442,8 @@ def _print_verdict(checked: _Checked, several: bool) -> None:
     print(f"NEAR: line {near.line}: at {place} {names[0]} comes within {clearance} of {names[1]}")
     if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")
+    if checked.rule.of_machine and not any(one.by_boxes + one.by_pose for one in result.levels):
+        print("  (from the start on: if they are meant to touch, name one in may_touch of the other)")
     for found in near.facets[:_LISTED]:
         print(
             f"  facet {found.tool_facet} of {names[0]}, facet {found.work_facet} of {names[1]}: exact "

@@ -55,6 +55,8 @@ _DIGITS = 15
 _DECIMAL = re.compile(rf"[+-]?(?=.{{1,{_DIGITS + 1}}}$)\d*\.?\d*")
 # Millimetres, beyond which no machine goes.
 _LARGEST = 10**6
+# Of a tool's height, what is no difference.
+_HEIGHT = 1e-4
 # Degrees of one move.
 _MOST_DEGREES = 3600
 # Sides of a prism around a cylinder, which is in it.
@@ -92,7 +94,7 @@ class Machine:
     """A machine file. ``straight``: rapids are. ``loaded``, tolerances: None where it does not say.
 
     ``spindle``, ``table``: the axes that move tool and workpiece; ``nose``: where the spindle's is with all
-    axes at 0. ``apart``: objects of which two are never looked at, as they may touch.
+    axes at 0. ``may_touch``: objects of which two are never looked at. ``assumed``: for a program's notes.
     """
 
     tools: Mapping[int, Tool] = field(default_factory=dict)
@@ -107,7 +109,8 @@ class Machine:
     table: tuple[Axis, ...] = ()
     nose: Vector = NOWHERE
     may_touch: frozenset[frozenset[str]] = frozenset()
-    axes: frozenset[str] = frozenset()
+    axes: tuple[Axis, ...] = ()
+    assumed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def placed(self) -> bool:
@@ -117,14 +120,7 @@ class Machine:
     @property
     def rotary(self) -> frozenset[str]:
         """Return the letters of its axes that turn."""
-        return self.axes & frozenset(ROTARY)
-
-    @property
-    def assumed(self) -> dict[str, str]:
-        """Return what is assumed of a program's start, for its notes."""
-        letters = " and ".join(sorted(self.rotary))
-        told = f"{letters} at 0 at the start, which is assumed, and then by its numbers, no shorter way round"
-        return {"turned": told} if letters else {}
+        return frozenset(axis.letter for axis in self.axes if axis.rotary)
 
     def turned(self, move: Move, before: Sequence[Move], blended: Fraction) -> Move:
         """Return a move with how far axes that turn may be off; raise ValueError where nobody says it.
@@ -173,9 +169,9 @@ def read_machine(path: Path, scale: Fraction = Fraction(1)) -> Machine:
         raise table.wrong("tools", "given, one at least")
     loaded = table.take("loaded", int, next(iter(tools)) if len(tools) == 1 else None)
     if loaded is not None and loaded not in tools:
-        raise table.wrong("loaded", "the number of a tool")
+        raise table.wrong("loaded", f"the number of a tool ({', '.join(map(str, tools))})")
     machine = Machine(tools, offsets, homes, rapids == "straight", tolerance, loaded)
-    machine = _with_objects(table, machine)
+    machine = _with_objects(table, machine, scale)
     table.finish()
     return machine
 
@@ -323,7 +319,7 @@ def _joined(meshes: Sequence[StlMesh]) -> StlMesh | None:
     return StlMesh(np.concatenate([one.facets for one in meshes]), max(one.rounding for one in meshes))
 
 
-def _with_objects(table: _Table, machine: Machine) -> Machine:
+def _with_objects(table: _Table, machine: Machine, scale: Fraction) -> Machine:
     """Return the machine with what carries what."""
     tolerance = table.take("turn_tolerance", Fraction, None)
     if tolerance is not None and tolerance < 0:
@@ -335,21 +331,12 @@ def _with_objects(table: _Table, machine: Machine) -> Machine:
         name = inner.take("name", str, "")
         if not name.isprintable() or not name or name in (*chains, *CARRIED):
             raise inner.wrong("name", "given, and no other's")
-        chain = _carried(inner, chains, False)
-        axis, pivot = inner.take("axis", str, None), _place(inner, "pivot")
-        if axis is not None:
-            letter, sign = axis.removeprefix("-"), -1 if axis.startswith("-") else 1
-            if len(letter) != 1 or letter not in LINEAR + ROTARY:
-                raise inner.wrong("axis", "X, Y, Z, A, B or C, or -X, ..")
-            if letter in LINEAR and any(one.rotary for one in chain):
-                raise inner.wrong("axis", "A, B or C: nothing that turns carries linear axes")
-            if any(one.letter == letter for one in chain):
-                raise inner.wrong("axis", "another: what carries it moves by this one")
-            if (letter in ROTARY) != (pivot is not None):
-                raise inner.wrong("pivot", "given for A, B and C, and for these alone")
-            chain = (*chain, Axis(name, letter, sign, pivot or NOWHERE))
-        elif pivot is not None:
-            raise inner.wrong("pivot", "of an axis: give A, B or C")
+        inner.name = f"object {number}, {name}: "
+        chain = (*_carried(inner, chains, False), *_axes(inner, name))
+        if any(before.rotary and not axis.rotary for before, axis in pairwise(chain)):
+            raise inner.wrong("axis", "A, B or C: nothing that turns carries linear axes")
+        if len({axis.letter for axis in chain}) < len(chain):
+            raise inner.wrong("axis", "another: what carries it moves by this one")
         chains[name] = chain
         mesh, at = inner.take("mesh", str, None), _place(inner, "at") or NOWHERE
         if mesh is not None:
@@ -364,21 +351,57 @@ def _with_objects(table: _Table, machine: Machine) -> Machine:
     )
     carrying = _carried(spindle, chains, bool(chains)), _carried(workpiece, chains, bool(chains))
     nose = _place(spindle, "nose")
-    if bool(chains) != (nose is not None):
-        raise spindle.wrong("nose", "given where there are objects, and there alone")
     spindle.finish()
     workpiece.finish()
+    if bool(chains) != (nose is not None):
+        raise spindle.wrong("nose", "given where there are objects, and there alone")
     for inner, _, other in touching:
         if other not in (*chains, *CARRIED):
-            raise inner.wrong("may_touch", f"names of objects, or {', '.join(CARRIED)}")
+            raise inner.wrong("may_touch", f"of {', '.join((*chains, *CARRIED))}, not {other!r}")
     pairs = frozenset(frozenset((name, other)) for _, name, other in touching)
     found = replace(
         machine, turn_tolerance=tolerance, objects=tuple(bodies), spindle=carrying[0], table=carrying[1],
         nose=nose or NOWHERE, may_touch=pairs,
-        axes=frozenset(axis.letter for chain in chains.values() for axis in chain),
+        axes=tuple({axis: None for chain in chains.values() for axis in chain}),
     )  # fmt: skip
     if chains:
         _check_axes(table.path, found)
+    return replace(found, assumed=_assumed(found, scale))
+
+
+def _axes(table: _Table, name: str) -> tuple[Axis, ...]:
+    """Return the axis that moves an object where it is carried, if one does."""
+    axis, pivot = table.take("axis", str, None), _place(table, "pivot")
+    if axis is None:
+        if pivot is not None:
+            raise table.wrong("pivot", "of an axis: give A, B or C")
+        return ()
+    letter = axis.removeprefix("-")
+    if len(letter) != 1 or letter not in LINEAR + ROTARY:
+        raise table.wrong("axis", "X, Y, Z, A, B or C, or -X, ..")
+    if (letter in ROTARY) != (pivot is not None):
+        raise table.wrong("pivot", "given for A, B and C, and for these alone")
+    return (Axis(name, letter, -1 if axis.startswith("-") else 1, pivot or NOWHERE),)
+
+
+def _assumed(machine: Machine, scale: Fraction) -> dict[str, str]:
+    """Return what nobody can tell to be wrong: senses of turns, and where tools end."""
+    found: dict[str, str] = {}
+    hands = {1: "right-handed about", -1: "left-handed about"}
+    told = [
+        f"{axis.letter} turns the {axis.of} {hands[axis.sign]} {'xyz'[axis.number]}"
+        for axis in machine.axes
+        if axis.rotary
+    ]
+    if told:
+        start = "from 0 at the start, which is assumed, and by their numbers, no shorter way round"
+        found["turned"] = f"{', '.join(told)}; {start}"
+    for tool in machine.tools.values() if machine.axes else ():
+        top = float(tool.mesh.facets[..., 2].max()) * float(scale)
+        # Heights are float32.
+        if tool.number and tool.length is not None and abs(top - float(tool.length)) > _HEIGHT * top:
+            nose = f"the spindle's nose is at {float(tool.length):g}"
+            found[f"tool {tool.number}"] = f"{tool.name}: ends {top:g} mm above its tip, and {nose}"
     return found
 
 
@@ -388,7 +411,7 @@ def _carried(table: _Table, chains: Mapping[str, tuple[Axis, ...]], needed: bool
     if not on and not needed:
         return ()
     if on not in chains:
-        raise table.wrong("on", "the name of an object that stands before it")
+        raise table.wrong("on", f"an object that stands before it ({', '.join(chains) or 'none does'})")
     return chains[on]
 
 

@@ -105,7 +105,7 @@ def test_each_object_is_watched(checked, program, near):
     status, said, report = checked(MILL, program)
     found = report["near"] and (report["near"]["line"], report["what"], report["of"])
     assert (status, found) == (int(near is not None), near), said
-    assert "C at 0 at the start, which is assumed" in said
+    assert "C turns the table right-handed about z; from 0 at the start, which is assumed" in said
 
 
 @dataclass(frozen=True)
@@ -439,23 +439,27 @@ def test_axes_that_turn_may_be_off(checked):
         (
             'on = "saddle"',
             'on = "table"',
-            "object 3: 'on': must be the name of an object that stands before it",
+            "object 3, slide: 'on': must be an object that stands before it (bed, saddle)",
         ),
         ('axis = "-X"', 'axis = "X"', "by X the tool, seen from the workpiece, does not move"),
-        ('axis = "-X"', 'axis = "-Y"', "object 3: 'axis': must be another"),
-        ('axis = "-X"', 'axis = "U"', "object 3: 'axis': must be X, Y"),
-        ('axis = "C"', 'axis = "-Z"', "object 4: 'pivot': must be given for A, B and C"),
-        ("pivot = [0.0, 0.0, 0.0]\n", "", "object 4: 'pivot'"),
-        ('on = "slide"\naxis = "C"', "", "object 4: 'pivot': must be of an axis"),
+        ('axis = "-X"', 'axis = "-Y"', "object 3, slide: 'axis': must be another"),
+        ('axis = "-X"', 'axis = "U"', "object 3, slide: 'axis': must be X, Y"),
+        ('axis = "C"', 'axis = "-Z"', "object 4, table: 'pivot': must be given for A, B and C"),
+        ("pivot = [0.0, 0.0, 0.0]\n", "", "object 4, table: 'pivot'"),
+        ('on = "slide"\naxis = "C"', "", "object 4, table: 'pivot': must be of an axis"),
         ('[spindle]\non = "head"', "[spindle]", "spindle: 'on'"),
         ("nose = [0.0, 0.0, 250.0]", "", "spindle: 'nose'"),
         ("G54 = [0.0, 0.0, -250.0]", "", "G54 says: give its offset"),
         ("length = 50", "", "the length of each is needed"),
-        ('name = "bed"', 'name = "bed"\nmay_touch = ["sadle"]', "object 1: 'may_touch'"),
-        ('name = "bed"', 'name = "bed"\nmay_touch = "saddle"', "object 1: 'may_touch'"),
-        ('name = "bed"', 'name = "bed"\nweight = 5', "object 1: 'weight': not known"),
+        ('name = "bed"', 'name = "bed"\nmay_touch = ["sadle"]', "object 1, bed: 'may_touch'"),
+        ('name = "bed"', 'name = "bed"\nmay_touch = "saddle"', "object 1, bed: 'may_touch'"),
+        ('name = "bed"', 'name = "bed"\nweight = 5', "object 1, bed: 'weight': not known"),
         ("loaded = 1", "loaded = 1\nturn_tolerance = -1", "'turn_tolerance': must be not negative"),
-        ('mesh = "post.stl"', 'mesh = "po\\u0000st.stl"', "object 1: 'mesh': must be the name of a file"),
+        (
+            'mesh = "post.stl"',
+            'mesh = "po\\u0000st.stl"',
+            "object 1, bed: 'mesh': must be the name of a file",
+        ),
         ("number = 1", "number = 0", "'length': must be not negative, and 0 of an empty spindle"),
     ],
 )
@@ -465,9 +469,17 @@ def test_machines_that_are_none(checked, before, after, why):
     assert status == 2 and why in said, said
 
 
+def test_a_tool_that_does_not_reach_the_spindle_is_told(checked):
+    assert "mm above its tip" not in checked(MILL, "G0 Z60")[1]
+    said = checked(MILL.replace("length = 50", "length = 60"), "G0 Z60")[1]
+    assert "note: tool.stl: ends 50 mm above its tip, and the spindle's nose is at 60" in said
+
+
 def test_what_may_touch_is_not_looked_at(checked):
     machine = MILL.replace('name = "bed"', 'name = "bed"\nmay_touch = ["table"]')
     assert checked(MILL, "G0 Z60\nC30")[0] == 1
+    leaning = MILL.replace('name = "bed"', 'name = "bed"\nat = [-11, 0, 0]')
+    assert "name one in may_touch of the other" in checked(leaning, "G0 Z60")[1]
     status, _, report = checked(machine, "G0 Z60\nC30")
     assert status == 0 and not any(
         {one["what"], one["of"]} == {"the bed", "the table"} for one in report["tools"]
