@@ -168,14 +168,13 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_path
 
         draw_path(options.picture, scene, result, profile[0], rule.names)
-    for one in checked:
-        if one.rule.of_machine:
-            _print_objects(one)
-            continue
+    for one in (one for one in checked if not one.rule.of_machine):
         _print_scene(one)
         if board is not None:
             print(f"board: {about(board.description)}")
         _print_effort(one.result)
+    if objects := [one for one in checked if one.rule.of_machine]:
+        _print_objects(objects)
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -390,12 +389,15 @@ def _print_scene(checked: _Checked) -> None:
     )
 
 
-def _print_objects(checked: _Checked) -> None:
-    what, of = (name.removeprefix("the ") for name in checked.rule.names)
-    levels, effort = checked.result.levels, checked.result.effort
-    proven = sum(level.by_boxes + level.by_pose for level in levels)
+def _print_objects(checked: list[_Checked]) -> None:
+    """Print what was done for each two objects of a machine."""
+    effort = Effort()
+    for one in checked:
+        effort.join(one.result.effort)
+    proven = sum(level.by_boxes + level.by_pose for one in checked for level in one.result.levels)
+    clear = sum(one.result.verdict == "clear" for one in checked)
     print(
-        f"{what}: {len(checked.scene.a)} facets; {of}: {len(checked.scene.b)} facets; segments proven clear: "
+        f"objects of the machine: {len(checked)} pairs, {clear} of them clear; segments proven clear: "
         f"{proven}; poses asked: {effort.poses}{certificates(effort)}"
     )
 
