@@ -44,7 +44,7 @@ _STEPS = 4
 _PLACES = 200
 # Bits of the grid's width that a part of a turn takes at most, less than all.
 _COARSE_BITS = 4
-# Of one move between two objects: some ten minutes.
+# Of one move between two objects: against a check that does not end.
 _MOST_PIECES = 20_000
 # Of a start, in millimetres.
 _FARTHEST = 10**9
