@@ -23,7 +23,7 @@ WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
-.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress fpga-report
+.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
 .PHONY: fpga-timing activity bitstream cold package lock clean
 
 help: ## list the targets
@@ -130,6 +130,9 @@ code-coverage: $(READY) $(YOSYS) ## measure what the tests reach of the RTL: lin
 
 bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
 	@$(BIN)/triaxis bench error --seed $(SEED)
+
+tritest: $(READY) $(VENV)/.ready-peers ## score other packages and published tests on 31,000 pairs with proven answers
+	@$(BIN)/triaxis tritest league
 
 peers: $(READY) $(VENV)/.ready-peers ## install the packages that bench compares with: two gigabytes
 

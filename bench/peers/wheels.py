@@ -116,6 +116,59 @@ def _open3d(a: Reals, b: Reals) -> Question:
     return one_by_one(mesh.is_intersecting, _each(lambda triangle: mesh(vector(triangle), face), a, b))
 
 
+def _edges(triangle: Reals) -> tuple[Reals, Reals]:
+    """Return where the edges of a triangle (3, 3) begin and end: (3, 3) each."""
+    return triangle, np.roll(triangle, -1, 0)
+
+
+def _ipctk(a: Reals, b: Reals) -> Question:
+    test = imported("ipctk").is_edge_intersecting_triangle
+
+    def meet(one: Reals, other: Reals) -> bool:
+        for edges, face in ((one, other), (other, one)):
+            if any(test(start, end, *face) for start, end in zip(*_edges(edges), strict=True)):
+                return True
+        return False
+
+    return one_by_one(meet, list(zip(a, b, strict=True)))
+
+
+def _embree(a: Reals, b: Reals) -> Question:
+    """A scene of each triangle, in float32; edges of the other are rays that end with them."""
+    embree, mesh = imported("embreex.rtcore_scene").EmbreeScene, imported("embreex.mesh_construction")
+
+    def scene(triangle: Reals) -> Any:
+        made = embree()
+        mesh.TriangleMesh(made, np.ascontiguousarray(triangle[None], np.float32))
+        return made
+
+    def rays(triangle: Reals) -> tuple[Any, Any]:
+        starts, ends = _edges(triangle)
+        return np.ascontiguousarray(starts, np.float32), np.ascontiguousarray(ends - starts, np.float32)
+
+    def meet(scene_a: Any, scene_b: Any, rays_a: Any, rays_b: Any) -> bool:
+        asked = ((scene_b, rays_a), (scene_a, rays_b))
+        return any((hit.run(*edges, dists=np.ones(3, np.float32)) >= 0).any() for hit, edges in asked)
+
+    pairs = zip(_each(scene, a, b), _each(rays, a, b), strict=True)
+    return one_by_one(meet, [(*scenes, *edges) for scenes, edges in pairs])
+
+
+def _parry(a: Reals, b: Reals) -> Question:
+    """Parry by ncollpyde: the edges of each triangle as segments, which meet the other one or not."""
+    volume, face = imported("ncollpyde").Volume, np.array([[0, 1, 2]], np.uint32)
+
+    def made(triangle: Reals) -> Any:
+        return volume(triangle, face, validate=False, threads=False, n_rays=0)
+
+    def meet(first: Any, second: Any, edges_a: Any, edges_b: Any) -> bool:
+        asked = ((second, edges_a), (first, edges_b))
+        return any(len(surface.intersections(*edges, threads=False)[0]) > 0 for surface, edges in asked)
+
+    pairs = zip(_each(made, a, b), _each(_edges, a, b), strict=True)
+    return one_by_one(meet, [(*volumes, *edges) for volumes, edges in pairs])
+
+
 def _trimesh_manager(name: str, facets: Reals) -> Any:
     """Return a manager of a mesh of facets (N, 3, 3), which hands it to python-fcl."""
     made = imported("trimesh.collision").CollisionManager()
@@ -169,6 +222,14 @@ TRIANGLE_WHEELS = (
                  _of("coal", "coal"), _coal),
     Peer("Open3D", "open3d", "TriangleMesh.is_intersecting", _of("open3d", "open3d"), _open3d),
     Peer("trimesh", "trimesh", "CollisionManager.in_collision_other", _TRIMESH, _trimesh),
+)  # fmt: skip
+
+# These have no test of two triangles: the edges of each are asked against the other one.
+EDGE_WHEELS = (
+    Peer("IPC toolkit", "ipctk", "is_edge_intersecting_triangle, six times", _of("ipctk", "ipctk"), _ipctk),
+    Peer("Embree", "embreex", "EmbreeScene.run, edges as rays",
+         _of("embreex", "embreex.mesh_construction"), _embree),
+    Peer("Parry", "ncollpyde", "Volume.intersections of the edges", _of("ncollpyde", "ncollpyde"), _parry),
 )  # fmt: skip
 
 MESH_WHEELS = (

@@ -39,6 +39,12 @@ def main(arguments: list[str] | None = None) -> int:
         return INTERRUPTED
 
 
+def tritest() -> int:
+    """Run ``tritest ..``, which is ``triaxis tritest ..``."""
+    sys.argv.insert(1, "tritest")
+    return main()
+
+
 def _answer(words: list[str], of_this_process: bool) -> int:
     from triaxis.golden.errors import ToldError
     from triaxis.host.cli.commands import find, remove_older_answers, runner

@@ -149,6 +149,25 @@ COMMANDS = {
         "measure what skipping saves, and compare it with other broad phases", "bench.skipping.report",
         ("all bounds reached and all answers right", "not"),
     ),
+    "tritest make": Command(
+        "make pairs of triangles of every family, each with its distance and the proof of it",
+        "bench.tritest.command", ("written",),
+    ),
+    "tritest recheck": Command(
+        "prove each pair of a set again", "bench.tritest.command", ("all proven", "not"),
+    ),
+    "tritest run": Command(
+        "score a library, or any program, on a set", "bench.tritest.command",
+        ("every pair is right", "not"), {"--json": Answer()},
+    ),
+    "tritest answer": Command(
+        "answer pairs for a library, as `tritest run` asks them", "bench.tritest.command", ("done",),
+    ),
+    "tritest show": Command("print a pair of a set", "bench.tritest.command", ("done",)),
+    "tritest league": Command(
+        "score every library that is installed", "bench.tritest.command",
+        ("ours are right, and there are enough of others", "not"),
+    ),
     "fpga report": Command(
         "synthesise for the XC7A100T and compare with its budget", "verif.commands.fpga",
         ("within the limits", "beyond one"),
@@ -178,13 +197,14 @@ GROUPS = {
     "prove": "proofs, every small case, and faults put in to be found",
     "coverage": "the testplan, code coverage, coverage for other tools",
     "bench": "accuracy and speed, also of other packages",
+    "tritest": "pairs of triangles with proofs, to score any library on",
     "fpga": "resources, timing, activity; the gate before a bitstream",
 }
 
 _SECTIONS = {
     "does anything come close?": ("check", "path", "verdict", "board", "scene"),
     "is the design right?": ("sim", "regress", "prove", "coverage", "signoff"),
-    "how good is it, and onto the board": ("bench", "fpga"),
+    "how good is it, and onto the board": ("bench", "tritest", "fpga"),
 }
 
 _CODES = (

@@ -1,0 +1,182 @@
+"""Scoring a program on a TriTest set: what it misses, takes for a collision, and does not answer."""
+
+import shlex
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from triaxis.bench.tritest.libraries import CLEAR, COLLIDES, UNTOLD
+from triaxis.bench.tritest.recheck import Case, Family, SetError, case_of, families_of, lines_of
+from triaxis.golden.errors import InputError
+from triaxis.golden.exact import triangle_rank
+
+# What float32 holds every whole number up to.
+_FLOAT32 = 1 << 24
+# Kinds of pairs, since most programs are made for the first alone.
+KINDS = ("float32", "float64", "degenerate")
+_COORDINATES = 18
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A family's pairs as they are asked, whether each collides, and of which kind it is."""
+
+    family: Family
+    questions: Sequence[str]
+    collide: Sequence[bool]
+    kinds: Sequence[str]
+
+
+def kind_of(case: Case) -> str:
+    """Return whether one of the triangles is a segment or a point, or else which type holds both."""
+    if triangle_rank(case.a) < 2 or triangle_rank(case.b) < 2:
+        return "degenerate"
+    largest = max(abs(x) for triangle in (case.a, case.b) for vertex in triangle for x in vertex)
+    return "float32" if largest <= _FLOAT32 else "float64"
+
+
+def read_set(folder: Path) -> list[Asked]:
+    """Read a whole set; raise InputError where it cannot be read."""
+    asked: list[Asked] = []
+    try:
+        for family in families_of(folder):
+            lines = [line for _, line in lines_of(folder, family)]
+            cases = [case_of(line) for line in lines]
+            questions = [" ".join(line.split()[:_COORDINATES]) for line in lines]
+            collide = [case.collides for case in cases]
+            asked.append(Asked(family, questions, collide, [kind_of(case) for case in cases]))
+    except SetError as error:
+        raise InputError(str(error)) from error
+    return asked
+
+
+@dataclass
+class Tally:
+    """Pairs: how many there are, collide, were missed, were taken for collisions, were not answered."""
+
+    pairs: int = 0
+    colliding: int = 0
+    missed: int = 0
+    false_alarms: int = 0
+    unanswered: int = 0
+
+    @property
+    def right(self) -> int:
+        """Return how many were answered rightly."""
+        return self.pairs - self.wrong - self.unanswered
+
+    @property
+    def wrong(self) -> int:
+        """Return how many were answered wrongly."""
+        return self.missed + self.false_alarms
+
+    def add(self, collides: bool, said: str) -> None:
+        """Count a pair."""
+        self.pairs += 1
+        self.colliding += collides
+        self.missed += collides and said == CLEAR
+        self.false_alarms += not collides and said == COLLIDES
+        self.unanswered += said == UNTOLD
+
+
+@dataclass
+class Score:
+    """What a program made of a set: tallies by kind and by family; the pairs it failed on, by family.
+
+    A pair's number is its line's, from 1 on. ``ended``: families in which it ended early, and how.
+    """
+
+    kinds: dict[str, Tally] = field(default_factory=lambda: {kind: Tally() for kind in KINDS})
+    families: dict[str, Tally] = field(default_factory=dict[str, Tally])
+    missed: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
+    false_alarms: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
+    unanswered: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
+    ended: dict[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def all_right(self) -> bool:
+        """Return whether every pair was answered, and rightly."""
+        return all(tally.right == tally.pairs for tally in self.kinds.values())
+
+    @property
+    def wrong(self) -> tuple[int, int]:
+        """Return how many pairs were answered wrongly: of proper triangles, and of others."""
+        *proper, other = (self.kinds[kind].wrong for kind in KINDS)
+        return sum(proper), other
+
+    def add(self, asked: Asked, said: Sequence[str]) -> None:
+        """Count a family, of which there are as many answers as pairs."""
+        name = asked.family.name
+        tally = self.families.setdefault(name, Tally())
+        failed = {UNTOLD: self.unanswered, CLEAR: self.missed, COLLIDES: self.false_alarms}
+        rows = zip(asked.collide, asked.kinds, said, strict=True)
+        for number, (collides, kind, answer) in enumerate(rows, 1):
+            tally.add(collides, answer)
+            self.kinds[kind].add(collides, answer)
+            if answer != (COLLIDES if collides else CLEAR):
+                failed[answer].setdefault(name, []).append(number)
+
+
+def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[int], None]) -> Score:
+    """Ask a program about all families; ``progress`` is told of each.
+
+    A program that ends early is not asked again about the family where it ended, and started anew for the
+    next. Raises InputError where it cannot be started, or answers what is no answer.
+    """
+    found, start = Score(), 0
+    while start < len(asked):
+        said, how = _run(command, asked[start:])
+        if how is None and len(said) != sum(one.family.pairs for one in asked[start:]):
+            how = f"ended after {len(said)} answers"
+        for number in range(start, len(asked)):
+            family = asked[number].family
+            own, said = said[: family.pairs], said[family.pairs :]
+            if len(own) < family.pairs:
+                found.ended[family.name] = how or ""
+                own = [*own, *[UNTOLD] * (family.pairs - len(own))]
+            found.add(asked[number], own)
+            progress(1)
+            start = number + 1
+            if family.name in found.ended:
+                break
+        else:
+            # It answered all, and ended badly all the same.
+            if how is not None:
+                found.ended[asked[-1].family.name] = how
+    return found
+
+
+def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str | None]:
+    """Return what a program answers, and how it ended if not well."""
+    questions = "".join(f"{question}\n" for one in asked for question in one.questions)
+    try:
+        ran = subprocess.run(command, input=questions, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise InputError(f"{shlex.join(command)}: {error.strerror}") from error
+    said = ran.stdout.split()
+    wrong = next((word for word in said if word not in (CLEAR, COLLIDES, UNTOLD)), None)
+    if wrong is not None or len(said) > questions.count("\n"):
+        what = (
+            f"{wrong:.40}: no answer" if wrong else f"{len(said)} answers to {questions.count(chr(10))} pairs"
+        )
+        raise InputError(f"{shlex.join(command)}: {what}: a line with 0, 1 or ? for each pair is wanted")
+    last = (ran.stderr.strip().splitlines() or [""])[-1]
+    return said, f"exit code {ran.returncode}: {last}" if ran.returncode else None
+
+
+def rows_of(score_: Score) -> Iterator[tuple[str, Tally]]:
+    """Yield what tables show of a score: its kinds, then the families in which something was not right."""
+    yield from score_.kinds.items()
+    yield from ((name, tally) for name, tally in score_.families.items() if tally.right < tally.pairs)
+
+
+def told(found: Score) -> dict[str, Any]:
+    """Return a score as JSON has it."""
+    return {
+        "kinds": {name: vars(tally) for name, tally in found.kinds.items()},
+        "families": {name: vars(tally) for name, tally in found.families.items()},
+        "missed": found.missed, "false_alarms": found.false_alarms, "unanswered": found.unanswered,
+        "ended": found.ended,
+    }  # fmt: skip
