@@ -68,7 +68,8 @@ def test_help_imports_nothing_heavy():
 
 
 def test_unknown_commands_are_told_in_a_line(refused):
-    for words, known in (((), "check, path"), (["bench-sim"], "bench, tritest, fpga"), (["prove", "all"], "formal, ")):
+    known_of = (((), "check, path"), (["bench-sim"], "bench, tritest, fpga"), (["prove", "all"], "formal, "))
+    for words, known in known_of:
         assert known in refused(*words)
     # An option is known by its whole name.
     assert "unrecognized arguments: --clear=1 (see triaxis check" in refused("check", "a", "b", "--clear=1")
