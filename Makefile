@@ -22,7 +22,7 @@ LAUNCHER ?= local
 WHOLE ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate test unit lint format
+.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate evidence test unit lint format
 .PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
 .PHONY: fpga-timing activity bitstream cold package lock clean
 
@@ -97,6 +97,10 @@ netlist: $(READY) $(YOSYS) ## run the tests on the netlists, prove modules equal
 
 gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 	@$(BIN)/triaxis fpga gate
+
+evidence: $(READY) ## one archive of the sign-off, its sources and a million witnesses, with what verifies them
+	@test -f build/evidence/set.json || $(BIN)/triaxis tritest make build/evidence --pairs 32300
+	@$(BIN)/triaxis evidence build/evidence --out dist/triaxis-evidence.tar.gz
 
 test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
 	@$(BIN)/pytest -n 2 -m "not regress"

@@ -121,6 +121,10 @@ COMMANDS = {
     "signoff": Command(
         "simulate, measure, prove, try every mutant, and give a verdict", "verif.commands.signoff"
     ),
+    "evidence": Command(
+        "pack a sign-off with its sources, witnesses, and what verifies them anywhere",
+        "verif.signoff.archive", ("written",), {"--out": Answer()},
+    ),
     "bench error": Command(
         "measure run time against error, also of other packages", "bench.error.report",
         ("everything demanded is reached", "something is not"),
@@ -203,7 +207,7 @@ GROUPS = {
 
 _SECTIONS = {
     "does anything come close?": ("check", "path", "verdict", "board", "scene"),
-    "is the design right?": ("sim", "regress", "prove", "coverage", "signoff"),
+    "is the design right?": ("sim", "regress", "prove", "coverage", "signoff", "evidence"),
     "how good is it, and onto the board": ("bench", "tritest", "fpga"),
 }
 
