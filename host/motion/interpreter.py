@@ -21,7 +21,7 @@ from fractions import Fraction
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place
-from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius
+from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius, nurbs
 from triaxis.host.motion.expression import Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
 from triaxis.host.motion.kinematics import ROTARY
@@ -44,6 +44,10 @@ _MOST_HOLES = 10_000
 _TOLD = 12
 
 
+def _named(axes: tuple[int, ...]) -> str:
+    return " and ".join(sorted(_AXES[k] for k in axes))
+
+
 @dataclass(frozen=True)
 class Modal:
     """What words leave from line to line."""
@@ -57,6 +61,17 @@ class Modal:
     to_old_height: bool | None = None
     system: str = "G54"
     tolerance: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class ControlPoints:
+    """What G5.2 has begun: where, of which order, in which plane, and its points with their weights."""
+
+    place: Place
+    order: int
+    plane: str
+    points: tuple[Vector, ...]
+    weights: tuple[Fraction, ...]
 
 
 @dataclass
@@ -82,6 +97,7 @@ class Interpreter:
     # Of which tool, with which compensation all moves are, where lengths are not known.
     basis: tuple[int | None, int | None] | None = None
     blended: Fraction = Fraction(0)
+    nurbs: ControlPoints | None = None
     # Whether the program, or the machine file, says how exactly the path is followed.
     exact_path: bool = False
     moves: list[Move] = field(default_factory=list)
@@ -150,6 +166,8 @@ class Interpreter:
         place, codes = block.place, self._codes(block)
         on_line = {word.code for group in codes.values() for word in group}
         words = self._by_letter(block, on_line)
+        if self.nurbs is not None:
+            self._within_nurbs(block, words)
         self._set_modal(place, codes, words)
         if "T" in words:
             self.chosen = int(words["T"].value)
@@ -162,7 +180,9 @@ class Interpreter:
         words |= self._polar(place, words, bool(on_line & (TAKING_AXES | {"G53"})))
         axes = {_AXES.index(letter): words[letter] for letter in _AXES if letter in words}
         turning = [words[letter] for letter in ROTARY if letter in words]
-        if not self._non_modal(place, codes, words, axes):
+        if self.modal.motion in ("G5.2", "G5.3"):
+            self._nurbs(block, words, axes)
+        elif not self._non_modal(place, codes, words, axes):
             if axes | self._arc_alone(words) or turning:
                 self._motion(place, codes, words, axes)
             elif on_line & (ARCS | CYCLES | {"G5", "G5.1", "G33", "G53"}):
@@ -523,6 +543,68 @@ class Interpreter:
             x, y = (self.length(place, words[letter]) for letter in "PQ")
             return bezier([start, first, vector((target[0] + x, target[1] + y, target[2])), target])
         return None
+
+    def _within_nurbs(self, block: Block, words: dict[str, Word]) -> None:
+        """Refuse what may change the sense of control points, or leaves them."""
+        for word in block.words:
+            if word.code not in ("G5.2", "G5.3") and word.letter not in "XYZPFN":
+                raise block.place.error(word.text, "between G5.2 and G5.3: only control points stand there")
+
+    def _nurbs(self, block: Block, words: dict[str, Word], axes: dict[int, Word]) -> None:
+        """Add what a line has of a NURBS; go along it where it ends."""
+        place, begun, word = block.place, self.nurbs, block.words[0]
+        if self.modal.motion == "G5.3":
+            if axes:
+                raise place.error(next(iter(axes.values())).text, "on a line with G5.3: give it before")
+            self._end_nurbs(place, word)
+            return
+        if not self.modal.feed:
+            raise place.error(word.text, "a NURBS without a feed: give F on the line or before it")
+        weight = exact(words["P"].value) if "P" in words else None
+        if begun is None:
+            order = int(words["L"].value) if "L" in words else 3
+            if order < 3:
+                raise place.error(words["L"].text, "the order of a NURBS is 3 or more: correct it")
+            first = weight if weight and not axes else Fraction(1)
+            begun = ControlPoints(place, order, self.modal.plane, (self.position,), (first,))
+        if axes:
+            wanted = _PLANES[begun.plane][:2]
+            if axes.keys() != set(wanted):
+                raise place.error(
+                    word.text, f"a control point in {begun.plane} has {_named(wanted)}: give both"
+                )
+            if not weight:
+                raise place.error(word.text, "a control point without a weight above 0: give P")
+            points = (*begun.points, self._target(place, axes))
+            begun = replace(begun, points=points, weights=(*begun.weights, weight))
+        elif begun.place is not place:
+            raise place.error(
+                word.text, f"not a control point: give {_named(_PLANES[begun.plane][:2])} and P"
+            )
+        self.nurbs = begun
+
+    def _end_nurbs(self, place: Place, word: Word) -> None:
+        begun, self.nurbs = self.nurbs, None
+        if begun is None:
+            raise place.error(word.text, "no NURBS to end: begin it by G5.2")
+        if len(begun.points) < begun.order:
+            why = f"{len(begun.points)} points, the tool's own among them: order {begun.order} needs as many"
+            raise place.error(word.text, why)
+        try:
+            curves = nurbs(begun.points, begun.weights, begun.order, _PLANES[begun.plane][:2])
+        except ValueError as error:
+            raise begun.place.error("G5.2", str(error)) from error
+        off = max(curve.slack for curve in curves)
+        told = f"{float(off):.2g} mm are added for the arcs by which controls follow NURBS"
+        self.notes.setdefault("nurbs", f"line {begun.place.line}: {told}")
+        for curve in curves:
+            self._line(begun.place, curve.end, False, curve)
+        self.modal = replace(self.modal, motion=None)
+
+    def end(self) -> None:
+        """Refuse a program that ends before something that it has begun."""
+        if self.nurbs is not None:
+            raise self.nurbs.place.error("G5.2", "a NURBS that is not ended: give G5.3")
 
     def _centre(self, given: dict[str, Fraction], plane: tuple[int, int, int]) -> tuple[Fraction, Fraction]:
         if "IJK"[plane[2]] in given:

@@ -36,6 +36,7 @@ def read_program(
     memory = Memory(state.ask)
     try:
         _run(Execution(path, memory, skip_optional), state, skip_optional)
+        state.end()
     except InputError:
         state.tell_refused()
         raise

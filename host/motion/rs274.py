@@ -47,7 +47,7 @@ _OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
     "STRAIGHT_PROBE": "ends where the part is, which nobody knows before: check the program without it",
-    "NURBS_FEED": "a spline, which the interpreter does not print: let the post-processor write plain moves",
+    "NURBS_FEED": "a spline, which the interpreter does not print: leave --reader out",
     "ORIENT_SPINDLE": "orients the spindle, and so turns the tool: check the program without it",
 }
 _IGNORED = re.compile(

@@ -4,7 +4,7 @@
 GROUPS = {
     code: group
     for group, codes in (
-        ("motion", "G0 G1 G2 G3 G5 G5.1 G33"), ("motion", "G73 G74 G81 G82 G83 G84 G85 G86 G89"),
+        ("motion", "G0 G1 G2 G3 G5 G5.1 G5.2 G5.3 G33"), ("motion", "G73 G74 G81 G82 G83 G84 G85 G86 G89"),
         ("cycle", "G80"), ("distance", "G90 G91"), ("arc distance", "G90.1 G91.1"), ("units", "G20 G21"),
         ("plane", "G17 G18 G19"), ("radius compensation", "G40"), ("length compensation", "G43 G49"),
         ("work offset", "G54 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3"), ("path mode", "G61 G61.1 G64"),
@@ -23,16 +23,17 @@ ARCS = frozenset(("G2", "G3"))
 # Which words take a letter; it is refused where none of them is on the line, or in force.
 TAKERS = {
     "I": ARCS | {"G5", "G5.1"}, "J": ARCS | {"G5", "G5.1"}, "K": ARCS | {"G33"}, "R": ARCS | CYCLES | {"G10"},
-    "P": ARCS | CYCLES | {"G4", "G5", "G10", "G64", *(f"M{n}" for n in (50, 51, 52, 53, *range(62, 67)))},
-    "Q": CYCLES | {"G5", "G64", "M61", "M66", "M67", "M68"}, "L": CYCLES | {"G10", "M66"}, "H": {"G43"},
-    "E": {"M66", "M67", "M68"}, "D": {"G96"},
+    "P": ARCS | CYCLES | {"G4", "G5", "G5.2", "G10", "G64"}
+    | {f"M{n}" for n in (50, 51, 52, 53, *range(62, 67))},
+    "Q": CYCLES | {"G5", "G64", "M61", "M66", "M67", "M68"}, "L": CYCLES | {"G5.2", "G10", "M66"},
+    "H": {"G43"}, "E": {"M66", "M67", "M68"}, "D": {"G96"},
 }  # fmt: skip
 # Words that change where the tool is, or its shape, in ways that are not followed: why, and what to do.
 _POST = "let the post-processor write it as plain moves"
 WHY_REFUSED = {
     code: why
     for codes, why in (
-        ("G5.2 G5.3 G6.2 G6.3", f"NURBS are not followed: {_POST}"),
+        ("G6.2 G6.3", f"is not followed: {_POST}"),
         ("G7", "X in diameters is not followed: let the post-processor write radii (G8)"),
         ("G10.1 G28.1 G30.1", "changes what the control keeps: give its values in a machine file"),
         ("G33.1 G76 G87 G88", f"is not followed: {_POST}"),

@@ -82,7 +82,20 @@ def test_what_was_assumed_is_said(read):
 
 
 REFUSED = [
-    ("G0 X1\nF9 G5.2 X5 P1 L3", 2, "G5.2", "NURBS are not followed"),
+    ("G0 X1\nF9 G5.2 X5 P1 L3", 2, "F9", "has X and Y: give both"),
+    ("F9 G5.2 X5 Y1 P1 L3", 1, "G5.2", "is not ended"),
+    ("F9 G5.2 X5 Y1 P1 L3\nG0 X1", 2, "G0", "only control points"),
+    ("F9 G5.2 X5 Y1 P1 L3\nX1 Y1 P1 M2", 2, "M2", "only control points"),
+    ("F9 G5.2 P1 L3\nX1 Y1 P1 Q2", 2, "Q2", "belongs to a word that is not"),
+    ("F9 G5.2 P1 L3\nX1 Y1 P0", 2, "X1", "without a weight"),
+    ("F9 G5.2 P1 L2", 1, "L2", "is 3 or more"),
+    ("G5.2 P1 L3", 1, "G5.2", "without a feed"),
+    ("F9 G5.2 P1 L3\nX1 Y1 P1\nG5.3", 3, "G5.3", "2 points"),
+    ("F9 G5.2 P1 L3\nX1 Y1 P1\nX1 Y2 P1\nG5.3 X3", 4, "X3", "on a line with G5.3"),
+    ("F9 G19 G5.2 P1 L3\nX1 Y1 P1", 2, "X1", "has Y and Z"),
+    ("F9 G5.2 L3\nX0 Y0 P1\nX0 Y0 P1\nG5.3", 1, "G5.2", "stands still"),
+    ("F9 G5.2 L3\nX4 Y0 P1\nX0 Y0 P1\nG5.3", 1, "G5.2", "turns back"),
+    ("G0 X1\nG5.3", 2, "G5.3", "no NURBS to end"),
     ("G0 X1 R2", 1, "R2", "belongs to a word that is not on the line"),
     ("G28 Z0", 1, "G28", "only the machine knows"),
     ("G0 X1\nF9 G2 X5 I3", 2, "X5", "the radii at both ends of the arc, 3 and 1, differ"),
@@ -271,6 +284,109 @@ def test_arcs_by_radius_and_splines(read):
             three = [[float(c) for c in move.at(Rational(k + d, 16))] for d in (-1, 0, 1)]
             second = np.linalg.norm(np.diff(three, 2, axis=0)) * 16**2
             assert second <= float(move.curve.bend) + 1e-5
+
+
+def basis(k, order, at, knots):
+    """Return the value of a basis spline by its definition."""
+    if order == 1:
+        last = at == knots[-1] and knots[k] < knots[k + 1] == at
+        return float(knots[k] <= at < knots[k + 1] or last)
+    found = 0.0
+    for low, high, one, sign in ((k, k + order - 1, k, 1), (k + 1, k + order, k + 1, -1)):
+        if knots[high] > knots[low]:
+            share = (at - knots[low]) / (knots[high] - knots[low])
+            found += (share if sign > 0 else 1 - share) * basis(one, order - 1, at, knots)
+    return found
+
+
+def spline_point(points, weights, order, at):
+    n = len(points)
+    knots = [0] * order + [*range(1, n - order + 1)] + [n - order + 1] * order
+    shares = np.array([basis(k, order, at, knots) for k in range(n)]) * weights
+    return shares @ points / shares.sum()
+
+
+def two_arcs(start, leaving, end, arriving, count=40):
+    """Return points (N, 2) of two arcs with the same length of tangents, each turned about its centre."""
+    chord = end - start
+    a, b, c = 2 * (leaving @ arriving - 1), -2 * chord @ (leaving + arriving), chord @ chord
+    tangent = max(np.roots([a, b, c]).real) if abs(a) > 1e-9 else -c / b
+    middle = (start + tangent * leaving + end - tangent * arriving) / 2
+    found = []
+    for one, way, other in ((start, leaving, middle), (end, -arriving, middle)):
+        left = np.array([-way[1], way[0]])
+        across = (other - one) @ left
+        for k in range(count + 1):
+            if abs(across) < 1e-9 * np.linalg.norm(other - one):
+                found.append(one + (other - one) * k / count)
+                continue
+            radius = (other - one) @ (other - one) / (2 * across)
+            full = 2 * math.atan2(across, (other - one) @ way)
+            turn = full * k / count
+            found.append(one + radius * (math.sin(turn) * way + (1 - math.cos(turn)) * left))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("plane", ["G17", "G18", "G19"])
+def test_nurbs_and_the_arcs_of_controls_are_by_the_moves(read, plane):
+    """By the definition of basis splines, and arcs computed apart: all is as near as the moves say."""
+    rng, axes = np.random.default_rng([17, int(plane[1:])]), {"G17": "XY", "G18": "ZX", "G19": "YZ"}[plane]
+    places = ["XYZ".index(axis) for axis in axes]
+    compared = 0
+    for _ in range(6):
+        order = int(rng.integers(3, 6))
+        count = int(rng.integers(order, 9))
+        points = np.concatenate([[[0, 0]], np.cumsum(rng.integers(-20, 60, (count - 1, 2)), 0)]).astype(float)
+        weights = rng.integers(1, 9, count) / 2
+        lines = [
+            f"{axes[0]}{x:g} {axes[1]}{y:g} P{w:g}" for (x, y), w in zip(points[1:], weights[1:], strict=True)
+        ]
+        text = f"G21 G61 {plane} F1\nG5.2 P{weights[0]:g} L{order}\n" + "\n".join(lines) + "\nG5.3\nG0 X0"
+        try:
+            moves = read(text).moves[:-1]
+        except InputError as error:
+            assert "turns back" in str(error)
+            continue
+        compared += 1
+        assert len(moves) == 4 * count and {move.line for move in moves} == {2}
+        last = count - order + 1
+        for k, move in enumerate(moves):
+            low, high = last * k / len(moves), last * (k + 1) / len(moves)
+            true = [spline_point(points, weights, order, low + (high - low) * j / 8) for j in range(9)]
+            here = [[float(c) for c in move.at(Fraction(j, 8))] for j in range(9)]
+            assert np.allclose(np.array(here)[:, places], true, atol=1e-6)
+            assert (
+                np.linalg.norm(np.diff(true, 2, axis=0), axis=1).max() * 64 <= float(move.curve.bend) + 1e-5
+            )
+            ways = [
+                spline_point(points, weights, order, min(at + 1e-5, last))
+                - spline_point(points, weights, order, max(at - 1e-5, 0.0))
+                for at in (low, high)
+            ]
+            arcs = two_arcs(
+                true[0], ways[0] / np.linalg.norm(ways[0]), true[-1], ways[1] / np.linalg.norm(ways[1])
+            )
+            fine = np.array([[float(c) for c in move.at(Fraction(j, 200))] for j in range(201)])[:, places]
+            # Of chords so short that the curve is within 1e-5 of them.
+            one, way = fine[:-1], np.diff(fine, axis=0)
+            share = ((arcs[:, None] - one) * way).sum(2) / (way**2).sum(1)
+            nearest = one + np.clip(share, 0, 1)[..., None] * way
+            off = np.linalg.norm(arcs[:, None] - nearest, axis=2).min(1).max()
+            assert off <= float(move.slack) + float(move.curve.bend) / 8 / 200**2, (k, off)
+    assert compared > 2
+
+
+def test_nurbs_of_a_circle_and_what_is_added(read):
+    """A quarter of a circle about 0, of weights 1, sqrt(1/2), 1 as decimals: the arcs are all but it."""
+    program = read("G21 G61 F1 G1 X10\nG5.2 L3\nX10 Y10 P0.70710678\nX0 Y10 P1\nG5.3\nG1 X0 Y0")
+    quarter = program.moves[1:-1]
+    for move in quarter:
+        for j in range(5):
+            x, y, _ = (float(c) for c in move.at(Fraction(j, 4)))
+            assert abs(math.hypot(x, y) - 10) < 1e-6
+        assert move.slack < Fraction(1, 100)
+    (note,) = (note for note in program.notes if "follow NURBS" in note)
+    assert note.startswith("line 2: 0.00")
 
 
 MACHINE = """
