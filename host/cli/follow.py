@@ -10,6 +10,9 @@ from fractions import Fraction
 from functools import partial
 from typing import TextIO
 
+import numpy as np
+from numpy.typing import NDArray
+
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
@@ -20,12 +23,14 @@ from triaxis.host.enclosure import NOT_ASKED, State
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
+from triaxis.host.link.hal import HalPositions
 from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
     Follower,
     Piece,
     Report,
+    Seen,
     SimulatedTool,
     StrayedError,
     follow,
@@ -34,10 +39,11 @@ from triaxis.host.motion.follow import (
 from triaxis.host.motion.machine import Tool
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import insides_at
-from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted, prepare_path
+from triaxis.host.page import Page
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.report import write_report
-from triaxis.host.stl import StlMesh, read_stl
+from triaxis.host.stl import Facets, StlMesh, read_stl
 
 _LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
@@ -78,8 +84,16 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         help="where positions come from while the machine moves (standard input)",
     )  # fmt: skip
     where.add_argument(
+        "--hal", action="store_true",
+        help="positions are those of pins of LinuxCNC's HAL: this is its component triaxis",
+    )  # fmt: skip
+    where.add_argument(
         "--simulate", action="store_true",
         help="no machine: a simulated tool goes along the program at --speed while the board says go",
+    )  # fmt: skip
+    parser.add_argument(
+        "--page", type=int, metavar="PORT",
+        help="show it in a browser of this computer, at a port (0: any): scene, go or stop, and until when",
     )  # fmt: skip
     add_port(parser)
     add_trust(parser)
@@ -154,6 +168,9 @@ def _position(line: str) -> tuple[Vector, int | None]:
         ) from error
 
 
+Source = Positions | HalPositions
+
+
 def run(options: argparse.Namespace) -> int:
     """Follow a machine, and print how far it came."""
     if options.speed is None or options.speed <= 0:
@@ -191,7 +208,15 @@ def run(options: argparse.Namespace) -> int:
             print(
                 f"note: the machine will be stopped before line {', '.join(map(str, lines[:_LISTED]))}: near"
             )
-        done, verdict = _follow(options, board, operations)
+        page = None if options.page is None else Page(options.page)
+        if page is not None:
+            print(f"page: {page.address}", flush=True)
+        try:
+            done, verdict = _follow(options, board, operations, page)
+        except InputError as error:
+            if page is not None:
+                page.tell(stopped=str(error))
+            raise
     return _told(options, done, count, verdict, self_tested(options))
 
 
@@ -200,6 +225,7 @@ class _Operation:
     """A part of the program with one tool, and its pieces."""
 
     tool: Tool
+    work: StlMesh
     scene: PathScene
     pieces: Sequence[Piece]
 
@@ -215,15 +241,28 @@ def _operation(
     with progress_bar("pieces are cut", 1) as progress:
         found = pieces(scene, engine, options.length)
         progress(1)
-    return _Operation(tool, scene, found)
+    return _Operation(tool, work, scene, found)
 
 
 def _follow(
-    options: argparse.Namespace, board: Board, operations: Sequence[_Operation]
+    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], page: Page | None
 ) -> tuple[Followed, str]:
     """Follow the machine through one operation after the other; return how far it came, and the verdict."""
+    if not options.hal:
+        positions = None if options.simulate else Positions(options.positions)
+        return _through(options, board, operations, positions, page)
+    pins = HalPositions()
+    try:
+        return _through(options, board, operations, pins, page)
+    finally:
+        pins.close()
+
+
+def _through(
+    options: argparse.Namespace, board: Board, operations: Sequence[_Operation],
+    positions: Source | None, page: Page | None,
+) -> tuple[Followed, str]:  # fmt: skip
     done = Followed()
-    positions = None if options.simulate else Positions(options.positions)
     for number, one in enumerate(operations):
         scene = one.scene
         with progress_bar("facets loaded", len(scene.a) + len(scene.b)) as progress:
@@ -242,13 +281,49 @@ def _follow(
             if not _come_to_start(board, positions, one.tool, follower if number else None):
                 return done, "ended"
         ends = one is operations[-1]
-        done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends))
+        if page is not None:
+            page.show(*_shown(options, one))
+        seen = _told_to(page, positions, scene, follower, done.asked)
+        done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends, seen))
         if done.near or not follower.at_the_end:
             return done, "near" if done.near else "ended"
     return done, "followed"
 
 
-def _come_to_start(board: Board, positions: Positions, tool: Tool, follower: Follower | None) -> bool:
+def _shown(options: argparse.Namespace, one: _Operation) -> tuple[Facets, Facets, NDArray[np.float64], str]:
+    """Return what a page shows of an operation: in millimetres, in the program's frame."""
+    scale = float(options.scale)
+    places = [one.pieces[0].start, *(piece.end for piece in one.pieces)]
+    ends = np.array([_millimetres(one.scene, place) for place in places])
+    title = f"{one.tool.name} along {one.scene.program.path.name}"
+    return one.tool.mesh.facets * scale, one.work.facets * scale, ends, title
+
+
+def _millimetres(scene: PathScene, place: GridPoint) -> list[float]:
+    return [float(c * scene.wanted.scale) for c in scene.path.position(place)]
+
+
+def _told_to(
+    page: Page | None, positions: Source | None, scene: PathScene, follower: Follower, asked: int
+) -> Seen:
+    """Return what tells a page, and a pin, of each answer; ``asked``: how many there were before."""
+
+    def seen(number: int, hold: int, clear: bool, lag: float) -> None:
+        nonlocal asked
+        asked += 1
+        if isinstance(positions, HalPositions):
+            positions.said(clear)
+        if page is not None:
+            page.tell(
+                position=_millimetres(scene, follower.place), line=follower.pieces[number].line, hold=hold,
+                verdict="clear" if clear else "near", lag=round(1000 * lag, 1), asked=asked,
+                permitted=max(follower.permitted, number + clear),
+            )  # fmt: skip
+
+    return seen
+
+
+def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follower | None) -> bool:
     """Wait until there is a position, and for a follower one of that tool where its first piece may begin.
 
     Returns whether there is one. A board that hears nothing gives no go; until it is asked it says stop.
@@ -273,7 +348,7 @@ def _come_to_start(board: Board, positions: Positions, tool: Tool, follower: Fol
     return True
 
 
-def _with_tool(positions: Positions, tool: Tool) -> Report:
+def _with_tool(positions: Source, tool: Tool) -> Report:
     """Return the last position; raise InputError where it is of another tool."""
     here = positions.report()
     if here is not None and tool.number and positions.tool not in (None, tool.number):

@@ -187,6 +187,11 @@ class Follower:
         self._slack = Rational(max(move.slack for move in scene.program.moves) / scene.wanted.resolution)
 
     @property
+    def place(self) -> GridPoint:
+        """Return where the tool was last."""
+        return self._place
+
+    @property
     def at_the_end(self) -> bool:
         """Return whether the tool is at the end of the path, and has no piece before it that is elsewhere."""
         rest = self.pieces[self._first :]
@@ -291,6 +296,8 @@ class Followed:
         self.longest_lag = max(self.longest_lag, other.longest_lag)
 
 
+# Of an answer: the number of its piece, the hold in milliseconds, whether it is clear, the lag in seconds.
+Seen = Callable[[int, int, bool, float], None]
 # Where the tool is, in millimetres, and at which second of `now` it was so; None: the machine has ended.
 Report = tuple[Vector, float] | None
 # So many times the hold that is aimed at is permitted ahead.
@@ -306,14 +313,16 @@ def follow(
     now: Callable[[], float],
     longest: int,
     ends: bool = True,
+    seen: Seen = lambda *_: None,
 ) -> Followed:
     """Have a machine permitted piece by piece, until it ends or a piece is near.
 
     Where it does not end here, as another part of the program follows, until it is at the end of this one.
 
     ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
-    aimed at, in milliseconds, and never exceeded. Raises StrayedError, and LateError where an answer takes,
-    or could take, longer than the tool may stay, or longer than go is said for certain.
+    aimed at, in milliseconds, and never exceeded; ``seen`` is told of each answer. Raises StrayedError, and
+    LateError where an answer takes, or could take, longer than the tool may stay, or longer than go is said
+    for certain.
     """
     done = Followed()
     # Until when the last answer counts at least.
@@ -342,6 +351,7 @@ def follow(
         clear = permit(piece.sample, piece.margin, hold)
         lag = now() - since
         done.asked += 1
+        seen(number, hold, clear, lag)
         done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)
         if not clear:
             done.permitted, done.near = follower.permitted, piece

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from triaxis.golden.errors import InputError
 from triaxis.host import scenes
@@ -21,9 +22,11 @@ from triaxis.host.cli import follow as follow_module
 from triaxis.host.cli import main
 from triaxis.host.cli.engine import checkout_id
 from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.link import hal as hal_module
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError
+from triaxis.host.link.hal import HalPositions
 from triaxis.host.motion.follow import (
     LONGEST,
     Follower,
@@ -483,3 +486,116 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
         ):
             assert what in run(option, "0")[1].err
     assert top.stop
+
+
+class Machine:
+    """Another component of HAL, whose pins are netted to ours."""
+
+    def __init__(self, hal):
+        """Make it."""
+        self.hal, self.pins = hal, hal.component("machine")
+        kinds = {**dict.fromkeys("xyz", hal.HAL_FLOAT), "running": hal.HAL_BIT, "tool": hal.HAL_S32}
+        for name, kind in kinds.items():
+            self.pins.newpin(name, kind, hal.HAL_OUT)
+            hal.new_sig(f"from-{name}", kind)
+            hal.connect(f"machine.{name}", f"from-{name}")
+        self.pins.ready()
+
+    def net(self, *names):
+        """Net pins of ours to it."""
+        for name in names:
+            self.hal.connect(f"triaxis.{name}", f"from-{name}")
+
+
+@pytest.fixture
+def machine():
+    try:
+        hal = hal_module._hal()
+    except InputError as error:
+        pytest.skip(str(error))
+    # There is one HAL on a computer.
+    with FileLock(Path(tempfile.gettempdir()) / "triaxis-hal.lock"):
+        made = Machine(hal)
+        yield made
+        made.pins.exit()
+        # They are gone with the last component, but for those where a machine is running.
+        for name in ("x", "y", "z", "running", "tool"):
+            subprocess.run(["halcmd", "delsig", f"from-{name}"], check=False, capture_output=True)
+
+
+def test_positions_are_those_of_the_pins(machine):
+    """On the real HAL of LinuxCNC, where that is installed."""
+    pins = HalPositions()
+    try:
+        machine.net("x", "y", "z")
+        assert not pins.wait(0.01)
+        machine.net("running")
+        assert pins.wait(0) and pins.tool is None
+        machine.net("tool")
+        machine.pins["x"], machine.pins["z"], machine.pins["tool"] = 1.25, 40.0, 3
+        position, since = pins.report()
+        assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
+        pins.said(True)
+        assert machine.hal.get_value("triaxis.go") is True
+        machine.pins["running"] = True
+        assert pins.report()
+        machine.pins["running"] = False
+        assert pins.report() is None
+        machine.pins["running"], machine.pins["y"] = True, float("nan")
+        with pytest.raises(InputError, match="no number"):
+            pins.report()
+        machine.hal.disconnect("machine.x")
+        with pytest.raises(InputError, match=r"triaxis\.x: nothing writes this pin any more"):
+            pins.report()
+        with pytest.raises(InputError, match="no component triaxis"):
+            HalPositions()
+    finally:
+        pins.close()
+
+
+def test_without_linuxcnc_it_says_so(monkeypatch):
+    def absent(_):
+        raise ModuleNotFoundError("No module named 'hal'")
+
+    monkeypatch.setattr(hal_module, "import_module", absent)
+    with pytest.raises(InputError, match="install linuxcnc-uspace"):
+        HalPositions()
+
+
+@pytest.mark.simulator
+def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsys, monkeypatch):
+    tool, work, program = (tmp_path / name for name in ("t.stl", "w.stl", "p.nc"))
+    scenes.write_stl(tool, TOOL)
+    scenes.write_stl(work, FLOOR)
+    program.write_text("G21 G90 G61\nG0 X10\nG1 X20 F1000\n")
+    ticks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400, sleep=lambda _: None)
+    for module in (follow_module, hal_module):
+        monkeypatch.setattr(module, "time", clock)
+    places = iter([*range(0, 21, 2), *[20] * 4])
+    go = []
+
+    class Stepped(HalPositions):
+        """The machine goes on a step whenever it is looked at, and runs until it is at the end."""
+
+        def __init__(self):
+            """Net all pins that are wanted."""
+            super().__init__()
+            machine.net("x", "y", "z", "running")
+            machine.pins["z"] = 40.0
+
+        def report(self):
+            """Go on."""
+            place = next(places, None)
+            machine.pins["running"] = place is not None
+            machine.pins["x"] = 20.0 if place is None else float(place)
+            go.append(machine.hal.get_value("triaxis.go"))
+            return super().report()
+
+    monkeypatch.setattr(follow_module, "HalPositions", Stepped)
+    with ServedBoard(top, Wire()) as served:
+        arguments = [str(tool), str(work), str(program), "--port", served.path, "--hal", "--skip-self-test"]
+        arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
+        assert main(["board", "follow", *arguments, "--surfaces-only"]) == 0
+    assert "FOLLOWED: to the end of the program" in capsys.readouterr().out
+    assert go[0] is False and go[1:] == [True] * (len(go) - 1)

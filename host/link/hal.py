@@ -1,0 +1,106 @@
+"""Where the tool is by LinuxCNC's HAL: a component whose pins a machine's own .hal file nets.
+
+    loadusr -Wn triaxis triaxis board follow .. --hal
+    net x-pos => triaxis.x          float, in: where the tool is, in the frame of WORK.stl, in mm
+    net y-pos => triaxis.y
+    net z-pos => triaxis.z
+    net tool <= iocontrol.0.tool-number => triaxis.tool          s32, in: which one is in the spindle
+    net running <= halui.program.is-running => triaxis.running   bit, in: false after true is the end
+    triaxis.go                      bit, out: what the last answer said; the board's own output is what stops
+
+A pin that nothing writes reads 0: until x, y, z and running are netted, there is no position, and no go.
+"""
+
+import sys
+import time
+from fractions import Fraction
+from importlib import import_module
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.host.motion.follow import Report
+from triaxis.host.quantise import vector
+
+NAME = "triaxis"
+# Where Debian has LinuxCNC's modules; of its own Python alone.
+_DEBIAN = "/usr/lib/python3/dist-packages"
+_WANTED = ("x", "y", "z", "running")
+_LOOK_SECONDS = 0.005
+
+
+def _hal() -> Any:
+    """Import LinuxCNC's module; raise InputError where it is not there, or is of another Python."""
+    sys.path.append(_DEBIAN)
+    try:
+        return import_module("hal")
+    except ImportError as error:
+        raise InputError(
+            f"--hal: LinuxCNC's Python module is not found ({error}): install linuxcnc-uspace, and make "
+            ".venv with the Python that it is for; or give positions in lines"
+        ) from error
+    finally:
+        sys.path.remove(_DEBIAN)
+
+
+class HalPositions:
+    """The position that the pins have when it is asked for; of `follow.Positions` the form."""
+
+    def __init__(self) -> None:
+        """Make the component; raise InputError where HAL is not running, or has one of that name."""
+        self._module = _hal()
+        kinds = self._module
+        try:
+            self._component = kinds.component(NAME)
+            for name in "xyz":
+                self._component.newpin(name, kinds.HAL_FLOAT, kinds.HAL_IN)
+            self._component.newpin("tool", kinds.HAL_S32, kinds.HAL_IN)
+            self._component.newpin("running", kinds.HAL_BIT, kinds.HAL_IN)
+            self._component.newpin("go", kinds.HAL_BIT, kinds.HAL_OUT)
+            self._component.ready()
+        except Exception as error:
+            raise InputError(
+                f"--hal: no component {NAME}: {error}: load it from the machine's .hal file, once"
+            ) from error
+        self._has_run = False
+
+    @property
+    def tool(self) -> int | None:
+        """Return the number of the tool in the spindle; None where that is not netted."""
+        return int(self._component["tool"]) if self._netted("tool") else None
+
+    def _netted(self, name: str) -> bool:
+        return bool(self._module.pin_has_writer(f"{NAME}.{name}"))
+
+    def wait(self, seconds: float) -> bool:
+        """Return whether all pins that are needed are netted within a time."""
+        until = time.monotonic() + seconds
+        while not all(map(self._netted, _WANTED)):
+            if time.monotonic() > until:
+                return False
+            time.sleep(_LOOK_SECONDS)
+        return True
+
+    def report(self) -> Report:
+        """Return the position now; None once the program has run and does so no more.
+
+        Raises InputError where a pin is not netted any more.
+        """
+        if missing := [name for name in _WANTED if not self._netted(name)]:
+            raise InputError(f"{NAME}.{missing[0]}: nothing writes this pin any more: the machine is stopped")
+        since = time.monotonic()
+        running = bool(self._component["running"])
+        if self._has_run and not running:
+            return None
+        self._has_run |= running
+        try:
+            return vector(Fraction(self._component[name]) for name in "xyz"), since
+        except (ValueError, OverflowError) as error:
+            raise InputError(f"{NAME}: a position that is no number: the machine is stopped") from error
+
+    def said(self, go: bool) -> None:
+        """Show on the pin what the last answer was."""
+        self._component["go"] = go
+
+    def close(self) -> None:
+        """Take the component away."""
+        self._component.exit()

@@ -1,0 +1,193 @@
+"""The page that shows a machine while it is followed: what it serves, and what a browser makes of it."""
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from triaxis.golden.errors import InputError
+from triaxis.host import page as page_module
+from triaxis.host.page import Page, line_of, mesh_of
+from triaxis.host.scenes import scenes
+
+pytest.importorskip("plotly", reason="plotly is not installed: the page is not tried")
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+ENDS = np.array([[0.0, 0, 30], [10, 0, 30], [10, 20, 30], [10, 20, 10]])
+
+
+@pytest.fixture
+def page():
+    made = Page(0)
+    scene = scenes()[0]
+    made.show(scene.a, scene.b, ENDS, "tool along part.nc")
+    return made
+
+
+def clear(page, number, **changes):
+    told = {"line": 5 + number, "hold": 60_000, "verdict": "clear", "lag": 2.5, "asked": number + 1}
+    place = {"position": ENDS[number].tolist(), "permitted": number + 1}
+    page.tell(**{**told, **place, **changes})
+
+
+def states(page, count):
+    """Return the next states that a browser is sent."""
+    found = []
+    with urllib.request.urlopen(page.address + "states") as events:
+        while len(found) < count:
+            line = events.readline()
+            if line.startswith(b"data: "):
+                found.append(json.loads(line[6:]))
+    return found
+
+
+def test_a_mesh_is_the_same_in_the_form_of_plotly():
+    facets = scenes()[0].a
+    made = mesh_of(facets)
+    vertices = np.stack([made[c] for c in "xyz"], 1)
+    assert len(vertices) < 3 * len(facets)
+    numbers = np.stack([made[c] for c in "ijk"], 1)
+    assert np.array_equal(vertices[numbers], facets.astype(np.float64))
+    assert line_of(ENDS)["y"] == [0, 0, 20, 20]
+
+
+def test_what_is_served(page):
+    with urllib.request.urlopen(page.address) as answer:
+        text = answer.read().decode()
+        assert answer.headers["Content-Type"].startswith("text/html")
+    # Nothing of another address.
+    assert "http://" not in text and "https://" not in text
+    with urllib.request.urlopen(page.address + "plotly.js") as answer:
+        assert b"Plotly" in answer.read()
+    with urllib.request.urlopen(page.address + "scene") as answer:
+        scene = json.load(answer)
+    assert scene["title"] == "tool along part.nc" and len(scene["path"]["x"]) == len(ENDS)
+    with pytest.raises(urllib.error.HTTPError, match="404"):
+        urllib.request.urlopen(page.address + "etc/passwd")
+    assert page.address.startswith("http://127.0.0.1:")
+
+
+def test_the_newest_state_is_sent_and_how_old_it_is(page, monkeypatch):
+    monkeypatch.setattr(page_module, "_QUIET_SECONDS", 0.05)
+    clear(page, 0)
+    clear(page, 1)
+    found = states(page, 3)
+    assert [state["line"] for state in found] == [6] * 3 and found[0]["pieces"] == 3
+    assert all(one["age"] <= other["age"] for one, other in pairwise(found))
+
+
+def test_what_cannot_be_served_is_told(page, monkeypatch):
+    for port in (int(page.address.rsplit(":", 1)[1].strip("/")), 70_000):
+        with pytest.raises(InputError, match=f"--page {port}: .*name another"):
+            Page(port)
+
+    def absent(_):
+        raise ModuleNotFoundError
+
+    monkeypatch.setattr(page_module, "import_module", absent)
+    with pytest.raises(InputError, match="pip install plotly"):
+        Page(0)
+
+
+class Browser:
+    """A browser without a window, asked over a pipe by Chromium's own protocol."""
+
+    def __init__(self, folder, address):
+        """Open an address."""
+        to, back = os.pipe(), os.pipe()
+        options = "--headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader"
+        command = (
+            f"exec {CHROMIUM} {options} --user-data-dir={folder} --remote-debugging-pipe about:blank "
+            f"3<&{to[0]} 4>&{back[1]}"
+        )
+        self._process = subprocess.Popen(
+            ["bash", "-c", command], pass_fds=(to[0], back[1]), stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        os.close(to[0])
+        os.close(back[1])
+        self._to, self._back, self._rest = to[1], back[0], b""
+        self._number, self._session = 0, {}
+        target = self._ask("Target.createTarget", url=address)["targetId"]
+        session = self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self._session = {"sessionId": session}
+
+    def _ask(self, method, **parameters):
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters, **self._session}
+        os.write(self._to, json.dumps(message).encode() + b"\0")
+        while True:
+            while b"\0" not in self._rest:
+                part = os.read(self._back, 1 << 16)
+                assert part, "the browser has ended"
+                self._rest += part
+            one, self._rest = self._rest.split(b"\0", 1)
+            answer = json.loads(one)
+            if answer.get("id") == self._number:
+                return answer["result"]
+
+    def value(self, expression):
+        """Return the value of an expression of the page, None where there is none."""
+        return self._ask("Runtime.evaluate", expression=expression, returnByValue=True)["result"].get("value")
+
+    def until(self, expression, wanted):
+        """Wait until an expression has a value: against hanging alone, for minutes."""
+        for _ in range(1200):
+            if self.value(expression) == wanted:
+                return
+            time.sleep(0.1)
+        raise AssertionError(f"{expression}: {self.value(expression)}, not {wanted}")
+
+    def picture(self):
+        """Return a PNG of what is seen."""
+        return base64.b64decode(self._ask("Page.captureScreenshot")["data"])
+
+    def end(self):
+        """End it."""
+        self._process.kill()
+        self._process.wait()
+        os.close(self._to)
+        os.close(self._back)
+
+
+@pytest.mark.simulator
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed: no browser shows the page")
+def test_a_browser_shows_go_stop_and_the_scene(page, tmp_path):
+    browser = Browser(tmp_path, page.address)
+
+    def text(name):
+        return f"document.getElementById('{name}')?.textContent"
+
+    try:
+        browser.until(text("output"), "waiting")
+        clear(page, 1)
+        browser.until(text("output"), "GO")
+        browser.until(text("position"), "10.000  0.000  30.000")
+        browser.until(text("permitted"), "2 of 3")
+        browser.until("document.getElementById('output').getAttribute('role')", "status")
+        # The picture has come so far: the tool at that place, and two pieces of path.
+        part = "document.getElementById('view').data"
+        browser.until(f"{part}?.[3]?.x?.length", 3)
+        lowest = f"Math.min(...{part}[1].z)"
+        browser.until(lowest, float(scenes()[0].a[..., 2].min() + 30))
+        clear(page, 2, verdict="near", permitted=2)
+        browser.until(text("output"), "STOP")
+        browser.until(text("why"), "what comes next is near")
+        browser.until(f"{part}[1].color", "#b3363b")
+        page.tell(verdict="clear", stopped="position '0 0': must be X Y Z")
+        browser.until(text("why"), "position '0 0': must be X Y Z")
+        assert browser.picture().startswith(b"\x89PNG")
+        # What is not renewed has ended.
+        page.tell(stopped=None, hold=1)
+        browser.until(text("why"), "go has not been renewed")
+        page.tell(hold=60_000)
+        browser.until(text("output"), "GO")
+    finally:
+        browser.end()
