@@ -1,8 +1,9 @@
 """``triaxis path``: does a tool stay clear of a workpiece all along a program of moves?"""
 
 import argparse
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,32 +21,27 @@ from triaxis.host.cli.check import (
 )
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.enclosure import State
-from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine, unwatched
-from triaxis.host.euclidean import ROOT_3
+from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
 from triaxis.host.motion.contact import NOT_TRACKED, Rule, Setup, rules_of
 from triaxis.host.motion.kinematics import LINEAR, ROTARY
-from triaxis.host.motion.machine import Machine, Tool, read_machine
+from triaxis.host.motion.machine import Machine, Tool
+from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import Effort, PathResult, check_path
-from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.motion.path_check import Effort, PathResult
+from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
+from triaxis.host.motion.rule_check import RuleCheck, check_rule
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
-from triaxis.host.scene import AUTOMATIC_WIDTHS
 from triaxis.host.stl import StlMesh, read_stl
 
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
 _PLACES = 200
-# Bits of the grid's width that a part of a turn takes at most, less than all.
-_COARSE_BITS = 4
-# Of one move between two objects: against a check that does not end.
-_MOST_PIECES = 20_000
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
@@ -145,7 +141,7 @@ def run(options: argparse.Namespace) -> int:
     for tool, part, stock in zip(tools, parts, _stocks(options, len(parts)), strict=True):
         first = sum(len(before.moves) for before in parts[: len(operations)])
         operations.append(rules_of(Setup(tool, work, stock, machine, options.scale), part, first))
-    checked: list[_Checked] = []
+    checked: list[RuleCheck] = []
     total = sum(len(rule.numbers) for rules in operations for rule in rules)
     with board_of(options) as board, progress_bar("moves", total) as progress:
         for tool, rules in zip(tools, operations, strict=True):
@@ -159,7 +155,7 @@ def run(options: argparse.Namespace) -> int:
     notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
         report = _report(scene, options, first, replace(program, notes=notes), profile)
-        report |= {"tools": [one.entry for one in checked]}
+        report |= {"tools": [_entry(one) for one in checked]}
         if board is not None:
             report |= self_tested(options)
         write_report(options.json, report)
@@ -197,45 +193,7 @@ def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path
     return [stocks[k % len(stocks)] if stocks else None for k in range(count)]
 
 
-@dataclass(frozen=True)
-class _Checked:
-    """What must stay clear of what on a part of the program, and what came of it.
-
-    ``scene``: of the last of its pieces; ``engine``: for poses that decide nothing; ``band``: how far beyond
-    the clearance a false alarm can be, in millimetres.
-    """
-
-    tool: Tool
-    rule: Rule
-    result: PathResult
-    scene: PathScene
-    engine: SceneEngine
-    band: Fraction
-
-    @property
-    def near_at(self) -> int | None:
-        """Return the move of the whole program where it is near, if it is."""
-        near, inside = self.result.near, self.result.insides.state == State.INSIDE
-        found = [self.result.asked_at] * inside + ([] if near is None else [near.move])
-        return self.rule.numbers[min(found)] if found else None
-
-    @property
-    def entry(self) -> dict[str, Any]:
-        """Return what a report says of it."""
-        return {
-            "number": self.tool.number,
-            "name": self.tool.name,
-            "what": self.rule.names[0],
-            "of": self.rule.names[1],
-            "moves": len(self.rule.program.moves),
-            "verdict": self.result.verdict,
-            "facets": len(self.scene.a),
-            "levels": self.result.levels,
-            "effort": _effort_entry(self.result.effort),
-        }
-
-
-def _decisive(checked: list[_Checked]) -> _Checked:
+def _decisive(checked: list[RuleCheck]) -> RuleCheck:
     near = [one for one in checked if one.near_at is not None]
     if near:
         return min(near, key=lambda one: one.near_at or 0)
@@ -244,77 +202,37 @@ def _decisive(checked: list[_Checked]) -> _Checked:
 
 def _operation(
     options: argparse.Namespace, board: Board | None, tool: Tool, rules: list[Rule], progress: Progress
-) -> list[_Checked]:
+) -> list[RuleCheck]:
     """Check what must hold with one tool, each thing as far as the first move that is near by another."""
-    checked: list[_Checked] = []
+    checked: list[RuleCheck] = []
     for rule in rules:
         ends = [one.near_at for one in checked if one.near_at is not None]
         part = rule.until(min(ends)) if ends else rule
         if part is not None:
-            checked.append(_check(options, board, tool, part, progress))
+            found = check_rule(
+                tool, part, _wanted(options, board), partial(_engines, options, board), progress,
+                options.surfaces_only, board is not None,
+            )  # fmt: skip
+            checked.append(found)
     return checked
 
 
-def _check(
-    options: argparse.Namespace, board: Board | None, tool: Tool, rule: Rule, progress: Progress
-) -> _Checked:
-    """Check all pieces of a path, as far as the first that is not clear.
-
-    A part of a turn is cut in halves where it is near, until no point is off by more than half a step.
-    """
+def _wanted(options: argparse.Namespace, board: Board | None) -> Wanted:
     step = _STEPS * options.resolution if options.step is None else options.step
-    wanted = Wanted(
-        options.clearance,
-        options.resolution,
-        step,
-        options.scale,
-        width_of(options, board),
+    return Wanted(
+        options.clearance, options.resolution, step, options.scale, width_of(options, board),
         options.distance == EUCLIDEAN,
-    )
-    coarse = max(step / 2, options.resolution * (1 << (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS))
-    whole, turned, checked, pieces, band = PathResult(), -1, None, 0, Fraction(0)
-    for found in rule.pieces(coarse):
-        pieces = pieces if found.first == turned else 0
-        pending = [found]
-        while pending:
-            piece = pending.pop()
-            scene = prepare_path(
-                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
-            )
-            engine = BULK if board else options.engine
-            # A board is not asked at poses that are only looked at, for bounds of the clearance.
-            others = scene_engine(engine, scene.a, scene.b, scene.grid.width)
-            asked = (
-                BoardEngine(board, scene.a, scene.b)
-                if board
-                else by_distance(options, scene.a, scene.b, others)
-            )
-            watched = unwatched if piece.swept else progress
-            result = check_path(scene, asked, watched, options.surfaces_only, board is not None)
-            pieces += 1
-            if pieces > _MOST_PIECES:
-                raise InputError(
-                    f"{rule.program.path}: line {piece.program[0].line}: undecided after {_MOST_PIECES} "
-                    'parts of its turn: give rapids = "straight" in the machine file, or a coarser --step'
-                )
-            undecided = result.near is not None or result.verdict == "unknown"
-            if undecided and piece.swept > step / 2:
-                whole.effort.join(result.effort)
-                pending += reversed(piece.halves())
-                continue
-            near = result.near and piece.found(result.near)
-            whole.join(replace(result, near=near), piece.first)
-            # Nothing near counts where points are off by more than half a step: that is cut in halves.
-            less = max(Fraction(0), piece.swept - step / 2) * (ROOT_3 if wanted.euclidean else 1)
-            band = max(band, scene.band - less)
-            checked = _Checked(tool, rule, whole, scene, others, band)
-            if result.verdict != "clear":
-                return checked
-        if found.swept and found.first != turned:
-            progress(1)
-            turned = found.first
-    assert checked is not None
-    return checked
+    )  # fmt: skip
+
+
+def _engines(
+    options: argparse.Namespace, board: Board | None, scene: PathScene
+) -> tuple[SceneEngine, SceneEngine]:
+    """Return who decides, and who is asked at poses that decide nothing, which no board is."""
+    others = scene_engine(BULK if board else options.engine, scene.a, scene.b, scene.grid.width)
+    if board is not None:
+        return BoardEngine(board, scene.a, scene.b), others
+    return by_distance(options, scene.a, scene.b, others), others
 
 
 def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
@@ -327,7 +245,7 @@ def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine)
 
 
 def _report(
-    scene: PathScene, options: argparse.Namespace, checked: _Checked, program: Program, profile: _Profile
+    scene: PathScene, options: argparse.Namespace, checked: RuleCheck, program: Program, profile: _Profile
 ) -> dict[str, Any]:
     """Return everything that is known of a checked path; lengths of the path in millimetres.
 
@@ -368,6 +286,22 @@ def _report(
     }
 
 
+def _entry(checked: RuleCheck) -> dict[str, Any]:
+    """Return what a report says of one thing that was checked."""
+    rule, result = checked.rule, checked.result
+    return {
+        "number": checked.tool.number,
+        "name": checked.tool.name,
+        "what": rule.names[0],
+        "of": rule.names[1],
+        "moves": len(rule.program.moves),
+        "verdict": result.verdict,
+        "facets": len(checked.scene.a),
+        "levels": result.levels,
+        "effort": _effort_entry(result.effort),
+    }
+
+
 def _effort_entry(effort: Effort) -> dict[str, Any]:
     """Return what the engine did, summed over poses; runs stopped at a near pair left pairs out."""
     return {
@@ -377,7 +311,7 @@ def _effort_entry(effort: Effort) -> dict[str, Any]:
     }
 
 
-def _print_scene(checked: _Checked) -> None:
+def _print_scene(checked: RuleCheck) -> None:
     scene, rule = checked.scene, checked.rule
     program, wanted, grid = rule.program, scene.wanted, scene.grid
     what, of = (name.removeprefix("the ") for name in rule.names)
@@ -389,7 +323,7 @@ def _print_scene(checked: _Checked) -> None:
     )
 
 
-def _print_objects(checked: list[_Checked]) -> None:
+def _print_objects(checked: list[RuleCheck]) -> None:
     """Print what was done for each two objects of a machine."""
     effort = Effort()
     for one in checked:
@@ -420,7 +354,7 @@ def _print_effort(result: PathResult) -> None:
         )
 
 
-def _print_verdict(checked: _Checked, several: bool) -> None:
+def _print_verdict(checked: RuleCheck, several: bool) -> None:
     """Print it; ``several``: things were checked, of which this one decides."""
     result, names, scene = checked.result, checked.rule.names, checked.scene
     clearance = f"{float(scene.wanted.clearance):g} mm"

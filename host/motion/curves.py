@@ -282,7 +282,10 @@ def nurbs(
     direction, or one that two arcs do not follow.
     """
     last = len(points) - order + 1
-    held = tuple((*(float(c * w) for c in p), float(w)) for p, w in zip(points, weights, strict=True))
+    held = tuple(
+        (float(x * w), float(y * w), float(z * w), float(w))
+        for (x, y, z), w in zip(points, weights, strict=True)
+    )
     whole = Nurbs(points[0], points[-1], Fraction(0), SLACK, held, order, (0.0, float(last)))
     steps = 4 * len(points)
     places = [last * k / steps for k in range(steps + 1)]

@@ -11,7 +11,7 @@ from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import scene_engine
 from triaxis.host.motion.contact import Setup, rules_of
-from triaxis.host.motion.machine import read_machine
+from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import _near_at, check_path
 from triaxis.host.motion.path_scene import Wanted, prepare_path

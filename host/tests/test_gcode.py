@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.host.motion.curves import SLACK
-from triaxis.host.motion.machine import Machine, read_machine
+from triaxis.host.motion.machine import Machine
+from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.motion.words import TAKERS, WHY_REFUSED

@@ -13,9 +13,10 @@ import pytest
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.host import scenes
-from triaxis.host.cli import main, path
+from triaxis.host.cli import main
+from triaxis.host.motion import rule_check
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
-from triaxis.host.motion.machine import read_machine
+from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
@@ -397,7 +398,7 @@ def test_what_does_not_turn_is_refused(checked, program, why):
 
 
 def test_what_is_undecided_is_said(checked, monkeypatch):
-    monkeypatch.setattr(path, "_MOST_PIECES", 9)
+    monkeypatch.setattr(rule_check, "_MOST_PIECES", 9)
     status, said, _ = checked(MILL, "G0 Z60\nX-9 C45")
     assert status == 2 and "line 3: undecided after 9 parts of its turn" in said
     for word in (("--picture", "p.png"), ("--profile", "5")):

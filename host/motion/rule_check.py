@@ -1,0 +1,97 @@
+"""Whether two objects stay clear of each other on a part of a program: the pieces of it, checked in turn.
+
+A part of a turn is cut in halves where it is near, until no point is off by more than half a step.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from triaxis.golden.errors import InputError
+from triaxis.host.enclosure import State
+from triaxis.host.engines import Progress, SceneEngine, unwatched
+from triaxis.host.euclidean import ROOT_3
+from triaxis.host.motion.contact import Rule
+from triaxis.host.motion.machine import Tool
+from triaxis.host.motion.path_check import PathResult, check_path
+from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.scene import AUTOMATIC_WIDTHS
+
+# Bits of the grid's width that a part of a turn takes at most, less than all.
+_COARSE_BITS = 4
+# Of one move between two objects: against a check that does not end.
+_MOST_PIECES = 20_000
+
+# Of a scene the engine that decides, and one for poses that are only looked at, for bounds of the clearance.
+Engines = Callable[[PathScene], tuple[SceneEngine, SceneEngine]]
+
+
+@dataclass(frozen=True)
+class RuleCheck:
+    """What must stay clear of what on a part of the program with one tool, and what came of it.
+
+    ``scene``: of the last of its pieces; ``engine``: for poses that decide nothing; ``band``: how far beyond
+    the clearance a false alarm can be, in millimetres.
+    """
+
+    tool: Tool
+    rule: Rule
+    result: PathResult
+    scene: PathScene
+    engine: SceneEngine
+    band: Fraction
+
+    @property
+    def near_at(self) -> int | None:
+        """Return the move of the whole program where it is near, if it is."""
+        near, inside = self.result.near, self.result.insides.state == State.INSIDE
+        found = [self.result.asked_at] * inside + ([] if near is None else [near.move])
+        return self.rule.numbers[min(found)] if found else None
+
+
+def check_rule(
+    tool: Tool, rule: Rule, wanted: Wanted, engines: Engines, progress: Progress, surfaces_only: bool,
+    asked_again: bool,
+) -> RuleCheck:  # fmt: skip
+    """Check all pieces of a path, as far as the first that is not clear.
+
+    ``surfaces_only``, ``asked_again``: see `check_path`. Raises InputError where a turn stays undecided.
+    """
+    step = wanted.step
+    coarse = max(step / 2, wanted.resolution * (1 << (wanted.width or AUTOMATIC_WIDTHS[0]) - _COARSE_BITS))
+    whole, turned, checked, pieces, band = PathResult(), -1, None, 0, Fraction(0)
+    for found in rule.pieces(coarse):
+        pieces = pieces if found.first == turned else 0
+        pending = [found]
+        while pending:
+            piece = pending.pop()
+            scene = prepare_path(
+                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
+            )
+            asked, others = engines(scene)
+            watched = unwatched if piece.swept else progress
+            result = check_path(scene, asked, watched, surfaces_only, asked_again)
+            pieces += 1
+            if pieces > _MOST_PIECES:
+                raise InputError(
+                    f"{rule.program.path}: line {piece.program[0].line}: undecided after {_MOST_PIECES} "
+                    'parts of its turn: give rapids = "straight" in the machine file, or a coarser --step'
+                )
+            undecided = result.near is not None or result.verdict == "unknown"
+            if undecided and piece.swept > step / 2:
+                whole.effort.join(result.effort)
+                pending += reversed(piece.halves())
+                continue
+            near = result.near and piece.found(result.near)
+            whole.join(replace(result, near=near), piece.first)
+            # Nothing near counts where points are off by more than half a step: that is cut in halves.
+            less = max(Fraction(0), piece.swept - step / 2) * (ROOT_3 if wanted.euclidean else 1)
+            band = max(band, scene.band - less)
+            checked = RuleCheck(tool, rule, whole, scene, others, band)
+            if result.verdict != "clear":
+                return checked
+        if found.swept and found.first != turned:
+            progress(1)
+            turned = found.first
+    assert checked is not None
+    return checked
