@@ -8,6 +8,7 @@ import tempfile
 import threading
 import time
 from fractions import Fraction
+from functools import partial
 from itertools import count, pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -436,6 +437,24 @@ class Steps(follow_module.Positions):
         return position, follow_module.time.monotonic()
 
 
+class Shown:
+    """A page that keeps what it is told."""
+
+    address = "http://here/"
+
+    def __init__(self, shown, port):
+        """Begin."""
+        self._shown = shown
+
+    def show(self, tool, work, ends, title):
+        """Keep it."""
+        self._shown.append((tool, ends, title))
+
+    def tell(self, **changes):
+        """Keep it."""
+        self._shown.append(changes)
+
+
 def says_late(fifo):
     with fifo.open("w") as lines:
         time.sleep(2)
@@ -462,8 +481,20 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
             status = main(["board", "follow", *arguments, "--json", str(report), "--skip-self-test"])
             return status, capsys.readouterr()
 
-        status, said = run("--simulate", "--surfaces-only")
+        shown = []
+        monkeypatch.setattr(follow_module, "Page", partial(Shown, shown))
+        status, said = run("--simulate", "--surfaces-only", "--page", "0")
         assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
+        assert "page: http://" in said.out
+        (facets, ends, title), *told = shown
+        assert np.array_equal(facets, TOOL) and title == f"{tool} along {program.name}"
+        assert ends[0].tolist() == [0, 0, 40] and all(one["verdict"] == "clear" for one in told)
+        assert [one["asked"] for one in told] == [*range(1, len(told) + 1)]
+        assert told[-1]["permitted"] == len(ends) - 1 and told[-1]["position"] == pytest.approx([0, 0, 40])
+        positions.write_text("0 0 40\n0 0\n")
+        shown.clear()
+        run("--positions", str(positions), "--surfaces-only", "--page", "0")
+        assert "must be X Y Z" in shown[-1]["stopped"]
         positions.write_text("0 0 40\n0 0 39.5\n")
         status, said = run("--positions", str(positions), "--surfaces-only")
         assert status == 1 and "ENDED: the positions ended before the program did" in said.out

