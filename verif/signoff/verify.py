@@ -40,7 +40,8 @@ def sha256(path: Path) -> str:
 
 def files(folder: Path) -> Iterator[str]:
     """Return what is not as SHA256SUMS has it."""
-    listed = dict(reversed(line.split("  ", 1)) for line in (folder / "SHA256SUMS").read_text().splitlines())
+    lines = (line.partition("  ") for line in (folder / "SHA256SUMS").read_text().splitlines())
+    listed = {name: digest for digest, _, name in lines}
     there = {str(path.relative_to(folder)): path for path in folder.rglob("*") if not path.is_dir()}
     for name in sorted(listed.keys() | there.keys() - {"SHA256SUMS"}):
         if name not in there:
