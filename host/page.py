@@ -108,7 +108,7 @@ class Page:
                 self.end_headers()
 
             # Not among what the command prints.
-            def log_message(self, *_: object) -> None:
+            def log_message(self, format: str, *args: object) -> None:  # noqa: A002
                 return
 
         return Handler

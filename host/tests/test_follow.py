@@ -564,7 +564,9 @@ def test_positions_are_those_of_the_pins(machine):
         assert pins.wait(0) and pins.tool is None
         machine.net("tool")
         machine.pins["x"], machine.pins["z"], machine.pins["tool"] = 1.25, 40.0, 3
-        position, since = pins.report()
+        report = pins.report()
+        assert report
+        position, since = report
         assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
         pins.said(True)
         assert machine.hal.get_value("triaxis.go") is True

@@ -51,7 +51,8 @@ def verified(folder):
 def summed(folder, *names):
     """Have SHA256SUMS agree with files that were changed."""
     path = folder / "SHA256SUMS"
-    lines = dict(reversed(line.split("  ", 1)) for line in path.read_text().splitlines())
+    parts = (line.partition("  ") for line in path.read_text().splitlines())
+    lines = {name: digest for digest, _, name in parts}
     for name in names:
         lines[name] = hashlib.sha256((folder / name).read_bytes()).hexdigest()
     path.write_text("".join(f"{digest}  {name}\n" for name, digest in lines.items()))
