@@ -122,12 +122,14 @@ def _edges(triangle: Reals) -> tuple[Reals, Reals]:
 
 
 def _ipctk(a: Reals, b: Reals) -> Question:
+    """Each edge is asked both ways: the answers differ where it only just touches."""
     test = imported("ipctk").is_edge_intersecting_triangle
 
     def meet(one: Reals, other: Reals) -> bool:
         for edges, face in ((one, other), (other, one)):
-            if any(test(start, end, *face) for start, end in zip(*_edges(edges), strict=True)):
-                return True
+            for start, end in zip(*_edges(edges), strict=True):
+                if test(start, end, *face) or test(end, start, *face):
+                    return True
         return False
 
     return one_by_one(meet, list(zip(a, b, strict=True)))
@@ -226,10 +228,12 @@ TRIANGLE_WHEELS = (
 
 # These have no test of two triangles: the edges of each are asked against the other one.
 EDGE_WHEELS = (
-    Peer("IPC toolkit", "ipctk", "is_edge_intersecting_triangle, six times", _of("ipctk", "ipctk"), _ipctk),
+    Peer("IPC toolkit", "ipctk", "is_edge_intersecting_triangle, of six edges both ways",
+         _of("ipctk", "ipctk"), _ipctk),
     Peer("Embree", "embreex", "EmbreeScene.run, edges as rays",
          _of("embreex", "embreex.mesh_construction"), _embree),
-    Peer("Parry", "ncollpyde", "Volume.intersections of the edges", _of("ncollpyde", "ncollpyde"), _parry),
+    Peer("Parry, ncollpyde", "ncollpyde", "Volume.intersections of the edges",
+         _of("ncollpyde", "ncollpyde"), _parry),
 )  # fmt: skip
 
 MESH_WHEELS = (

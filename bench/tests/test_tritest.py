@@ -88,7 +88,8 @@ def test_each_number_of_a_proof_counts():
         assert why in (fault_of(case_of(" ".join(map(str, changed)))) or ""), (place, value)
     halved = [*numbers[:18], 2, 2, *numbers[20:]]
     assert "lowest terms" in (fault_of(case_of(" ".join(map(str, halved)))) or "")
-    for line in ("1 2 3", "x " * NUMBERS):
+    good = " ".join(map(str, numbers))
+    for line in ("1 2 3", "x " * NUMBERS, "+" + good, good.replace(" ", "  "), good.replace("4", "1_0")):
         with pytest.raises(SetError):
             case_of(line)
 
@@ -112,12 +113,18 @@ def test_a_set_that_was_changed_is_noticed(made, tmp_path, capsys):
     manifest.write_text(json.dumps(told))
     assert main(["tritest", "recheck", str(tmp_path)]) == 1
     assert f"{family.name}:3: " in capsys.readouterr().out
+    with pytest.raises(InputError, match=f"{family.name}:3: "):
+        read_set(tmp_path)
     # Another format, no families, fewer pairs than it says, another file than it has the hash of.
     for changes, why in (
         ({"format": 2}, "format 2"),
         ({"families": None}, "not a TriTest set"),
+        ({"format": True}, "format True"),
+        ({"families": told["families"][:1] * 2}, "not a TriTest set"),
+        ({"families": [{**told["families"][1], "name": "../outside"}]}, "not a TriTest set"),
+        ({"families": [{**told["families"][1], "pairs": float(PAIRS)}]}, "not a TriTest set"),
         ({"families": [{**told["families"][1], "pairs": PAIRS + 1}]}, f"set.json says {PAIRS + 1}"),
-        ({"families": [{**told["families"][1], "sha256": "0"}]}, "hash"),
+        ({"families": [{**told["families"][1], "sha256": "0" * 64}]}, "hash"),
     ):
         manifest.write_text(json.dumps({**told, **changes}))
         assert main(["tritest", "recheck", str(tmp_path)]) == 2
@@ -152,17 +159,23 @@ def test_scores_of_programs(made, asked, capsys, tmp_path):
     assert main(["tritest", "show", f"{name}:{PAIRS + 1}", str(made[0])]) == 2
 
 
-def test_a_program_that_ends_early_is_asked_about_the_next_family(asked):
-    dies = python("for n, line in enumerate(sys.stdin):", " if n == 20: sys.exit('boom')", " print(0)")
-    found = score(dies, asked[:3], lambda _: None)
-    # It gets through the first family, and then through 4 pairs of the second, and through the third.
-    tallies = [found.families[one.family.name].unanswered for one in asked[:3]]
-    assert tallies == [0, PAIRS - 4, 0]
-    assert found.ended == {asked[1].family.name: "exit code 1: boom"}
+def test_a_program_that_ends_early_is_asked_family_by_family(asked):
+    """It dies of a pair of the second, and loses what it had not yet written of that."""
+    worst = asked[1].questions[4]
+    lines = f"for line in sys.stdin: said.append('0') if line.strip() != {worst!r} else sys.exit('boom')"
+    dies = python("said = []", "try:", f" {lines}", "except SystemExit: sys.exit('boom')", "print(*said)")
+    found = score(dies, asked[:4], lambda _: None)
+    assert [found.families[one.family.name].unanswered for one in asked[:4]] == [PAIRS, PAIRS, 0, 0]
+    assert found.ended == {one.family.name: "exit code 1: boom" for one in asked[:2]}
+    flushed = python(
+        "for line in sys.stdin:", f" if line.strip() == {worst!r}: sys.exit(1)", " print(0, flush=True)"
+    )
+    found = score(flushed, asked[:4], lambda _: None)
+    assert [found.families[one.family.name].unanswered for one in asked[:4]] == [0, PAIRS - 4, 0, 0]
     short = score(python("print(0)"), asked[:1], lambda _: None)
     assert list(short.ended.values()) == ["ended after 1 answers"] and not short.all_right
     badly = score(python("for line in sys.stdin: print(1)", "sys.exit(3)"), asked[:2], lambda _: None)
-    assert list(badly.ended) == [asked[1].family.name]
+    assert badly.ended == {asked[1].family.name: "exit code 3: "} and not badly.all_right
 
 
 def test_what_is_no_answer_is_refused(asked):
@@ -174,6 +187,7 @@ def test_what_is_no_answer_is_refused(asked):
         with pytest.raises(InputError, match=why):
             score(program, asked[:1], lambda _: None)
     assert main(["tritest", "run", "--library", "none"]) == 2
+    assert main(["tritest", "run", "--command", "'"]) == 2
     assert main(["tritest", "run", "--command", ""]) == 2
 
 
@@ -211,4 +225,5 @@ def test_a_league_needs_right_answers_of_ours(asked):
     zeros = score(python("for line in sys.stdin: print(0)"), asked[:2], lambda _: None)
     none = score(python("for line in sys.stdin: print('?')"), asked[:2], lambda _: None)
     found = command.league_of(asked[:2], there, {OURS[0].name: zeros, OURS[1].name: none}, [])
-    assert [problem.partition(":")[0] for problem in found.problems] == ["Triaxis core", "2 libraries"]
+    problems = [problem.partition(":")[0] for problem in found.problems]
+    assert problems == ["Triaxis core", "Triaxis bulk", "2 libraries"]

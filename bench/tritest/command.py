@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from triaxis.bench.harness import FOLDER, Findings, report
-from triaxis.bench.peers.peer import Peer, present
+from triaxis.bench.peers.peer import Peer, PeerAbsentError, present
 from triaxis.bench.tritest.cases import makers, write_set
 from triaxis.bench.tritest.libraries import LIBRARIES, OURS, answer, named
 from triaxis.bench.tritest.recheck import SetError, case_of, families_of, lines_of, recheck
@@ -86,12 +86,13 @@ def add_run(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     if options.library is not None:
-        named(options.library).version()
+        try:
+            named(options.library).version()
+        except PeerAbsentError as error:
+            raise InputError(f"{options.library}: {error}") from error
         command = _answering(options.library)
     else:
-        command = shlex.split(options.command)
-        if not command:
-            raise InputError("--command: names no program")
+        command = _words(options.command)
     asked = _asked(options.folder)
     with progress_bar("families", len(asked)) as progress:
         found = score(command, asked, progress)
@@ -101,11 +102,23 @@ def _run(options: argparse.Namespace) -> int:
     Console(width=_WIDTH).print(rows)
     for name, how in found.ended.items():
         print(f"{name}: {how}")
+    if found.said and any(tally.unanswered for tally in found.kinds.values()):
+        print(f"its first error: {found.said}")
     if options.json:
         content = {"command": shlex.join(command), "passed": found.all_right, **told(found)}
         write_whole(options.json, json.dumps(content) + "\n")
     print("PASSED: every pair is right" if found.all_right else f"FAILED: {_failed(found)}")
     return DONE if found.all_right else NO
+
+
+def _words(text: str) -> list[str]:
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise InputError(f"--command {text}: {error}: correct it") from error
+    if not words:
+        raise InputError("--command: names no program")
+    return words
 
 
 def _answering(name: str) -> list[str]:
@@ -146,7 +159,8 @@ def add_show(parser: argparse.ArgumentParser) -> None:
     """Add what `tritest show` takes."""
     parser.description = "Print a pair of a set: its vertices, its distance, the proof."
     parser.add_argument("pair", metavar="FAMILY:NUMBER", help="as reports name it")
-    parser.add_argument("folder", type=Path, nargs="?", default=SET, metavar="SET", help=_ABOUT_SET)
+    about = "a set's folder (that which `tritest run` makes in build/)"
+    parser.add_argument("folder", type=Path, nargs="?", default=SET, metavar="SET", help=about)
     parser.set_defaults(run=_show)
 
 
@@ -197,18 +211,22 @@ def _league(folder: Path | None) -> Findings:
 def league_of(
     asked: list[Asked], there: list[tuple[Peer, str]], scores: dict[str, Score], notes: list[str]
 ) -> Findings:
-    """Return what is shown and written of a league: what ours answer must be right."""
+    """Return what is shown and written of a league: ours must be right, and answer what fits 32 bits."""
     pairs = sum(one.family.pairs for one in asked)
-    problems = [f"{one.name}: {_failed(scores[one.name])}" for one in OURS if any(scores[one.name].wrong)]
+    problems = [
+        f"{one.name}: {_failed(scores[one.name])}"
+        for one in OURS
+        if any(scores[one.name].wrong) or scores[one.name].kinds["float32"].unanswered
+    ]
     if len(there) < _LEAST:
         problems.append(f"{len(there)} libraries: {_LEAST} are wanted (`make peers`)")
     kinds = (f"{kind}: missed, false, unanswered" for kind in KINDS)
     title = "in percent; float32, float64: proper triangles that it holds; degenerate: segments, points"
-    rows = table(title, ("library", "version", *kinds, "families without a wrong one"), text=2)
-    best = sorted(there, key=lambda one: scores[one[0].name].wrong)
+    rows = table(title, ("library", "version", *kinds, "families all right"), text=2)
+    best = sorted(there, key=lambda one: scores[one[0].name].place)
     for library, found in best:
         one = scores[library.name]
-        right = sum(tally.wrong == 0 for tally in one.families.values())
+        right = sum(tally.right == tally.pairs for tally in one.families.values())
         rows.add_row(
             library.name, found, *(_shares(one.kinds[kind]) for kind in KINDS), f"{right} of {len(asked)}"
         )

@@ -5,6 +5,7 @@ order: 1 where both triangles have a point in common, 0 where not, ? where it ca
 any time until its input ends, and then ends itself with exit code 0.
 """
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from importlib.metadata import version
@@ -104,7 +105,8 @@ def _answers(ask: _Asked, pairs: Reals) -> Sequence[str]:
     try:
         return [COLLIDES if near else CLEAR for near in ask(pairs)]
     # Whatever it raises: it does not answer.
-    except Exception:
+    except Exception as error:
         if len(pairs) == 1:
+            print(f"{type(error).__name__}: {error}", file=sys.stderr)
             return [UNTOLD]
         return [one for pair in pairs for one in _answers(ask, pair[None])]

@@ -21,7 +21,9 @@ Exit codes: 0 everything is proven; 1 something is not; 2 the set cannot be read
 import gzip
 import hashlib
 import json
+import re
 import sys
+import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import gcd
@@ -30,6 +32,8 @@ from pathlib import Path
 FORMAT = 1
 NUMBERS = 29
 LARGEST = 1 << 53
+_LINE = re.compile(rf"-?[0-9]+( -?[0-9]+){{{NUMBERS - 1}}}\n?")
+_NAME, _HASH = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*"), re.compile(r"[0-9a-f]{64}")
 
 
 class SetError(Exception):
@@ -55,12 +59,9 @@ class Case:
 
 def case_of(line: str) -> Case:
     """Read a line; raise SetError where it is none of a set."""
-    try:
-        n = tuple(map(int, line.split()))
-    except ValueError:
-        raise SetError(f"{line[:60].strip()}: whole numbers expected") from None
-    if len(n) != NUMBERS:
-        raise SetError(f"{len(n)} numbers: {NUMBERS} expected")
+    if not _LINE.fullmatch(line):
+        raise SetError(f"{line[:60].strip()}: {NUMBERS} whole numbers, a blank between two, expected")
+    n = tuple(map(int, line.split()))
     vertices = tuple(n[k : k + 3] for k in range(0, 18, 3))
     return Case(vertices[:3], vertices[3:], (n[18], n[19]), n[20:23], n[23:26], n[26:])
 
@@ -116,13 +117,20 @@ def families_of(folder: Path) -> list[Family]:
     path = folder / "set.json"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
+        if content["format"] is True or content["format"] != FORMAT:
             raise SetError(f"{path}: format {content['format']}: this reads format {FORMAT}")
-        return [Family(**entry) for entry in content["families"]]
+        families = [Family(**entry) for entry in content["families"]]
+        good = all(
+            _NAME.fullmatch(one.name) and type(one.pairs) is int and _HASH.fullmatch(one.sha256)
+            for one in families
+        )
     except OSError as error:
         raise SetError(f"{path}: {error.strerror}: name the folder of a set") from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SetError(f"{path}: not a TriTest set ({error})") from error
+    if not good or len({one.name for one in families}) < len(families):
+        raise SetError(f"{path}: not a TriTest set (a family's name, number of pairs or hash)")
+    return families
 
 
 def lines_of(folder: Path, family: Family) -> Iterator[tuple[int, str]]:
@@ -137,7 +145,7 @@ def lines_of(folder: Path, family: Family) -> Iterator[tuple[int, str]]:
                 if not line.startswith("#"):
                     number += 1
                     yield number, line
-    except (OSError, EOFError, ValueError) as error:
+    except (OSError, EOFError, ValueError, zlib.error) as error:
         raise SetError(f"{path}: {error}") from error
     if number != family.pairs:
         raise SetError(f"{path}: {number} pairs: set.json says {family.pairs}")

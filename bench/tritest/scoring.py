@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.bench.tritest.libraries import CLEAR, COLLIDES, UNTOLD
-from triaxis.bench.tritest.recheck import Case, Family, SetError, case_of, families_of, lines_of
+from triaxis.bench.tritest.recheck import (
+    Case,
+    Family,
+    SetError,
+    case_of,
+    families_of,
+    fault_of,
+    lines_of,
+)
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import triangle_rank
 
@@ -38,12 +46,15 @@ def kind_of(case: Case) -> str:
 
 
 def read_set(folder: Path) -> list[Asked]:
-    """Read a whole set; raise InputError where it cannot be read."""
+    """Read a whole set; raise InputError where it cannot be read, or a pair of it is not proven."""
     asked: list[Asked] = []
     try:
         for family in families_of(folder):
             lines = [line for _, line in lines_of(folder, family)]
             cases = [case_of(line) for line in lines]
+            for number, case in enumerate(cases, 1):
+                if fault := fault_of(case):
+                    raise SetError(f"{folder}: {family.name}:{number}: {fault}: a set of wrong answers")
             questions = [" ".join(line.split()[:_COORDINATES]) for line in lines]
             collide = [case.collides for case in cases]
             asked.append(Asked(family, questions, collide, [kind_of(case) for case in cases]))
@@ -85,7 +96,8 @@ class Tally:
 class Score:
     """What a program made of a set: tallies by kind and by family; the pairs it failed on, by family.
 
-    A pair's number is its line's, from 1 on. ``ended``: families in which it ended early, and how.
+    A pair's number is its line's, from 1 on. ``ended``: families in which it ended early, and how; ``said``:
+    the first line of its errors.
     """
 
     kinds: dict[str, Tally] = field(default_factory=lambda: {kind: Tally() for kind in KINDS})
@@ -94,17 +106,24 @@ class Score:
     false_alarms: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
     unanswered: dict[str, list[int]] = field(default_factory=dict[str, list[int]])
     ended: dict[str, str] = field(default_factory=dict[str, str])
+    said: str = ""
 
     @property
     def all_right(self) -> bool:
-        """Return whether every pair was answered, and rightly."""
-        return all(tally.right == tally.pairs for tally in self.kinds.values())
+        """Return whether every pair was answered, and rightly, by a program that ended well."""
+        return not self.ended and all(tally.right == tally.pairs for tally in self.kinds.values())
 
     @property
     def wrong(self) -> tuple[int, int]:
         """Return how many pairs were answered wrongly: of proper triangles, and of others."""
         *proper, other = (self.kinds[kind].wrong for kind in KINDS)
         return sum(proper), other
+
+    @property
+    def place(self) -> tuple[int, int, int]:
+        """Return what a league is in the order of: wrong, and not right, of proper triangles; of others."""
+        *proper, other = (self.kinds[kind] for kind in KINDS)
+        return self.wrong[0], sum(one.pairs - one.right for one in proper), other.pairs - other.right
 
     def add(self, asked: Asked, said: Sequence[str]) -> None:
         """Count a family, of which there are as many answers as pairs."""
@@ -122,37 +141,36 @@ class Score:
 def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[int], None]) -> Score:
     """Ask a program about all families; ``progress`` is told of each.
 
-    A program that ends early is not asked again about the family where it ended, and started anew for the
-    next. Raises InputError where it cannot be started, or answers what is no answer.
+    It is asked about all of them at once; from one on in which it ends early, about each by itself. Raises
+    InputError where it cannot be started, or answers what is no answer.
     """
-    found, start = Score(), 0
+    found, start, each = Score(), 0, False
     while start < len(asked):
-        said, how = _run(command, asked[start:])
-        if how is None and len(said) != sum(one.family.pairs for one in asked[start:]):
-            how = f"ended after {len(said)} answers"
-        for number in range(start, len(asked)):
-            family = asked[number].family
-            own, said = said[: family.pairs], said[family.pairs :]
-            if len(own) < family.pairs:
-                found.ended[family.name] = how or ""
-                own = [*own, *[UNTOLD] * (family.pairs - len(own))]
-            found.add(asked[number], own)
+        some = asked[start : start + 1] if each else asked[start:]
+        said, how, told = _run(command, some)
+        found.said = found.said or told
+        for one in some:
+            name, pairs = one.family.name, one.family.pairs
+            own, said = said[:pairs], said[pairs:]
+            # It ended here; or it answered all, and ended badly all the same.
+            if len(own) < pairs or (one is some[-1] and how is not None):
+                found.ended[name] = how or f"ended after {len(own)} answers"
+            found.add(one, [*own, *[UNTOLD] * (pairs - len(own))])
             progress(1)
-            start = number + 1
-            if family.name in found.ended:
+            start += 1
+            if len(own) < pairs:
+                each = True
                 break
-        else:
-            # It answered all, and ended badly all the same.
-            if how is not None:
-                found.ended[asked[-1].family.name] = how
     return found
 
 
-def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str | None]:
-    """Return what a program answers, and how it ended if not well."""
+def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str | None, str]:
+    """Return what a program answers, how it ended if not well, and the first line of its errors."""
     questions = "".join(f"{question}\n" for one in asked for question in one.questions)
     try:
-        ran = subprocess.run(command, input=questions, capture_output=True, text=True, check=False)
+        ran = subprocess.run(
+            command, input=questions, capture_output=True, text=True, errors="replace", check=False
+        )
     except OSError as error:
         raise InputError(f"{shlex.join(command)}: {error.strerror}") from error
     said = ran.stdout.split()
@@ -162,8 +180,8 @@ def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str
             f"{wrong:.40}: no answer" if wrong else f"{len(said)} answers to {questions.count(chr(10))} pairs"
         )
         raise InputError(f"{shlex.join(command)}: {what}: a line with 0, 1 or ? for each pair is wanted")
-    last = (ran.stderr.strip().splitlines() or [""])[-1]
-    return said, f"exit code {ran.returncode}: {last}" if ran.returncode else None
+    errors = ran.stderr.strip().splitlines() or [""]
+    return said, f"exit code {ran.returncode}: {errors[-1]}" if ran.returncode else None, errors[0]
 
 
 def rows_of(score_: Score) -> Iterator[tuple[str, Tally]]:
@@ -178,5 +196,5 @@ def told(found: Score) -> dict[str, Any]:
         "kinds": {name: vars(tally) for name, tally in found.kinds.items()},
         "families": {name: vars(tally) for name, tally in found.families.items()},
         "missed": found.missed, "false_alarms": found.false_alarms, "unanswered": found.unanswered,
-        "ended": found.ended,
+        "ended": found.ended, "first_error": found.said,
     }  # fmt: skip

@@ -12,6 +12,7 @@ import io
 import json
 import re
 import subprocess
+import sys
 import tarfile
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ from triaxis.verif.signoff.plan import RESULT
 _NAME = "triaxis-evidence"
 _README = """Triaxis: evidence of a sign-off.
 
-python3 verify.py     checks all of it again, in minutes, with Python 3.11 or newer and nothing else
+python3 -I verify.py     checks all of it again, in a minute, with Python 3.11 or newer and nothing else
 
 signoff/           what was found: signoff.json, and index.html to read
 source/            the checkout that was signed off: RTL, environment, documents
@@ -38,7 +39,10 @@ attestation.json   an in-toto statement about both; sign it with your own key
 sbom.cdx.json      all packages that the lock files name, with hashes (CycloneDX)
 SHA256SUMS         the hash of every other file
 
-That the sign-off was run as it says nobody can prove by a file: `make signoff` in source/ runs it again.
+Verify it before anything else: what is run in here leaves files. It ends with the hash of SHA256SUMS, which
+attestation.json is about: compare it with one that was signed, since who can change everything can change all
+of it alike, verify.py too, of which the project has its own. That the sign-off was run as it says nobody can
+prove by a file: `make signoff` in a copy of source/ runs it again.
 """
 # A package of a lock file: its name, its version, and the lines of its hashes.
 _LOCKED = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;]+)[^\n]*((?:\n    --hash=sha256:[^\n]+)*)", re.MULTILINE)
@@ -84,18 +88,25 @@ def pack(out: Path, witnesses: Path, result: Path = RESULT) -> Path:
     files: Files = {
         "README.txt": _README.encode(),
         "verify.py": Path(__file__).with_name("verify.py").read_bytes(),
-        **{f"signoff/{path.name}": read_input(path) for path in _ordinary(result.parent)},
+        **{f"signoff/{path.name}": read_input(path) for path in (result, result.with_name("index.html"))},
         **{f"source/{name}": content for name, content in source.items()},
-        **{f"witnesses/{path.name}": read_input(path) for path in _ordinary(witnesses)},
+        **{f"witnesses/{name}": read_input(witnesses / name) for name in _files_of(witnesses)},
     }
-    files["attestation.json"] = _json(_attestation(files["signoff/signoff.json"]))
     files["sbom.cdx.json"] = _json(_bill(source))
-    sums = "".join(f"{_sha256(content)}  {name}\n" for name, content in sorted(files.items()))
-    return write_whole(out, _packed(files | {"SHA256SUMS": sums.encode()}))
+    sums = "".join(f"{_sha256(content)}  {name}\n" for name, content in sorted(files.items())).encode()
+    statement = _json(_attestation(json.loads(files["signoff/signoff.json"]), sums))
+    return write_whole(out, _packed(files | {"SHA256SUMS": sums, "attestation.json": statement}))
 
 
-def _ordinary(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+def _files_of(witnesses: Path) -> list[str]:
+    """Return the files of a set; raise InputError where it is not proven."""
+    checker = ROOT / "bench" / "tritest" / "recheck.py"
+    words = [sys.executable, "-I", "-S", str(checker), str(witnesses)]
+    ran = subprocess.run(words, capture_output=True, text=True, check=False)
+    if ran.returncode:
+        raise InputError(f"{witnesses}: {(ran.stderr or ran.stdout).splitlines()[0]}: make it anew")
+    families = json.loads(read_input(witnesses / "set.json"))["families"]
+    return ["set.json", *(f"{family['name']}.txt.gz" for family in families)]
 
 
 def _source() -> Files:
@@ -104,7 +115,8 @@ def _source() -> Files:
         ["git", "-C", str(ROOT), "archive", "HEAD"], capture_output=True, check=True
     ).stdout
     with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
-        members = [member for member in archive if member.isfile()]
+        # Of a link what it is of.
+        members = [member for member in archive if not member.isdir()]
         return {member.name: _content(archive, member) for member in members}
 
 
@@ -114,20 +126,21 @@ def _content(archive: tarfile.TarFile, member: tarfile.TarInfo) -> bytes:
     return file.read()
 
 
-def _attestation(signoff: bytes) -> dict[str, Any]:
-    content = json.loads(signoff)
-    parts = content["parts"] | content["beside"]
+def _attestation(signoff: dict[str, Any], sums: bytes) -> dict[str, Any]:
+    """Return a statement about the RTL and all files of the archive but itself, by their sums."""
+    parts = signoff["parts"] | signoff["beside"]
     return {
         "_type": "https://in-toto.io/Statement/v1",
         "subject": [
-            {"name": "rtl", "digest": {"sha256": content["rtl_hash"]}},
-            {"name": "signoff.json", "digest": {"sha256": _sha256(signoff)}},
+            {"name": "rtl", "digest": {"sha256": signoff["rtl_hash"]}},
+            {"name": "SHA256SUMS", "digest": {"sha256": _sha256(sums)}},
         ],
         "predicateType": "https://in-toto.io/attestation/test-result/v0.1",
         "predicate": {
-            "result": "PASSED" if content["passed"] else "FAILED",
+            "result": "PASSED" if signoff["passed"] else "FAILED",
             "configuration": [
-                {"name": content["command"], "digest": {"gitCommit": git("rev-parse", "HEAD")}}
+                {"name": signoff["command"], "digest": {"gitCommit": signoff["git_commit"]}},
+                {"name": "source", "digest": {"gitCommit": git("rev-parse", "HEAD")}},
             ],
             "passedTests": sorted(name for name, part in parts.items() if part.get("passed") is True),
         },

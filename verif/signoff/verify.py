@@ -1,151 +1,177 @@
-"""Verify an archive of Triaxis' evidence: with Python's own library alone, trusting nobody.
+"""Verify an archive of Triaxis' evidence: with Python's own library alone.
 
-    python3 verify.py [FOLDER]          (the folder of this file)
+    python3 -I verify.py [FOLDER]       (that of this file; -I: nothing else in it is run)
 
-What is looked at, in the unpacked archive:
+- Every file is the one that SHA256SUMS has the hash of; there are no others, and no links.
+- The RTL in source/dut/ is that which was signed off, by a hash computed anew.
+- The verdict follows from what was counted: each figure is computed again, and held against its bound in
+  source/coverage/stages.toml; in no part of the sign-off is anything open.
+- Each witness, a pair with its distance, is proven again by source/bench/tritest/recheck.py.
+- attestation.json is about these, and sbom.cdx.json has the packages of the lock files.
 
-- every file is the one that SHA256SUMS has the hash of, and there are no others;
-- the RTL in source/dut/ is that which was signed off, by a hash computed anew;
-- the verdict follows from what was counted: figures are computed again from the parts of the sign-off, and
-  all compared with the bounds of the last stage in source/coverage/stages.toml; no part failed or is of
-  another RTL, and no problem was listed;
-- each witness, a pair with its distance, is proven again by source/bench/tritest/recheck.py;
-- attestation.json is about these very files, and sbom.cdx.json has every package of the lock files.
-
-It does not run the sign-off again: `make signoff` in source/ does. Exit codes: 0 all of it holds; 1 something
-does not; 2 there is no archive.
+Who can change everything can change all of it alike: take verify.py from the project, and compare the hash
+that it prints with a signed one. Exit codes: 0 all holds; 1 something does not; 2 there is no archive.
 """
 
 import hashlib
 import json
+import math
 import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-STAGE = "V3"
+STAGES = ("V1", "V2", "V3")
 RTL = (".sv", ".svh", ".v", ".vh", ".f")
 PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "faults", "mutation", "proofs")
-ABSENT = "not measured"
+BESIDE = ("four_state", "netlist")
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
+PROVED, ABSENT = "proved", "not measured"
+# What may be where a sign-off is not said to be whole.
+MAY_BE = ("theorem", ABSENT)
+# The statement is about the sums, and they are about all else.
+UNLISTED = ("SHA256SUMS", "attestation.json")
 
 
-def sha256(path: Path) -> str:
-    """Return the hash of a file."""
+def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def files(folder: Path) -> Iterator[str]:
-    """Return what is not as SHA256SUMS has it."""
-    lines = (line.partition("  ") for line in (folder / "SHA256SUMS").read_text().splitlines())
+def _read(folder: Path, name: str) -> Any:
+    return json.loads((folder / name).read_text(encoding="utf-8"))
+
+
+def _files(folder: Path) -> Iterator[str]:
+    lines = [line.partition("  ") for line in (folder / "SHA256SUMS").read_text().splitlines()]
     listed = {name: digest for digest, _, name in lines}
-    there = {str(path.relative_to(folder)): path for path in folder.rglob("*") if not path.is_dir()}
-    for name in sorted(listed.keys() | there.keys() - {"SHA256SUMS"}):
-        if name not in there:
-            yield f"{name}: is missing"
-        elif name not in listed:
-            yield f"{name}: is not listed in SHA256SUMS"
-        elif there[name].is_symlink() or sha256(there[name]) != listed[name]:
-            yield f"{name}: is not the file that was packed"
+    every = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
+    yield from (f"{name}: is a link" for name, path in every.items() if path.is_symlink())
+    there = {name: path for name, path in every.items() if not path.is_dir()}
+    if len(listed) != len(lines):
+        yield "SHA256SUMS: names a file twice"
+    yield from (f"{name}: is missing" for name in sorted({*listed, *UNLISTED} - there.keys()))
+    for name, path in sorted(there.items()):
+        if name not in UNLISTED and _sha256(path) != listed.get(name):
+            yield f"{name}: is not {'the file that was packed' if name in listed else 'listed in SHA256SUMS'}"
 
 
-def rtl_hash(dut: Path) -> str:
-    """Return the hash of all that elaborates, as sign-offs name it: of names and contents, in order."""
+def _rtl_hash(dut: Path) -> str:
+    # Of names and contents, in order, as sign-offs name it.
     digest = hashlib.sha256()
     for path in sorted(path for path in dut.rglob("*") if path.suffix in RTL and path.is_file()):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
 
-def share(part: int, whole: int) -> float | None:
-    """Return a share in percent, rounded down to two decimals."""
+def _share(part: int, whole: int) -> float | None:
+    if type(part) is not int or type(whole) is not int or not 0 <= part <= whole:
+        raise ValueError(f"{part} of {whole}: no count")
     return part * 10_000 // whole / 100 if whole else None
 
 
-def figures(parts: dict[str, Any]) -> dict[str, float | None]:
-    """Return what was counted, computed from the parts."""
+def _sum(rows: Iterable[Any], *keys: str) -> int:
+    return sum(row[key] for row in rows for key in keys)
 
-    def passed(items: list[Any], key: str = "passed") -> float | None:
-        return share(sum(item[key] is True for item in items), len(items))
 
+def _passed(items: list[Any], key: str = "passed") -> float | None:
+    return _share(sum(item[key] is True for item in items), len(items))
+
+
+def _figures(parts: dict[str, Any]) -> dict[str, float | None]:
     simulation, mutation, proofs = parts["simulation"], parts["mutation"], parts["proofs"]
     bins = [item for model in simulation["coverage"].values() for item in model.values()]
-    mutants = mutation["files"].values()
-    covered = {kind: total for kind, total in parts["code_coverage"]["totals"].items() if kind in KINDS}
+    mutants, registers = mutation["files"].values(), proofs["registers"]["modules"].values()
+    totals, points = parts["code_coverage"]["totals"], parts["testplan"]["testpoints"]
     return {
-        "lint_findings": parts["lint"]["findings"],
-        "runs_passed": passed(simulation["runs"]),
-        "mismatches": simulation["mismatches"],
+        "lint_findings": sum(map(len, parts["lint"]["linters"].values())),
+        "runs_passed": _passed(simulation["runs"]),
+        "mismatches": sum(run["counts"]["failed"] for run in simulation["runs"]),
         "pairs_checked": simulation["pairs_checked"],
-        "functional_coverage": share(sum(b["hit"] for b in bins), sum(b["total"] for b in bins)),
-        **{
-            f"{kind}_coverage": share(total["hit"] + total["waived"], total["total"])
-            for kind, total in covered.items()
-        },
-        "faults_caught": passed(parts["faults"]["faults"], "caught"),
-        "mutation_score": share(
-            sum(m["killed"] + m["equivalent"] for m in mutants), sum(m["mutants"] for m in mutants)
-        ),
-        "proofs_passed": None
-        if proofs["undecided"]
-        else passed([proof for proof in proofs["proofs"] if proof["result"] != ABSENT]),
+        "functional_coverage": _share(_sum(bins, "hit"), _sum(bins, "total")),
+        **{f"{k}_coverage": _share(_sum([totals[k]], "hit", "waived"), totals[k]["total"]) for k in KINDS},
+        "waivers_void": parts["code_coverage"]["waivers_void"],
+        "faults_caught": _passed(parts["faults"]["faults"], "caught"),
+        "mutation_score": _share(_sum(mutants, "killed", "equivalent"), _sum(mutants, "mutants")),
+        "proofs_passed": _passed([proof for proof in proofs["proofs"] if proof["result"] != ABSENT]),
+        "registers_proved": _share(_sum(registers, "covered"), _sum(registers, "total")),
+        "registers_unexplained": proofs["registers"]["unexplained"],
+        **{f"testpoints_{s.lower()}": _passed([p for p in points if p["stage"] == s]) for s in STAGES},
+        "open_problems": sum(len(part["problems"]) for part in parts.values()),
     }
 
 
-def verdict(folder: Path) -> Iterator[str]:
-    """Return why the sign-off's verdict does not follow from what it counted."""
-    signoff = json.loads((folder / "signoff/signoff.json").read_text())
-    rtl = rtl_hash(folder / "source/dut")
+def _contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
+    simulation, mutation = parts["simulation"], parts["mutation"]
+    for name, row in mutation["files"].items():
+        if row["killed"] + row["equivalent"] != row["mutants"] or row["surviving"] != 0:
+            yield f"mutation: {name}: {row}: a mutant survives, or they do not add up"
+    for listed, counted in (("killed",) * 2, ("equivalents", "equivalent"), ("survivors", "surviving")):
+        if len(mutation[listed]) != _sum(mutation["files"].values(), counted):
+            yield f"mutation: {listed}: not as many as are counted"
+    items = [item for model in simulation["coverage"].values() for item in model.items()]
+    yield from (f"coverage: {name}: {item}" for name, item in items if not 0 <= item["hit"] <= item["total"])
+    if simulation["pairs_checked"] > sum(run["counts"]["checked"] for run in simulation["runs"]):
+        yield "simulation: more pairs are said to be checked than the runs checked"
+    scenes = simulation["scenes"] + (simulation["real_meshes"] or [])
+    if simulation["detector"]["wrong"] or not all(scene["agrees"] is True for scene in scenes):
+        yield "simulation: the wrapper is wrong, or a scene"
+    for proof in parts["proofs"]["proofs"]:
+        absent = not whole and (proof["name"], proof["result"]) == MAY_BE
+        if not absent and (proof["result"] != PROVED or proof["passed"] is not True):
+            yield f"proofs: {proof['name']}: {proof['result']}"
+
+
+def _verdict(folder: Path) -> Iterator[str]:
+    signoff, rtl = _read(folder, "signoff/signoff.json"), _rtl_hash(folder / "source/dut")
     if signoff["rtl_hash"] != rtl:
         yield f"source/dut: RTL {rtl[:12]}: signed off was {signoff['rtl_hash'][:12]}"
-    if signoff["passed"] is not True or signoff["problems"]:
-        yield f"signoff.json: did not pass: {signoff['problems'][:1]}"
-    parts, stored = signoff["parts"], signoff["figures"]
-    for name in (*PARTS, *sorted(signoff["beside"])):
-        part = parts.get(name) or signoff["beside"].get(name) or {}
-        if name in signoff["beside"] and part.get("passed") is None and not signoff["whole"]:
-            continue
-        if part.get("passed") is not True or part.get("rtl_hash") != rtl:
+    if (signoff["passed"], signoff["problems"], signoff["stage"]) != (True, [], STAGES[-1]):
+        yield f"signoff.json: did not pass: {signoff['problems']}"
+    parts, beside, whole = signoff["parts"], signoff["beside"], signoff["whole"]
+    if set(parts) != set(PARTS) or set(beside) != set(BESIDE) or type(whole) is not bool:
+        yield "signoff.json: has other parts"
+    # What stands beside may be absent, with a reason, where it is not said to be whole.
+    needed = {name: part for name, part in beside.items() if whole or set(part) != {"absent"}}
+    for name, part in [*parts.items(), *needed.items()]:
+        if part.get("passed") is not True or part.get("rtl_hash") != rtl or part.get("problems") != []:
             yield f"{name}: did not pass, or is of another RTL"
-    for name, value in figures(parts).items():
-        if stored.get(name) != value:
-            yield f"{name}: {value} by what was counted, {stored.get(name)} in signoff.json"
+    yield from _contradictions(parts, whole)
+    stored, found = signoff["figures"], _figures(parts)
     bounds = tomllib.loads((folder / "source/coverage/stages.toml").read_text())
-    for name, bound in bounds.items():
-        value = stored.get(name)
-        least, most = bound.get("at_least", {}).get(STAGE), bound.get("at_most", {}).get(STAGE)
-        if value is None or (least is not None and value < least) or (most is not None and value > most):
-            yield f"{name}: {value}: wanted {'at least' if least is not None else 'at most'} {least or most}"
+    for name in sorted(stored.keys() | found.keys() | bounds.keys()):
+        value, bound = found.get(name), bounds.get(name, {})
+        least, most = (bound.get(key, {}).get(STAGES[-1]) for key in ("at_least", "at_most"))
+        numbers = [x for x in (value, least, most) if type(x) in (int, float) and math.isfinite(x)]
+        beyond = len(numbers) != 2 or value < (least or 0) or (most is not None and value > most)
+        if beyond or stored.get(name) != value:
+            kept, wanted = f"{stored.get(name)} in signoff.json", f"wanted at least {least}, at most {most}"
+            yield f"{name}: {value} by what was counted, {kept}; {wanted}"
 
 
-def witnesses(folder: Path) -> Iterator[str]:
-    """Prove the pairs again; return what the checker says where one is not proven."""
+def _witnesses(folder: Path) -> Iterator[str]:
+    if len(_read(folder, "witnesses/set.json")["families"]) < 10:
+        yield "of fewer than ten families"
     checker = [sys.executable, "-I", "-S", str(folder / "source/bench/tritest/recheck.py")]
     ran = subprocess.run([*checker, str(folder / "witnesses")], capture_output=True, text=True, check=False)
-    print((ran.stdout.splitlines() or [""])[-1])
+    print(ran.stdout, end="")
     if ran.returncode:
-        yield f"witnesses: {(ran.stdout + ran.stderr).splitlines()[0]}"
+        yield f"exit code {ran.returncode}: {ran.stderr.strip()}"
 
 
-def statements(folder: Path) -> Iterator[str]:
-    """Return what the attestation and the bill of materials say that is not so."""
-    attestation = json.loads((folder / "attestation.json").read_text())
-    subjects = {subject["name"]: subject["digest"]["sha256"] for subject in attestation["subject"]}
-    if subjects.get("rtl") != rtl_hash(folder / "source/dut"):
-        yield "attestation.json: is about another RTL"
-    if subjects.get("signoff.json") != sha256(folder / "signoff/signoff.json"):
-        yield "attestation.json: is about another sign-off"
+def _statements(folder: Path) -> Iterator[str]:
+    attestation = _read(folder, "attestation.json")
+    about = {"rtl": _rtl_hash(folder / "source/dut"), "SHA256SUMS": _sha256(folder / "SHA256SUMS")}
+    if attestation["subject"] != [{"name": name, "digest": {"sha256": x}} for name, x in about.items()]:
+        yield "attestation.json: is not about these files"
     if attestation["predicate"]["result"] != "PASSED":
         yield "attestation.json: does not say that it passed"
-    bill = json.loads((folder / "sbom.cdx.json").read_text())
-    named = {(one["name"], one["version"]) for one in bill["components"]}
-    for lock in sorted((folder / "source").glob("requirements*.lock")):
-        for name, version in re.findall(r"^([A-Za-z0-9._-]+)==(\S+)", lock.read_text(), re.MULTILINE):
-            if (name, version) not in named:
-                yield f"sbom.cdx.json: {name} {version} of {lock.name} is not in it"
+    named = {(one["name"], one["version"]) for one in _read(folder, "sbom.cdx.json")["components"]}
+    locked = "".join(lock.read_text() for lock in (folder / "source").glob("requirements*.lock"))
+    if not named or named != set(re.findall(r"^([A-Za-z0-9._-]+)==([^\s;]+)", locked, re.MULTILINE)):
+        yield "sbom.cdx.json: other packages than those of the lock files"
 
 
 def main() -> int:
@@ -155,16 +181,17 @@ def main() -> int:
         print(f"verify: error: {folder}: no archive of evidence here", file=sys.stderr)
         return 2
     wrong = 0
-    for check in (files, verdict, witnesses, statements):
+    for check in (_files, _verdict, _statements, _witnesses):
+        if wrong and check is _witnesses:
+            break
+        found: list[str] = []
         try:
-            found = list(check(folder))
-        # Of what is no file, or has another shape, nothing follows.
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            found = [f"{type(error).__name__}: {error}"]
-        print(f"{check.__name__}: {'FAILED' if found else 'passed'}")
-        print("".join(f"  {line}\n" for line in found), end="")
+            found.extend(check(folder))
+        except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+            found.append(f"{type(error).__name__}: {error}")
+        print(f"{check.__name__[1:]}: {'FAILED' if found else 'passed'}", *found, sep="\n  ")
         wrong += len(found)
-    print(f"{'FAILED' if wrong else 'PASSED'}: {wrong} things do not hold")
+    print(f"{'FAILED' if wrong else 'PASSED'}: SHA256SUMS {_sha256(folder / 'SHA256SUMS')}")
     return 1 if wrong else 0
 
 

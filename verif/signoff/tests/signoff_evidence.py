@@ -56,10 +56,12 @@ def _faults():
 
 def _mutation():
     counts = {"mutants": 12, "killed": 10, "equivalent": 2, "surviving": 0}
-    entry = {"id": "triaxis_sum/x/1", "place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
+    entry = {"place": "a.sv:1", "reason": "same sum", "evidence": "proved"}
+    equivalents = [{"id": f"triaxis_sum/x/{number}", **entry} for number in (1, 2)]
     return evidence(
-        files={"a.sv": counts}, operators={"add": counts}, killed=["triaxis_sum/x/2"], survivors=[],
-        equivalents=[entry], seconds=None, stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
+        files={"a.sv": counts}, operators={"add": counts}, survivors=[], equivalents=equivalents,
+        killed=[f"triaxis_sum/y/{number}" for number in range(10)], seconds=None,
+        stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
     )  # fmt: skip
 
 

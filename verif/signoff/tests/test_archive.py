@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import shutil
 import subprocess
 import sys
 import tarfile
@@ -62,18 +61,59 @@ def test_it_verifies_with_python_alone(unpacked):
     folder, _ = unpacked
     code, said = verified(folder)
     assert code == 0, said
-    assert "PASSED: 62 pairs proven, 0 not" in said and said.endswith("PASSED: 0 things do not hold\n")
+    assert "PASSED: 62 pairs proven, 0 not" in said and said.splitlines()[-1].startswith(
+        "PASSED: SHA256SUMS "
+    )
     assert len((folder / "verify.py").read_text().splitlines()) < 200
 
 
+def part(name, **changes):
+    return lambda content: content["parts"][name].update(changes)
+
+
+def first(name, items, **changes):
+    return lambda content: content["parts"][name][items][0].update(changes)
+
+
+def mutants(**changes):
+    return lambda content: content["parts"]["mutation"]["files"]["a.sv"].update(changes)
+
+
+def figure(**changes):
+    return lambda content: content["figures"].update(changes)
+
+
 CHANGES = [
-    (lambda c: c["parts"]["simulation"].update(mismatches=1), "mismatches: 1 by what was counted, 0"),
-    (lambda c: c["figures"].update(mutation_score=99.0), "mutation_score: 100"),
-    (lambda c: c["figures"].update(registers_proved=12.0), "registers_proved: 12.0: wanted at least 88"),
-    (lambda c: c["parts"]["proofs"]["proofs"][0].update(passed=False), "proofs_passed: 0"),
-    (lambda c: c["parts"]["faults"].update(passed=False), "faults: did not pass"),
-    (lambda c: c["parts"].pop("lint"), "KeyError"),
-    (lambda c: c.update(problems=["x"]), "signoff.json: did not pass"),
+    (first("simulation", "runs", passed=False), "runs_passed: 0"),
+    (lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(failed=1), "mismatches: 1 by what was"),
+    (lambda c: c["parts"]["simulation"]["runs"][0]["counts"].update(checked=5), "more pairs are said"),
+    (part("simulation", pairs_checked=5), "pairs_checked: 5 by"),
+    (first("simulation", "scenes", agrees=False), "or a scene"),
+    (part("code_coverage", totals={}), "KeyError"),
+    (part("code_coverage", waivers_void=5), "waivers_void: 5 by"),
+    (figure(mutation_score=99.0), "mutation_score: 100"),
+    (figure(registers_proved=float("nan")), "nan in signoff.json"),
+    (figure(more=1), "more: None by"),
+    (mutants(killed=20), "ValueError: 22 of 12"),
+    (mutants(surviving=1), "a mutant survives"),
+    (part("mutation", killed=["one"]), "killed: not as many"),
+    (part("mutation", survivors=[{}]), "survivors: not as many"),
+    (
+        lambda c: c["parts"]["proofs"]["registers"]["modules"]["triaxis_fifo"].update(covered=9),
+        "registers_proved: 9",
+    ),
+    (first("proofs", "proofs", passed=False), "proofs_passed: 0"),
+    (first("proofs", "proofs", result="not measured"), "proofs: order: not measured"),
+    (first("testplan", "testpoints", passed=False), "testpoints_v1: 0"),
+    (part("testplan", testpoints=[]), "testpoints_v1: None by"),
+    (part("faults", passed=False), "faults: did not pass"),
+    (part("faults", problems=["x"]), "open_problems: 1"),
+    (lambda c: c["parts"].pop("lint"), "has other parts"),
+    (lambda c: (c["parts"]["lint"].pop("passed"), c["beside"].update(lint={})), "lint: did not pass"),
+    (lambda c: c.update(whole=True, beside={}), "has other parts"),
+    (lambda c: (c.update(whole=True), c["beside"].update(netlist={"absent": "x"})), "netlist: did not pass"),
+    (lambda c: c.update(problems=None), "signoff.json: did not pass"),
+    (lambda c: c.update(stage="V1"), "signoff.json: did not pass"),
     (lambda c: c.update(rtl_hash="0" * 64), "signed off was 000000000000"),
 ]
 
@@ -85,7 +125,9 @@ def test_a_verdict_that_does_not_follow_is_noticed(unpacked, change, said):
     (folder / "signoff/signoff.json").write_text(json.dumps(content))
     summed(folder, "signoff/signoff.json")
     code, told = verified(folder)
-    assert code == 1 and said in told and "about another sign-off" in told, told
+    # The sums are others than those that were attested; and nothing of such an archive is run.
+    assert code == 1 and said in told and "is not about these files" in told, told
+    assert "pairs proven" not in told
 
 
 def test_every_file_counts(unpacked):
@@ -98,13 +140,47 @@ def test_every_file_counts(unpacked):
     assert code == 1
     for line in (
         "source/dut/core/triaxis_core.sv: is not the file that was packed", "more: is not listed",
-        "README.txt: is missing", "about another RTL",
+        "README.txt: is missing", "is not about these files",
     ):  # fmt: skip
         assert line in said
-    shutil.rmtree(folder / "witnesses")
-    assert "witnesses: FAILED" in verified(folder)[1]
+    (folder / "source" / "evil").symlink_to("/etc")
+    assert "source/evil: is a link" in verified(folder)[1]
     (folder / "SHA256SUMS").unlink()
     assert verified(folder)[0] == 2
+
+
+def test_witnesses_are_proven_again_and_bounds_are_needed(unpacked):
+    folder, content = unpacked
+    for name, text, said in (
+        ("witnesses/set.json", "{}", "KeyError"), ("source/coverage/stages.toml", "", "mismatches: 0 by"),
+        ("source/coverage/stages.toml", "[mismatches]\nat_most = { V3 = nan }", "mismatches: 0 by"),
+    ):  # fmt: skip
+        before = (folder / name).read_text()
+        (folder / name).write_text(text)
+        again(folder, name, content)
+        code, told = verified(folder)
+        assert code == 1 and said in told, told
+        (folder / name).write_text(before)
+        again(folder, name, content)
+    # A wrong one, in a set that says so of itself.
+    family = json.loads((folder / "witnesses/set.json").read_text())["families"][0]["name"]
+    path = folder / f"witnesses/{family}.txt.gz"
+    path.write_bytes(path.read_bytes() + b"\n")
+    again(folder, f"witnesses/{path.name}", content)
+    assert "exit code 2" in verified(folder)[1]
+
+
+def again(folder, name, content):
+    """Have sums and statement agree with a file that was changed."""
+    summed(folder, name)
+    statement = archive._attestation(content, (folder / "SHA256SUMS").read_bytes())
+    (folder / "attestation.json").write_bytes(archive._json(statement))
+
+
+def test_nothing_beside_the_script_is_run(unpacked):
+    folder, _ = unpacked
+    (folder / "tomllib.py").write_text("raise SystemExit(0)")
+    assert verified(folder)[0] == 1
 
 
 def test_a_package_that_no_bill_names_is_noticed(unpacked):
@@ -113,7 +189,7 @@ def test_a_package_that_no_bill_names_is_noticed(unpacked):
     lock.write_text(lock.read_text() + "other==1.0\n")
     bill = json.loads((folder / "sbom.cdx.json").read_text())
     assert all(one["externalReferences"][0]["hashes"] for one in bill["components"])
-    assert "other 1.0 of requirements.lock is not in it" in verified(folder)[1]
+    assert "other packages than those of the lock files" in verified(folder)[1]
 
 
 def test_no_evidence_without_a_sign_off_a_commit_and_witnesses(tmp_path, monkeypatch):
@@ -131,5 +207,10 @@ def test_no_evidence_without_a_sign_off_a_commit_and_witnesses(tmp_path, monkeyp
         archive.pack(out, witnesses, result)
     monkeypatch.setattr(archive, "git", lambda *_: "")
     with pytest.raises(InputError, match="no TriTest set"):
+        archive.pack(out, witnesses, result)
+    witnesses.mkdir()
+    (witnesses / "set.json").write_text("{}")
+    result.with_name("index.html").write_text("page")
+    with pytest.raises(InputError, match="make it anew"):
         archive.pack(out, witnesses, result)
     assert not Path(out).exists()
