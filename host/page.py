@@ -1,8 +1,9 @@
 """A page for the browser that shows a machine while it is followed: where the tool is, how far it may go.
 
-Served to this computer alone. The page draws with Plotly, of the Python package of that name, and needs no
-network; what happens comes as server-sent events, the newest state twenty times a second at most. Nothing
-that is decided waits for a browser, and a browser can change nothing.
+Served to this computer alone, and to pages of its own. The page draws with Plotly, of the Python package of
+that name, and needs no network; what happens comes as server-sent events, the newest state twenty times a
+second at most. A browser can change nothing, and is given what was made before the machine started: bytes, by
+threads that wait for it, and let others go on.
 """
 
 import json
@@ -21,6 +22,8 @@ from triaxis.golden.errors import InputError
 from triaxis.host.stl import Facets
 
 _LEAST_SECONDS = 0.05
+# Of a browser that says nothing, or reads nothing; and how many there may be at a time.
+_PATIENCE_SECONDS, _MOST = 5, 16
 # A browser that went away is noticed by writing to it.
 _QUIET_SECONDS = 1.0
 _TEXT, _SCRIPT, _JSON = "text/html; charset=utf-8", "text/javascript", "application/json"
@@ -49,17 +52,17 @@ class Page:
             self._plotly = import_module("plotly.offline").get_plotlyjs().encode()
         except ImportError as error:
             raise InputError("--page: plotly is not installed: pip install plotly") from error
+        self._page = Path(__file__).with_name("page.html").read_bytes()
         self._changed = threading.Condition()
-        self._scene: State = {}
+        self._scene = b"{}"
         self._state: State = {}
         self._version, self._since = 0, time.monotonic()
         try:
-            self._server = ThreadingHTTPServer(("127.0.0.1", port), self._handler())
+            self._server = _Server(("127.0.0.1", port), self._handler())
         except (OSError, OverflowError) as error:
             raise InputError(
                 f"--page {port}: {getattr(error, 'strerror', None) or error}: name another"
             ) from error
-        self._server.daemon_threads = True
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
 
     @property
@@ -68,10 +71,14 @@ class Page:
         return f"http://127.0.0.1:{self._server.server_address[1]}/"
 
     def show(self, tool: Facets, work: Facets, ends: npt.NDArray[np.float64], title: str) -> None:
-        """Show a tool in its own frame, a workpiece, and the ends (N, 3) of the pieces, in millimetres."""
+        """Show a tool in its own frame, a workpiece, and the ends (N, 3) of the pieces, in millimetres.
+
+        It takes a second for 100,000 facets, in which no machine may wait.
+        """
         scene = {"tool": mesh_of(tool), "work": mesh_of(work), "path": line_of(ends), "title": title}
+        made = json.dumps(scene).encode()
         with self._changed:
-            self._scene = scene
+            self._scene = made
         self.tell(scene=self._version + 1, pieces=len(ends) - 1, permitted=0, verdict=None, stopped=None)
 
     def tell(self, **changes: object) -> None:
@@ -85,19 +92,25 @@ class Page:
         page = self
 
         class Handler(BaseHTTPRequestHandler):
+            timeout = _PATIENCE_SECONDS
+
             def do_GET(self) -> None:
+                own = f"127.0.0.1:{page._server.server_address[1]}"
                 answers = {
-                    "/": (_TEXT, lambda: Path(__file__).with_name("page.html").read_bytes()),
-                    "/plotly.js": (_SCRIPT, lambda: page._plotly),
-                    "/scene": (_JSON, lambda: json.dumps(page._scene).encode()),
+                    "/": (_TEXT, page._page),
+                    "/plotly.js": (_SCRIPT, page._plotly),
+                    "/scene": (_JSON, page._scene),
                 }
-                if self.path == "/states":
+                # Of a page of another address, which may have a name for this one.
+                if self.headers.get("Host") != own:
+                    self.send_error(HTTPStatus.FORBIDDEN)
+                elif self.path == "/states":
                     self._begin("text/event-stream")
                     page._send_states(self)
                 elif self.path in answers:
                     kind, content = answers[self.path]
                     self._begin(kind)
-                    self.wfile.write(content())
+                    self.wfile.write(content)
                 else:
                     self.send_error(HTTPStatus.NOT_FOUND)
 
@@ -128,3 +141,31 @@ class Page:
         # The browser has gone.
         except OSError:
             return
+
+
+class _Server(ThreadingHTTPServer):
+    """Serves so many connections at a time, and no more; one that fails is of no interest."""
+
+    daemon_threads = True
+
+    def __init__(self, *arguments: Any) -> None:
+        """Begin."""
+        super().__init__(*arguments)
+        self._free = threading.BoundedSemaphore(_MOST)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Serve it by a thread, where there is one left."""
+        if self._free.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Serve it."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing: a browser went away."""

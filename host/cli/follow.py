@@ -268,6 +268,8 @@ def _through(
         with progress_bar("facets loaded", len(scene.a) + len(scene.b)) as progress:
             on_board = BoardEngine(board, scene.a, scene.b, progress=progress)
             on_board.load()
+        if page is not None:
+            page.show(*_shown(options, one))
         start = f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
         print(f"ready: the machine may start where go is said{start}", flush=True)
         follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking)
@@ -281,8 +283,6 @@ def _through(
             if not _come_to_start(board, positions, one.tool, follower if number else None):
                 return done, "ended"
         ends = one is operations[-1]
-        if page is not None:
-            page.show(*_shown(options, one))
         seen = _told_to(page, positions, scene, follower, done.asked)
         done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends, seen))
         if done.near or not follower.at_the_end:
@@ -317,7 +317,7 @@ def _told_to(
             page.tell(
                 position=_millimetres(scene, follower.place), line=follower.pieces[number].line, hold=hold,
                 verdict="clear" if clear else "near", lag=round(1000 * lag, 1), asked=asked,
-                permitted=max(follower.permitted, number + clear),
+                permitted=follower.permitted,
             )  # fmt: skip
 
     return seen

@@ -6,11 +6,12 @@
     net z-pos => triaxis.z
     net tool <= iocontrol.0.tool-number => triaxis.tool          s32, in: which one is in the spindle
     net running <= halui.program.is-running => triaxis.running   bit, in: false after true is the end
-    triaxis.go                      bit, out: what the last answer said; the board's own output is what stops
+    triaxis.go                      bit, out: what the last answer said, for people: no permission
 
 A pin that nothing writes reads 0: until x, y, z and running are netted, there is no position, and no go.
 """
 
+import math
 import sys
 import time
 from fractions import Fraction
@@ -24,7 +25,8 @@ from triaxis.host.quantise import vector
 NAME = "triaxis"
 # Where Debian has LinuxCNC's modules; of its own Python alone.
 _DEBIAN = "/usr/lib/python3/dist-packages"
-_WANTED = ("x", "y", "z", "running")
+# Until a position is read whole: the machine goes on meanwhile.
+_READINGS = 1000
 _LOOK_SECONDS = 0.005
 
 
@@ -62,11 +64,14 @@ class HalPositions:
                 f"--hal: no component {NAME}: {error}: load it from the machine's .hal file, once"
             ) from error
         self._has_run = False
+        self._wanted = {"x", "y", "z", "running"}
 
     @property
     def tool(self) -> int | None:
-        """Return the number of the tool in the spindle; None where that is not netted."""
-        return int(self._component["tool"]) if self._netted("tool") else None
+        """Return the number of the tool in the spindle; None where that was never netted."""
+        if self._netted("tool"):
+            self._wanted.add("tool")
+        return int(self._component["tool"]) if "tool" in self._wanted else None
 
     def _netted(self, name: str) -> bool:
         return bool(self._module.pin_has_writer(f"{NAME}.{name}"))
@@ -74,7 +79,7 @@ class HalPositions:
     def wait(self, seconds: float) -> bool:
         """Return whether all pins that are needed are netted within a time."""
         until = time.monotonic() + seconds
-        while not all(map(self._netted, _WANTED)):
+        while not all(map(self._netted, self._wanted)):
             if time.monotonic() > until:
                 return False
             time.sleep(_LOOK_SECONDS)
@@ -85,22 +90,32 @@ class HalPositions:
 
         Raises InputError where a pin is not netted any more.
         """
-        if missing := [name for name in _WANTED if not self._netted(name)]:
+        if missing := [name for name in sorted(self._wanted) if not self._netted(name)]:
             raise InputError(f"{NAME}.{missing[0]}: nothing writes this pin any more: the machine is stopped")
-        since = time.monotonic()
         running = bool(self._component["running"])
         if self._has_run and not running:
             return None
         self._has_run |= running
+        since, place = self._place()
         try:
-            return vector(Fraction(self._component[name]) for name in "xyz"), since
+            return vector(map(Fraction, place)), since
         except (ValueError, OverflowError) as error:
             raise InputError(f"{NAME}: a position that is no number: the machine is stopped") from error
+
+    def _place(self) -> tuple[float, list[float]]:
+        """Return when and where the tool was: twice the same, as pins are read one after the other."""
+        for _ in range(_READINGS):
+            since = time.monotonic()
+            one, other = ([self._component[name] for name in "xyz"] for _ in range(2))
+            if one == other or any(map(math.isnan, one)):
+                return since, one
+        raise InputError(f"{NAME}: no two readings of the position are the same: the machine is stopped")
 
     def said(self, go: bool) -> None:
         """Show on the pin what the last answer was."""
         self._component["go"] = go
 
     def close(self) -> None:
-        """Take the component away."""
+        """Take the component away; nothing is permitted any more."""
+        self.said(False)
         self._component.exit()

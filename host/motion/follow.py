@@ -347,23 +347,28 @@ def follow(
                 "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
             )
         piece = follower.pieces[number]
+        if now() - since > follower.lag:
+            raise _late(now() - since, follower)
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)
         lag = now() - since
         done.asked += 1
-        seen(number, hold, clear, lag)
         done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)
         if not clear:
+            seen(number, hold, clear, lag)
             done.permitted, done.near = follower.permitted, piece
             return done
         if lag > follower.lag:
-            raise LateError(
-                f"an answer came {lag:.3g} s after its position, --lag is {float(follower.lag):g} s"
-            )
+            raise _late(lag, follower)
         if said is not None and now() > said:
             # Go may have ended meanwhile, and begun again.
             raise LateError(f"line {piece.line}: the permission before was not renewed within its time")
         follower.permit(number)
+        seen(number, hold, clear, lag)
+
+
+def _late(lag: float, follower: Follower) -> LateError:
+    return LateError(f"an answer came {lag:.3g} s after its position, --lag is {float(follower.lag):g} s")
 
 
 class SimulatedTool:

@@ -40,6 +40,8 @@ _NOT_NEGATIVE = "FSTNHDL"
 _LEAST_TOLERANCE = Rational(1, 1000)
 # Holes that one line may drill.
 _MOST_HOLES = 10_000
+# Words that may stand beside the one that begins a NURBS.
+_BESIDE_NURBS = frozenset(("G17", "G18", "G19", "G20", "G21", "G61", "G90", "G91", "G93", "G94"))
 # Refused words that are told at a time.
 _TOLD = 12
 
@@ -166,8 +168,8 @@ class Interpreter:
         place, codes = block.place, self._codes(block)
         on_line = {word.code for group in codes.values() for word in group}
         words = self._by_letter(block, on_line)
-        if self.nurbs is not None:
-            self._within_nurbs(block, words)
+        if self.nurbs is not None or "G5.2" in on_line:
+            self._only_nurbs(block)
         self._set_modal(place, codes, words)
         if "T" in words:
             self.chosen = int(words["T"].value)
@@ -544,11 +546,13 @@ class Interpreter:
             return bezier([start, first, vector((target[0] + x, target[1] + y, target[2])), target])
         return None
 
-    def _within_nurbs(self, block: Block, words: dict[str, Word]) -> None:
+    def _only_nurbs(self, block: Block) -> None:
         """Refuse what may change the sense of control points, or leaves them."""
+        beside = _BESIDE_NURBS if self.nurbs is None else frozenset()
         for word in block.words:
-            if word.code not in ("G5.2", "G5.3") and word.letter not in "XYZPFN":
-                raise block.place.error(word.text, "between G5.2 and G5.3: only control points stand there")
+            if word.code not in ("G5.2", "G5.3", *beside) and word.letter not in "XYZPLFN":
+                where = "between G5.2 and G5.3" if self.nurbs else "on a line with G5.2"
+                raise block.place.error(word.text, f"{where}: only control points stand there, and F")
 
     def _nurbs(self, block: Block, words: dict[str, Word], axes: dict[int, Word]) -> None:
         """Add what a line has of a NURBS; go along it where it ends."""
@@ -591,7 +595,9 @@ class Interpreter:
             why = f"{len(begun.points)} points, the tool's own among them: order {begun.order} needs as many"
             raise place.error(word.text, why)
         try:
-            curves = nurbs(begun.points, begun.weights, begun.order, _PLANES[begun.plane][:2])
+            zero = self.origin()
+            far = max(abs(float(c - z)) for point in begun.points for c, z in zip(point, zero, strict=True))
+            curves = nurbs(begun.points, begun.weights, begun.order, _PLANES[begun.plane][:2], far)
         except ValueError as error:
             raise begun.place.error("G5.2", str(error)) from error
         off = max(curve.slack for curve in curves)

@@ -538,6 +538,19 @@ class Machine:
             self.hal.connect(f"triaxis.{name}", f"from-{name}")
 
 
+class Moving(dict):
+    """Pins of which each reading is another."""
+
+    def __init__(self, pins, places):
+        """Keep the others."""
+        super().__init__(pins)
+        self._places = places
+
+    def __getitem__(self, name):
+        """Return the next place."""
+        return float(next(self._places)) if name in "xyz" else super().__getitem__(name)
+
+
 @pytest.fixture
 def machine():
     try:
@@ -550,13 +563,18 @@ def machine():
         yield made
         made.pins.exit()
         # They are gone with the last component, but for those where a machine is running.
-        for name in ("x", "y", "z", "running", "tool"):
-            subprocess.run(["halcmd", "delsig", f"from-{name}"], check=False, capture_output=True)
+        for name in ("x", "y", "z", "running", "tool", "go"):
+            subprocess.run(
+                ["halcmd", "delsig", name if name == "go" else f"from-{name}"],
+                check=False,
+                capture_output=True,
+            )
 
 
 def test_positions_are_those_of_the_pins(machine):
     """On the real HAL of LinuxCNC, where that is installed."""
     pins = HalPositions()
+    component = pins._component
     try:
         machine.net("x", "y", "z")
         assert not pins.wait(0.01)
@@ -577,13 +595,24 @@ def test_positions_are_those_of_the_pins(machine):
         machine.pins["running"], machine.pins["y"] = True, float("nan")
         with pytest.raises(InputError, match="no number"):
             pins.report()
-        machine.hal.disconnect("machine.x")
-        with pytest.raises(InputError, match=r"triaxis\.x: nothing writes this pin any more"):
-            pins.report()
+        for name in ("tool", "x"):
+            machine.hal.disconnect(f"machine.{name}")
+            with pytest.raises(InputError, match=rf"triaxis\.{name}: nothing writes this pin any more"):
+                pins.report()
+            machine.hal.connect(f"machine.{name}", f"from-{name}")
         with pytest.raises(InputError, match="no component triaxis"):
             HalPositions()
+        machine.pins["y"] = 0.0
+        # A machine that is elsewhere whenever a pin is read.
+        pins._component = Moving({"running": True}, count())
+        with pytest.raises(InputError, match="no two readings"):
+            pins.report()
     finally:
+        pins._component = component
+        machine.hal.new_sig("go", machine.hal.HAL_BIT)
+        machine.hal.connect("triaxis.go", "go")
         pins.close()
+    assert machine.hal.get_value("go") is False
 
 
 def test_without_linuxcnc_it_says_so(monkeypatch):

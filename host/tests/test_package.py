@@ -72,5 +72,8 @@ def test_a_wheel_decides_outside_a_checkout(tmp_path):
             check=False,
         )
         assert done.returncode == status, done.stderr
+    tritest = "import sys; from triaxis.host.cli import tritest; sys.exit(tritest())"
+    for words in (["make", "set", "--pairs", "2"], ["recheck", "set"]):
+        subprocess.run([sys.executable, "-c", tritest, *words], cwd=home, env=environment, check=True)
     built = Path(home, ".cache", "triaxis", version("triaxis"))
     assert any(built.iterdir()) and not (site / "triaxis" / "build").exists()

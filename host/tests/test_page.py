@@ -4,10 +4,14 @@ import base64
 import json
 import os
 import shutil
+import socket
+import struct
 import subprocess
+import threading
 import time
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
@@ -72,6 +76,33 @@ def test_what_is_served(page):
     with pytest.raises(urllib.error.HTTPError, match="404"):
         urllib.request.urlopen(page.address + "etc/passwd")
     assert page.address.startswith("http://127.0.0.1:")
+    # Another page, with a name of its own for this computer.
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(
+            urllib.request.Request(page.address + "scene", headers={"Host": "evil.example"})
+        )
+
+
+def test_browsers_that_say_nothing_are_few_and_not_waited_for(page, monkeypatch, capfd):
+    host, port = page.address.removeprefix("http://").strip("/").split(":")
+    idle = [socket.create_connection((host, int(port))) for _ in range(40)]
+    assert (
+        sum(thread.name.startswith("Thread") and thread.is_alive() for thread in threading.enumerate()) < 40
+    )
+    # One that resets while it is sent something.
+    idle[0].setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    idle[0].sendall(f"GET /plotly.js HTTP/1.1\r\nHost: {host}:{port}\r\n\r\n".encode())
+    for one in idle:
+        one.close()
+    # They are gone: there is room again.
+    for _ in range(100):
+        with suppress(OSError), urllib.request.urlopen(page.address) as answer:
+            assert answer.read()
+            break
+        time.sleep(0.1)
+    else:
+        raise AssertionError("nothing is served any more")
+    assert capfd.readouterr().err == ""
 
 
 def test_the_newest_state_is_sent_and_how_old_it_is(page, monkeypatch):
