@@ -80,7 +80,7 @@ def _passed(items: list[Any], key: str = "passed") -> float | None:
     return _share(sum(item[key] is True for item in items), len(items))
 
 
-def _figures(parts: dict[str, Any]) -> dict[str, float | None]:
+def _figures(parts: dict[str, Any]) -> dict[str, Any]:
     simulation, mutation, proofs = parts["simulation"], parts["mutation"], parts["proofs"]
     bins = [item for model in simulation["coverage"].values() for item in model.values()]
     mutants, registers = mutation["files"].values(), proofs["registers"]["modules"].values()
@@ -144,11 +144,11 @@ def _verdict(folder: Path) -> Iterator[str]:
     for name in sorted(stored.keys() | found.keys() | bounds.keys()):
         value, bound = found.get(name), bounds.get(name, {})
         least, most = (bound.get(key, {}).get(STAGES[-1]) for key in ("at_least", "at_most"))
-        numbers = [x for x in (value, least, most) if type(x) in (int, float) and math.isfinite(x)]
-        beyond = len(numbers) != 2 or value < (least or 0) or (most is not None and value > most)
-        if beyond or stored.get(name) != value:
-            kept, wanted = f"{stored.get(name)} in signoff.json", f"wanted at least {least}, at most {most}"
-            yield f"{name}: {value} by what was counted, {kept}; {wanted}"
+        numbers = [x for x in (value, least, most) if isinstance(x, int | float) and math.isfinite(x)]
+        low, high = least or 0, math.inf if most is None else most
+        bad = value is None or len(numbers) != 2 or bool in map(type, numbers) or not low <= value <= high
+        if bad or stored.get(name) != value:
+            yield f"{name}: {value} by what was counted, {stored.get(name)} in signoff.json: {low} to {high}"
 
 
 def _witnesses(folder: Path) -> Iterator[str]:

@@ -154,6 +154,7 @@ def test_witnesses_are_proven_again_and_bounds_are_needed(unpacked):
     for name, text, said in (
         ("witnesses/set.json", "{}", "KeyError"), ("source/coverage/stages.toml", "", "mismatches: 0 by"),
         ("source/coverage/stages.toml", "[mismatches]\nat_most = { V3 = nan }", "mismatches: 0 by"),
+        ("source/coverage/stages.toml", "[x]\nat_most = { V3 = 1 }\nat_least = { V3 = 0 }", "x: None by"),
     ):  # fmt: skip
         before = (folder / name).read_text()
         (folder / name).write_text(text)
