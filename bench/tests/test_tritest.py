@@ -165,8 +165,8 @@ def test_a_program_that_ends_early_is_asked_family_by_family(asked):
     lines = f"for line in sys.stdin: said.append('0') if line.strip() != {worst!r} else sys.exit('boom')"
     dies = python("said = []", "try:", f" {lines}", "except SystemExit: sys.exit('boom')", "print(*said)")
     found = score(dies, asked[:4], lambda _: None)
-    assert [found.families[one.family.name].unanswered for one in asked[:4]] == [PAIRS, PAIRS, 0, 0]
-    assert found.ended == {one.family.name: "exit code 1: boom" for one in asked[:2]}
+    assert [found.families[one.family.name].unanswered for one in asked[:4]] == [0, PAIRS, 0, 0]
+    assert found.ended == {asked[1].family.name: "exit code 1: boom"}
     flushed = python(
         "for line in sys.stdin:", f" if line.strip() == {worst!r}: sys.exit(1)", " print(0, flush=True)"
     )

@@ -141,8 +141,8 @@ class Score:
 def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[int], None]) -> Score:
     """Ask a program about all families; ``progress`` is told of each.
 
-    It is asked about all of them at once; from one on in which it ends early, about each by itself. Raises
-    InputError where it cannot be started, or answers what is no answer.
+    It is asked about all of them at once; from one on of which answers are missing, about each by itself.
+    Raises InputError where it cannot be started, or answers what is no answer.
     """
     found, start, each = Score(), 0, False
     while start < len(asked):
@@ -151,6 +151,9 @@ def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[in
         found.said = found.said or told
         for one in some:
             name, pairs = one.family.name, one.family.pairs
+            if len(said) < pairs and not each:
+                each = True
+                break
             own, said = said[:pairs], said[pairs:]
             # It ended here; or it answered all, and ended badly all the same.
             if len(own) < pairs or (one is some[-1] and how is not None):
@@ -158,9 +161,6 @@ def score(command: Sequence[str], asked: Sequence[Asked], progress: Callable[[in
             found.add(one, [*own, *[UNTOLD] * (pairs - len(own))])
             progress(1)
             start += 1
-            if len(own) < pairs:
-                each = True
-                break
     return found
 
 
