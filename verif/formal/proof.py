@@ -247,7 +247,8 @@ class SbyProof(Proof):
                 f"{_COVER}: depth {self.cover_depth}",
                 "[engines]", "smtbmc yices",
                 "[script]",
-                read_slang(names, self.top, self.parameters),
+                # What is beyond an array is for the proof to find, and not for the tool to refuse.
+                read_slang(names, self.top, self.parameters, "-Wno-error=index-oob"),
                 # What has no driver is free at each clock, and one and the same wherever it is read.
                 "setundef -undriven -anyseq",
                 f"prep -top {self.top}",

@@ -346,8 +346,7 @@ _PARITY_UPSETS = (
     ),
     (".read_address_i,\n      .read_data_o (found)",
      ".read_address_i(read_address_i ^ free_read),\n      .read_data_o (kept)"),
-    ("address_t address_q;", "address_t address_q, held_q;\n  assign address_q = held_q ^ free_late;"),
-    ("address_q <= ", "held_q <= "),
+    ("assign due[i] = ^{", "assign due[i] = ^free_late ^ ^{"),
 )  # fmt: skip
 
 

@@ -76,7 +76,7 @@ module triaxis_parity_ram_formal
     SeenIntact : cover (read_q && none && intact_o && due_q != '0);
     // What makes it inductive.
     assert (!following_q || u_ram.u_words.memory_q[at_q] == {parity_of(last_q, at_q), last_q});
-    assert (!read_q || (u_ram.held_q == (due_at_q ^ missed_q) && u_ram.kept == {parity_of(
+    assert (!read_q || (u_ram.address_q == (due_at_q ^ missed_q) && u_ram.kept == {parity_of(
         due_q, due_at_q
     ), due_q}));
   end
