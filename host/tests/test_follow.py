@@ -312,6 +312,22 @@ def test_a_tool_where_it_may_not_be_and_pieces_too_short(program):
     assert follower.hold(len(follower.pieces) - 1) == LONGEST
 
 
+def test_nothing_is_asked_after_a_position_that_is_late(program):
+    """Go would begin of where the tool no longer is; and nobody is told of what was not in time."""
+    scene, asked, seen = scene_of(program), [], []
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    times = iter([0.0, float(LAG) + 0.001, *[float(LAG) + 0.002] * 9])
+
+    def permit(*run):
+        asked.append(run)
+        return True
+
+    report = lambda: (START, next(times))  # noqa: E731
+    with pytest.raises(LateError, match="after its position"):
+        follow(follower, permit, report, lambda: next(times), 200, True, lambda *told: seen.append(told))
+    assert (asked, seen, follower.permitted) == ([], [], 0)
+
+
 HAL = """loadrt threads name1=servo period1=1000000
 loadrt sampler depth=1000 cfg=fff
 addf sampler.0 servo
