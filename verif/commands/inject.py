@@ -10,6 +10,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
+from triaxis.sim.paths import DUT
 from triaxis.verif.faults.catching import catch_all
 from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
@@ -17,7 +18,8 @@ from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.false_clears import PAIRS, compare, mutants_of_data_path
 from triaxis.verif.mutation.false_clears import write_result as write_certificates
-from triaxis.verif.mutation.order import remember
+from triaxis.verif.mutation.killers import states
+from triaxis.verif.mutation.record import SEED, read_record, recorded, write_record
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import mutate
 from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
@@ -207,29 +209,44 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mutant", metavar="ID", help="only this mutant, or those that a pattern matches")
     parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"processes ({_JOBS})")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found out")
-    parser.add_argument(
-        "--order", action="store_true",
-        help="write down where each mutant was noticed, verif/mutation/order.json: later runs begin there",
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument(
+        "--record", action="store_true",
+        help="write down what became of them, verif/mutation/record.json: sign-offs of this state take it",
     )  # fmt: skip
+    either.add_argument(
+        "--sample", type=int, metavar="SEED", help="take what is recorded, but for those that a seed draws"
+    )
     parser.set_defaults(run=_mutate)
 
 
 def _mutate(options: argparse.Namespace) -> int:
+    if (options.record or options.sample is not None) and options.seed != SEED:
+        raise InputError(f"--seed {options.seed}: what is recorded is of runs with --seed {SEED}")
     restricted = options.file is not None or options.mutant is not None
     everything = found = catalogue()
+    before = states(DUT)
     if restricted:
         found = found.restricted(options.file, options.mutant)
     with progress_bar("mutants", len(found.mutants)) as progress:
-        result = mutate(options.seed, jobs=options.jobs, fresh=options.fresh, progress=progress, chosen=found)
+        result = mutate(
+            options.seed, jobs=options.jobs, fresh=options.fresh, progress=progress, chosen=found,
+            sample=options.sample,
+        )  # fmt: skip
     _print_mutants(result)
     if not restricted:
         command = f"triaxis prove mutate --seed {options.seed}"
+        if options.sample is not None:
+            command += f" --sample {options.sample}"
         print(f"written to {mutation_result.write_result(result, command)}")
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
-    if options.order:
-        places = mutation_result.noticed(result.fates)
-        print(f"written to {remember(places, others=everything.by_id.keys() - found.by_id.keys())}")
+    if options.record and states(DUT) == before:
+        equivalent = {fate.id for fate in result.fates if fate.fate == mutation_result.EQUIVALENT}
+        kills = mutation_result.kills(result.fates)
+        now = recorded(read_record(), everything.mutants, kills, equivalent, before)
+        blocks = ", ".join(now.states) or "no block"
+        print(f"written to {write_record(now)}: {blocks} as a whole")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

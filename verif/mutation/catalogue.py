@@ -1,6 +1,6 @@
 """Every mutant of dut/, from the sources alone."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
@@ -40,7 +40,10 @@ class Catalogue:
             raise InputError(
                 f"{asked}: no such mutant; names are <module>/<operator>/<hash>, files those of dut/"
             )
-        chosen = {mutant.id for mutant in kept}
+        return self.only({mutant.id for mutant in kept})
+
+    def only(self, chosen: Collection[str]) -> "Catalogue":
+        """Return the catalogue of the mutants of these names."""
         hosts_left = {
             file: tuple(
                 host.with_mutants(tuple(mutant for mutant in host.mutants if mutant.id in chosen))
@@ -49,7 +52,7 @@ class Catalogue:
             )
             for file, found in self.hosts.items()
         }
-        return Catalogue(self.sources, hosts_left, tuple(kept))
+        return Catalogue(self.sources, hosts_left, tuple(one for one in self.mutants if one.id in chosen))
 
 
 def _file_names(mutant: Mutant) -> tuple[str, ...]:
@@ -74,7 +77,7 @@ def catalogue(dut: Path = DUT) -> Catalogue:
 
 
 def _check_distinct(mutants: Sequence[Mutant]) -> None:
-    if len({mutant.id for mutant in mutants}) != len(mutants):
+    if len({mutant.short for mutant in mutants}) != len(mutants):
         raise InputError("mutants: two have one name: lengthen the hash in verif/mutation/mutant.py")
 
 

@@ -1,14 +1,15 @@
 """What becomes of each mutant of a catalogue: in which order they are tried, on what, and by how long tests.
 
 Short tests first, on each target in turn, mutants of the core beside those of the mesh engine; longer tests
-and volume after, for those that survive. Mutants that an earlier run noticed late are tried there alone, and
+and volume after, for those that survive. Mutants that an earlier run noticed are tried there alone, and
 everywhere where that is in vain.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
@@ -16,8 +17,8 @@ from triaxis.sim.verilate import MANY
 from triaxis.verif.mutation.catalogue import Catalogue, runtime_numbers
 from triaxis.verif.mutation.killing import Hunt, Progress, Stage
 from triaxis.verif.mutation.mutant import Mutant
-from triaxis.verif.mutation.order import read_order
-from triaxis.verif.mutation.outcomes import Outcome, Store
+from triaxis.verif.mutation.outcomes import Killed, Outcome, Store
+from triaxis.verif.mutation.record import Place
 from triaxis.verif.mutation.targets import (
     FULL_PIECES,
     SMALLEST,
@@ -106,20 +107,23 @@ def judge(
     fresh: bool = False,
     with_volume: bool = True,
     progress: Progress = lambda _: None,
+    order: Mapping[str, Place] = MappingProxyType({}),
+    settled: Mapping[str, Killed | None] = MappingProxyType({}),
 ) -> list[Outcome]:
     """Return what becomes of each mutant of a catalogue.
 
-    ``excused``: mutants recorded as equivalent, which get one test, and no volume. Raises InputError where
-    the RTL without a mutant does not pass, or does not build.
+    ``excused``: mutants listed as equivalent, which get one test, and no volume. ``order``: where to try
+    mutants first. ``settled``: those that are not played, with how they were killed, if they were. Raises
+    InputError where the RTL without a mutant does not pass, or does not build.
     """
     store = Store(catalogue, dut, seed, fresh)
-    todo = [one for one in catalogue.mutants if one.id not in store.killed and one.id not in store.surviving]
+    known = {*store.killed, *store.surviving, *settled}
+    todo = [one for one in catalogue.mutants if one.id not in known]
     progress(len(catalogue.mutants) - len(todo))
-    numbers = runtime_numbers(catalogue.mutants)
+    left = catalogue.only({one.id for one in todo})
+    numbers = runtime_numbers(left.mutants)
     if len(numbers) <= _FEW:
         numbers = {}
-    order = read_order(one.id for one in todo)
-    left = replace(catalogue, mutants=tuple(todo))
     hunt = Hunt(left, numbers, dut, seed, jobs, store, excused, order, progress, timeline)
     wanted = [target for target in targets if any(target.mutates(one.file) for one in todo)]
     # Whatever ends a long run, what it found out is kept.
@@ -137,6 +141,10 @@ def judge(
         store.save()
     progress(sum(one.id not in store.killed for one in todo))
     return [
-        Outcome(one, store.killed.get(one.id), tuple(t.name for t in targets if hunt.holds(t, one)))
+        Outcome(
+            one,
+            settled[one.id] if one.id in settled else store.killed.get(one.id),
+            tuple(t.name for t in targets if hunt.holds(t, one)),
+        )
         for one in catalogue.mutants
     ]

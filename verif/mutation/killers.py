@@ -56,3 +56,8 @@ def outcomes_hash(block: str, dut: Path) -> str:
     below = BLOCKS[: BLOCKS.index(block) + 1]
     rtl = [path for path in rtl_files(dut) if path.relative_to(dut).parts[0] in below]
     return content_hash(rtl, OUTCOMES[block].hash(), str(verilator()))
+
+
+def states(dut: Path) -> dict[str, str]:
+    """Return that of every block."""
+    return {block: outcomes_hash(block, dut) for block in BLOCKS}

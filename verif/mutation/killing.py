@@ -27,8 +27,8 @@ from triaxis.verif.mutation.builds import (
 )
 from triaxis.verif.mutation.catalogue import Catalogue
 from triaxis.verif.mutation.mutant import Mutant
-from triaxis.verif.mutation.order import Place
 from triaxis.verif.mutation.outcomes import Killed, Store
+from triaxis.verif.mutation.record import Place
 from triaxis.verif.mutation.schema import mutated, write_schema
 from triaxis.verif.mutation.targets import (
     AnyTarget,

@@ -61,6 +61,16 @@ class Mutant:
         """Return file and line."""
         return f"dut/{self.file}:{self.line}"
 
+    @property
+    def block(self) -> str:
+        """Return the folder of dut/: core, mesh or board."""
+        return self.file.partition("/")[0]
+
+    @property
+    def short(self) -> str:
+        """Return what is left of its name where that is listed; no two mutants have the same."""
+        return self.id.rpartition("/")[2]
+
 
 def normalised(text: str) -> str:
     """Return the text with every run of white space as one space."""

@@ -9,7 +9,7 @@ from triaxis.golden.outputs import write_whole
 from triaxis.sim.build import content_hash
 from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.catalogue import Catalogue
-from triaxis.verif.mutation.killers import BLOCKS, outcomes_hash
+from triaxis.verif.mutation.killers import states
 from triaxis.verif.mutation.mutant import Mutant
 
 # Files of earlier states that are kept beside that of today's: for going back and forth.
@@ -20,7 +20,8 @@ _EARLIER = 1
 class Killed:
     """How a mutant was noticed: the test that ran, the model, what was wrong, after how many pairs.
 
-    ``stage``: of the run; ``trial``: the number of its trials until then, this one among them.
+    ``stage``: of the run; ``trial``: the number of its trials until then, this one among them; 0 where it is
+    taken from the record.
     """
 
     test: str
@@ -51,8 +52,8 @@ class Store:
         self._dut = dut
         # Several threads add to it.
         self._lock = Lock()
-        self._block = {one.id: one.file.partition("/")[0] for one in catalogue.mutants}
-        self._state = self._state_now()
+        self._block = {one.id: one.block for one in catalogue.mutants}
+        self._state = states(dut)
         self.killed: dict[str, Killed] = {}
         self.surviving: set[str] = set()
         self._paths = {
@@ -66,12 +67,9 @@ class Store:
                 self.surviving |= set(known["surviving"])
                 self._block |= dict.fromkeys([*known["killed"], *known["surviving"]], block)
 
-    def _state_now(self) -> dict[str, str]:
-        return {block: outcomes_hash(block, self._dut) for block in BLOCKS}
-
     def save(self) -> None:
         """Write all to build/, but what depends on something that has changed since; remove old files."""
-        now = self._state_now()
+        now = states(self._dut)
         with self._lock:
             for block, path in self._paths.items():
                 if now[block] == self._state[block]:

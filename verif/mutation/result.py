@@ -18,8 +18,7 @@ from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
-from triaxis.verif.mutation.order import Place
-from triaxis.verif.mutation.outcomes import Outcome
+from triaxis.verif.mutation.outcomes import Killed, Outcome
 
 EVIDENCE = FOLDER / "mutation.json"
 
@@ -30,7 +29,7 @@ KILLED, EQUIVALENT, SURVIVING, ABSENT = "killed", "equivalent", "surviving", "no
 @dataclass(frozen=True)
 class Fate:
     """What became of one mutant; where it was killed, by what, in which test and target, and of its trials
-    by which, in which stage of the run.
+    by which (0: as recorded, it was not played), in which stage of the run.
     """
 
     id: str
@@ -57,13 +56,19 @@ class Fate:
         """Return the operator."""
         return self.id.split("/")[1]
 
+    @property
+    def recorded(self) -> bool:
+        """Return whether it was not played: it is as recorded."""
+        return self.trial == 0
 
-def noticed(fates: Iterable[Fate]) -> dict[str, tuple[Place, int]]:
-    """Return where mutants were noticed, and in which of their trials."""
+
+def kills(fates: Iterable[Fate]) -> dict[str, Killed | None]:
+    """Return how mutants were killed, None of those that were not."""
     return {
-        one.id: (Place(one.stage, one.test), one.trial)
+        one.id: Killed(one.test, one.target, one.symptom, one.pairs or 0, one.stage or "", one.trial or 0)
+        if one.test and one.target and one.symptom
+        else None
         for one in fates
-        if one.stage and one.test and one.trial
     }
 
 
@@ -123,7 +128,7 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
         by = killed.test if killed.test in (BY_ELABORATION, BY_PROOF) else by
         return Fate(
             *fixed, KILLED, by, killed.test, killed.target, killed.symptom,
-            killed.pairs if by in (RUN, BY_ASSERTION) else None, killed.stage, killed.trial,
+            killed.pairs if by in (RUN, BY_ASSERTION) and killed.trial else None, killed.stage, killed.trial,
         )  # fmt: skip
     fate = EQUIVALENT if equivalent else SURVIVING if outcome.targets else ABSENT
     return Fate(*fixed, fate, None, None, None, None, None)
@@ -133,7 +138,8 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
 class MutationResult:
     """The fates of all mutants of a run, in a fixed order; what is wrong; how long it and its stages took.
 
-    ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of.
+    ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of. ``sampled``: so
+    many of those that are recorded were played again.
     """
 
     fates: tuple[Fate, ...]
@@ -143,6 +149,7 @@ class MutationResult:
     rtl_hash: str
     killers_hash: str
     stages: tuple[Span, ...] = ()
+    sampled: int = 0
 
     @property
     def passed(self) -> bool:
@@ -161,11 +168,13 @@ class MutationResult:
 
 
 def _summary(fates: Iterable[Fate]) -> str:
-    total = tally(fates)
+    fates = list(fates)
+    total, recorded = tally(fates), sum(fate.recorded for fate in fates)
     score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
+    told = f"; {recorded:,} as recorded" if recorded else ""
     return (
         f"{total.mutants:,} mutants: {total.killed:,} killed, {total.equivalent} equivalent, "
-        f"{total.surviving + total.absent} surviving; {score}"
+        f"{total.surviving + total.absent} surviving; {score}{told}"
     )
 
 
@@ -197,6 +206,7 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
         "seed": result.seed,
         "rtl_hash": result.rtl_hash,
         "killers_hash": result.killers_hash,
+        "sampled": result.sampled,
         "stages": [asdict(stage) for stage in result.stages],
         **_counts(result.fates),
         "mutants": [asdict(fate) for fate in result.fates],

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,8 +21,9 @@ from triaxis.verif.mutation.equivalence import (
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
-from triaxis.verif.mutation.killers import killers_hash
+from triaxis.verif.mutation.killers import killers_hash, states
 from triaxis.verif.mutation.outcomes import Killed, Outcome
+from triaxis.verif.mutation.record import Record, drawn, read_record
 from triaxis.verif.mutation.result import ABSENT, BY_PROOF, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 
@@ -38,11 +40,12 @@ def mutate(
     with_volume: bool = True,
     progress: Callable[[int], None] = lambda _: None,
     chosen: Catalogue | None = None,
+    sample: int | None = None,
 ) -> MutationResult:
     """Return what becomes of the mutants of dut/, or of those whose file and name match.
 
-    ``fresh``: do everything again, whatever is known from
-    earlier runs. Raises InputError where the RTL without mutants fails.
+    ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
+    but for those that this seed draws. Raises InputError where the RTL without mutants fails.
     """
     start, timeline = time.perf_counter(), Timeline()
     rtl, killers = rtl_hash(dut), killers_hash()
@@ -52,11 +55,25 @@ def mutate(
     entries = read_equivalents(equivalents)
     if fresh:
         forget_proofs()
-    with timeline.span("evidence of equivalence"):
-        evidence = check_equivalents(entries, found.by_id, everything.by_id, jobs, dut)
+    listed = {name: entry for entry in entries for name in entry.mutants if name in found.by_id}
     # The smallest widths alone say too little: what only they show is tried in volume as well.
-    excused = frozenset(name for name, entry in evidence.equivalent.items() if entry.evidence != EXHAUSTIVE)
-    outcomes = judge(found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress)
+    excused = frozenset(name for name, entry in listed.items() if entry.evidence != EXHAUSTIVE)
+    record = read_record()
+    again, settled = _taken(record, found, excused, dut, sample)
+    order = record.places(found.mutants)
+
+    def prove() -> Evidence:
+        with timeline.span("evidence of equivalence"):
+            return check_equivalents(entries, found.by_id, everything.by_id, 1, dut)
+
+    # One proof may take longer than all trials: beside them.
+    with ThreadPoolExecutor(1) as beside:
+        proofs = beside.submit(prove)
+        outcomes = judge(
+            found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress, order, settled
+        )
+        evidence = proofs.result()
+    killed = {one.mutant.id: one.killed for one in outcomes}
     fates = tuple(_fate(outcome, evidence) for outcome in outcomes)
     problems = [
         *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),
@@ -66,11 +83,44 @@ def mutate(
             if outcome.killed and outcome.mutant.id in evidence.equivalent
         ),
         *evidence.problems,
+        *(
+            f"{name}: {how.test} does not notice it in {how.stage} now: what is recorded is wrong: run "
+            "`triaxis prove mutate --record`"
+            for name, how in again.items()
+            if not _is_as_recorded(killed[name], how)
+        ),
     ]
     if (rtl_hash(dut), killers_hash()) != (rtl, killers):
         problems.append("the RTL, or what plays its mutants, changed during the run: run again")
     seconds = time.perf_counter() - start
-    return MutationResult(fates, tuple(problems), seed, seconds, rtl, killers, tuple(timeline.spans))
+    spans = tuple(timeline.spans)
+    return MutationResult(fates, tuple(problems), seed, seconds, rtl, killers, spans, len(again))
+
+
+def _taken(
+    record: Record, found: Catalogue, excused: frozenset[str], dut: Path, sample: int | None
+) -> tuple[dict[str, Killed], dict[str, Killed | None]]:
+    """Return how those mutants were killed that are recorded and played again; and those that are not played.
+
+    Of those that are shown to be equivalent the evidence is checked again, and that no test noticed them is
+    part of the record (None).
+    """
+    if sample is None:
+        return {}, {}
+    now = states(dut)
+    blocks = {block for block, state in now.items() if record.states.get(block) == state}
+    of_record: dict[str, Killed | None] = {
+        one.id: None for one in found.mutants if one.id in excused and one.block in blocks
+    }
+    of_record |= record.killed(found.mutants, now)
+    again = {name: how for name, how in of_record.items() if drawn(name, sample)}
+    return {name: how for name, how in again.items() if how}, {
+        name: how for name, how in of_record.items() if name not in again
+    }
+
+
+def _is_as_recorded(killed: Killed | None, how: Killed) -> bool:
+    return killed is not None and (killed.stage, killed.test) == (how.stage, how.test)
 
 
 def _fate(outcome: Outcome, evidence: Evidence) -> Fate:

@@ -21,6 +21,7 @@ from triaxis.verif.formal import proving as formal
 from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.mutation.catalogue import mutant_names
 from triaxis.verif.mutation.equivalence import Equivalent, read_equivalents
+from triaxis.verif.mutation.record import SEED
 from triaxis.verif.mutation.result import (
     EQUIVALENT,
     KILLED,
@@ -180,16 +181,20 @@ def proofs_part(progress: Progress) -> Evidence | None:
     return read_evidence(formal.write_result(result, "triaxis prove formal"))
 
 
-def mutation_part(seed: int, progress: Progress) -> Evidence | None:
-    """Run the mutants, unless a full result of this RTL and of what kills them is there; count its totals.
+def mutation_part(seed: int, progress: Progress, whole: bool = False) -> Evidence | None:
+    """Run the mutants, unless a result of this RTL and of what kills them is there; count its totals.
 
-    Raises InputError where it is of other mutants than today's generator makes.
+    ``whole``: each is played; else those that are recorded are taken from there, but for a sample. Raises
+    InputError where the result is of other mutants than today's generator makes.
     """
     content = known_result()
+    if content and whole and any(fate.recorded for fate in fates_in(content)):
+        content = None
     known = content is not None
     if content is None:
-        found = mutate(seed, progress=progress)
-        content = read_evidence(write_result(found, f"triaxis prove mutate --seed {seed}"))
+        found = mutate(SEED, progress=progress, sample=None if whole else seed)
+        sample = "" if whole else f" --sample {seed}"
+        content = read_evidence(write_result(found, f"triaxis prove mutate --seed {SEED}{sample}"))
         assert content is not None
     else:
         progress(len(content["mutants"]))
@@ -197,13 +202,24 @@ def mutation_part(seed: int, progress: Progress) -> Evidence | None:
     if sorted(fate.id for fate in fates) != sorted(mutant_names()):
         raise InputError("the result in build/mutation/ is of other mutants than today's: run `make mutate`")
     reasons = {name: entry for entry in read_equivalents() for name in entry.mutants}
-    kept = ("passed", "problems", "summary", "command", "seconds", "rtl_hash", "killers_hash", "seed")
+    kept = (
+        "passed",
+        "problems",
+        "summary",
+        "command",
+        "seconds",
+        "rtl_hash",
+        "killers_hash",
+        "seed",
+        "sampled",
+    )
     return {
         **{key: content[key] for key in kept},
         # In seconds since the part began: those of an earlier run are none of this one.
         "stages": [] if known else content["stages"],
         "files": _totals(fates, "file"),
         "operators": _totals(fates, "operator"),
+        "recorded": sum(fate.recorded for fate in fates),
         "killed": [fate.id for fate in fates if fate.fate == KILLED],
         "survivors": [
             {"id": fate.id, "place": fate.place, "original": fate.original, "changed": fate.changed}

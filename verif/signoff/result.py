@@ -79,7 +79,7 @@ class Signoff:
             for problem in part.evidence["problems"] or ["did not pass"]
         ]
         found += [f"proofs: {name}: {Result.ABSENT}" for name in self._absent_proofs if name != THEOREM]
-        found += self._unmeasured if self.whole else []
+        found += [*self._unmeasured, *self._recorded] if self.whole else []
         found += open_items(self.checklist)
         if not self.provenance.still_holds(SOURCES):
             found.append("the RTL or its environment changed during the run")
@@ -87,13 +87,23 @@ class Signoff:
 
     @property
     def exceptions(self) -> list[str]:
-        """Return what was not measured and may be absent, one line each: nothing in a whole sign-off."""
-        return [] if self.whole else self._unmeasured
+        """Return what this run did not measure and need not, one line each: nothing in a whole sign-off."""
+        return [] if self.whole else [*self._unmeasured, *self._recorded]
 
     @property
     def _unmeasured(self) -> list[str]:
         proofs = self.parts["proofs"].evidence
         return [*(proofs["exceptions"] if proofs else []), *unmeasured(self.beside)]
+
+    @property
+    def _recorded(self) -> list[str]:
+        mutation = self.parts["mutation"].evidence
+        if not mutation or not mutation["recorded"]:
+            return []
+        count, again = mutation["recorded"], mutation["sampled"]
+        return [
+            f"{count:,} mutants: as recorded of this very state; {again:,} more that are were played again"
+        ]
 
     @property
     def _absent_proofs(self) -> list[str]:

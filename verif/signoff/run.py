@@ -46,7 +46,7 @@ def step_count(seed: int, volume: int, whole: bool = False) -> int:
 def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, whole: bool = False) -> Signoff:
     """Run everything; ``progress`` is told of each step done.
 
-    ``whole``: four states and the netlist too, first; then nothing may be absent.
+    ``whole``: four states and the netlist too, first; then nothing may be absent, nor taken from a record.
     """
     start, timeline = time.monotonic(), Timeline()
     # An old result must not outlive a run that ends early.
@@ -72,7 +72,7 @@ def signoff(seed: int, progress: Callable[[int], None], volume: int = VOLUME, wh
         "faults": lambda: faults_part(seed, progress),
         "code_coverage": lambda: code_coverage_part(seed, progress),
         "proofs": lambda: proofs_part(progress),
-        "mutation": lambda: mutation_part(seed, progress),
+        "mutation": lambda: mutation_part(seed, progress, whole),
         "testplan": lambda: testplan_part(parts, coverage or None),
     }
     for name, make in makers.items():

@@ -20,7 +20,8 @@ from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
-from triaxis.verif.mutation import builds, killers, killing, order, outcomes, result, targets
+from triaxis.sim.player import ASSERTION
+from triaxis.verif.mutation import builds, killers, killing, outcomes, record, result, targets
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
@@ -151,55 +152,109 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypat
     assert any("listed as equivalent, but" in problem for problem in found.problems)
 
 
-def test_where_a_mutant_was_noticed_late_is_where_it_is_tried_first(tmp_path, seed, monkeypatch):
+STATES = {"core": "one", "mesh": "two", "board": "three"}
+PLACE = record.Place("w8_m8, assertions", "MixedTest")
+
+
+def noticed(symptom="wrong", trial=7):
+    return outcomes.Killed(PLACE.test, "w8_m8", symptom, 7, PLACE.stage, trial)
+
+
+def as_recorded(folder, played, equivalent=(), before=None, every=None, states=STATES):
+    """Return the record after a run, as it is read from its file."""
+    before = before or record.Record({}, {})
+    every = catalogue().mutants if every is None else every
+    written = record.recorded(before, every, played, equivalent, states)
+    return record.read_record(record.write_record(written, folder / "record.json"))
+
+
+def test_a_block_is_recorded_of_its_state_where_none_of_its_mutants_is_left(tmp_path):
+    every = [next(m for m in catalogue().mutants if m.block == block) for block in ("core", "core", "mesh")]
+    every[1] = next(m for m in catalogue().mutants if m.block == "core" and m.id != every[0].id)
+    first, second, third = (one.id for one in every)
+    # One survives; nothing is left of another block; none of the third is there.
+    found = as_recorded(tmp_path, {first: noticed(), second: None, third: noticed(ASSERTION)}, every=every)
+    assert found.states == {"mesh": "two", "board": "three"}
+    assert found.places(every) == {first: PLACE, third: PLACE}
+    assert {name: how.symptom for name, how in found.killed(every, STATES).items()} == {third: ASSERTION}
+    assert not found.killed(every, STATES | {"mesh": "another"})
+    # It is shown to be equivalent: what was not played again keeps what is known.
+    whole = as_recorded(tmp_path, {second: None}, {second}, found, every)
+    assert whole.states == {"mesh": "two", "board": "three"}
+    played = {first: noticed(), second: None}
+    whole = as_recorded(tmp_path, played, {second}, found, every)
+    assert whole.states == STATES and whole.killed(every, STATES).keys() == {first, third}
+    # It survives now, or a mutant is new and was not played, or the RTL is another.
+    assert "core" not in as_recorded(tmp_path, {second: None}, (), whole, every).states
+    assert as_recorded(tmp_path, {}, (), whole, every, STATES | {"core": "new"}).states == {
+        "mesh": "two", "board": "three",
+    }  # fmt: skip
+    assert as_recorded(tmp_path, {}, (), whole, every[:1]).kills.keys() == {every[0].short}
+
+
+def test_what_is_recorded_of_this_state_is_taken_but_for_a_sample(tmp_path, seed, monkeypatch):
+    chosen = [one for one in catalogue().mutants if one.block == "core"][:200]
+    kills = {one.short: noticed(trial=0) for one in chosen}
+    states = killers.states(DUT)
+    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record(states, kills))
+    played: list[str] = []
+
+    def judged(found, seed, jobs, timeline, excused, *rest):
+        *_, settled = rest
+        played.extend(one.id for one in found.mutants if one.id not in settled)
+        # The first of the sample is noticed no more.
+        lost = played[0]
+        killed = {one.id: settled.get(one.id, noticed()) for one in found.mutants} | {lost: None}
+        return [outcomes.Outcome(one, killed[one.id], ("w8_m8",)) for one in found.mutants]
+
+    monkeypatch.setattr("triaxis.verif.mutation.run.judge", judged)
+    found = mutate(record.SEED, chosen=few(*chosen), equivalents=empty(tmp_path), sample=seed)
+    assert 0 < len(played) < 40 and found.sampled == len(played)
+    assert f"{200 - len(played)} as recorded" in result._summary(found.fates)
+    assert [line for line in found.problems if "what is recorded is wrong" in line] == [
+        line for line in found.problems if line.startswith(f"{played[0]}: MixedTest does not notice it")
+    ]
+    # Another seed, another sample; none where all is to be played, or the state is another.
+    first = set(played)
+    for sample, state, count in ((seed + 1, states, None), (None, states, 200), (seed, STATES, 200)):
+        played.clear()
+        monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda s=state: record.Record(s, kills))
+        mutate(record.SEED, chosen=few(*chosen), equivalents=empty(tmp_path), sample=sample)
+        assert len(played) == count if count else set(played) != first
+
+
+def test_where_a_mutant_was_noticed_is_where_it_is_tried_first(tmp_path, seed, monkeypatch):
     """One in vain: it is left to all the others."""
     early, late, vain = [m for m in catalogue().mutants if m.module == "triaxis_box"][:3]
-    found, file = one(KILL).fates[0], tmp_path / "order.json"
-    file.write_text("{}")
-    place = order.Place("w8_m8, assertions", "MixedTest")
-    fates = [
-        replace(found, id=mutant.id, stage=place.stage, test=place.test, trial=trial)
-        for mutant, trial in ((early, 1), (late, 7), (vain, 2))
-    ]
-    written = order.read_order([early.id, late.id, vain.id], order.remember(result.noticed(fates), file))
-    assert written == {late.id: place, vain.id: place}
-    # Noticed at once, as it was tried there first: it keeps its place.
-    again = [replace(fate, trial=1) for fate in fates[:2]]
-    assert order.read_order([early.id, late.id, vain.id], order.remember(result.noticed(again), file)) == {
-        late.id: place
-    }
-    # What was not tried keeps its own.
-    assert order.read_order([late.id, vain.id], order.remember({}, file, [late.id])) == {late.id: place}
-
+    order = {late.id: PLACE, vain.id: PLACE}
     tried: list[tuple[str, str]] = []
 
     def simulate(trials):
         for test, models in trials.turns:
             for model in trials.unnoticed(models):
                 tried.append((model.name, test.test))
-                symptom = "wrong" if (model.name, test.test) == (late.id, place.test) else ""
+                symptom = "wrong" if (model.name, test.test) == (late.id, PLACE.test) else ""
                 with trials.results.open("a") as told:
                     told.write(json.dumps(asdict(Verdict(model.name, test.test, symptom, 1))) + "\n")
 
     monkeypatch.setattr(killing, "run_trials", simulate)
     monkeypatch.setattr(Hunt, "_library", lambda *_: tmp_path)
     monkeypatch.setattr(Hunt, "built", lambda *_: None)
-    monkeypatch.setattr("triaxis.verif.mutation.judging.read_order", lambda _: written)
     monkeypatch.setattr("triaxis.verif.mutation.judging._FEW", 0)
-    judged = judge(few(early, late, vain), seed, 1, Timeline(), targets=(MAIN,), fresh=True)
+    judged = judge(few(early, late, vain), seed, 1, Timeline(), targets=(MAIN,), fresh=True, order=order)
     tests = [test.test for test in MAIN.tests(seed)]
-    of = {name: [test for mutant, test in tried if mutant == name] for name in written}
+    of = {name: [test for mutant, test in tried if mutant == name] for name in order}
     assert of[late.id] == ["MixedTest"]
     once = ["MixedTest", *(test for test in tests if test != "MixedTest")]
     assert of[vain.id] == [*once, *tests, "VolumeTest"]
     assert {one.mutant.id: one.killed.trial for one in judged if one.killed} == {late.id: 1}
 
 
-@pytest.mark.parametrize("text", ["[1]", '{"a stage": {"a test": 5}}', "{"])
-def test_a_damaged_order_is_refused(tmp_path, text):
-    (tmp_path / "order.json").write_text(text)
-    with pytest.raises(InputError, match=r"order.json: damaged: .* write \{\} into it"):
-        order.read_order((), tmp_path / "order.json")
+@pytest.mark.parametrize("text", ["[1]", '{"states": {}, "noticed": {"a stage": {"a test": 5}}}', "{"])
+def test_a_damaged_record_is_refused(tmp_path, text):
+    (tmp_path / "record.json").write_text(text)
+    with pytest.raises(InputError, match=r"record.json: damaged: .* write \{.*\} into it"):
+        record.read_record(tmp_path / "record.json")
 
 
 @pytest.mark.prover
