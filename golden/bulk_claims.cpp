@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The bulk checker's verdicts alone: the lowest-numbered separating axis of each pair, exactly, for
-// 32-bit coordinates and margins. Built as a shared library; see bulk_claims.py.
+// 32-bit coordinates and margins. Built as a shared library; see bulk.py.
 //
 // Each axis is asked in doubles first. Let L bound the differences of coordinates, let the margin be at
 // most L + 2, and u = 2^-53. Differences of coordinates are exact. Up to terms of u^2, fused or not:

@@ -109,9 +109,13 @@ def _is_figure(value: Any) -> bool:
 
 def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
     """Return what a sign-off that says it is a whole does not hold."""
-    proofs = content["parts"].get("proofs") if isinstance(content.get("parts"), dict) else None
-    absent = (proofs.get("exceptions") if isinstance(proofs, dict) else None) or []
-    found = [f"signed off as a whole, but without {line}" for line in absent]
+    parts = content.get("parts") if isinstance(content.get("parts"), dict) else {}
+    proofs, mutation = (
+        part if isinstance(part := parts.get(name), dict) else {} for name in ("proofs", "mutation")
+    )
+    found = [f"signed off as a whole, but without {line}" for line in proofs.get("exceptions") or []]
+    if mutation.get("recorded") != 0:
+        found.append("signed off as a whole, but not every mutant was played")
     return found + _parts(content.get("beside"), signed, BESIDE)
 
 

@@ -101,9 +101,7 @@ class Signoff:
         if not mutation or not mutation["recorded"]:
             return []
         count, again = mutation["recorded"], mutation["sampled"]
-        return [
-            f"{count:,} mutants: as recorded of this very state; {again:,} more that are were played again"
-        ]
+        return [f"mutants: {count:,} as recorded of this very state, {again:,} more played again"]
 
     @property
     def _absent_proofs(self) -> list[str]:

@@ -30,10 +30,8 @@ PARTS = ("testplan", "lint", "simulation", "exhaustive", "code_coverage", "fault
 BESIDE = ("four_state", "netlist")
 KINDS = ("line", "branch", "expression", "toggle", "fsm", "antecedent")
 PROVED, ABSENT = "proved", "not measured"
-# What may be where a sign-off is not said to be whole.
-MAY_BE = ("theorem", ABSENT)
-# The statement is about the sums, and they are about all else.
-UNLISTED = ("SHA256SUMS", "attestation.json")
+MAY_BE = ("theorem", ABSENT)  # where a sign-off is not said to be whole
+UNLISTED = ("SHA256SUMS", "attestation.json")  # the statement is about the sums, and they are about all else
 
 
 def _sha256(path: Path) -> str:
@@ -105,6 +103,8 @@ def _figures(parts: dict[str, Any]) -> dict[str, Any]:
 
 def _contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
     simulation, mutation = parts["simulation"], parts["mutation"]
+    if whole and mutation["recorded"] != 0:
+        yield "mutation: said to be whole, but not every mutant was played"
     for name, row in mutation["files"].items():
         if row["killed"] + row["equivalent"] != row["mutants"] or row["surviving"] != 0:
             yield f"mutation: {name}: {row}: a mutant survives, or they do not add up"
@@ -146,16 +146,16 @@ def _verdict(folder: Path) -> Iterator[str]:
         least, most = (bound.get(key, {}).get(STAGES[-1]) for key in ("at_least", "at_most"))
         numbers = [x for x in (value, least, most) if isinstance(x, int | float) and math.isfinite(x)]
         low, high = least or 0, math.inf if most is None else most
-        bad = value is None or len(numbers) != 2 or bool in map(type, numbers) or not low <= value <= high
-        if bad or stored.get(name) != value:
+        known = value is not None and len(numbers) == 2 and bool not in map(type, numbers)
+        if not known or not low <= value <= high or stored.get(name) != value:
             yield f"{name}: {value} by what was counted, {stored.get(name)} in signoff.json: {low} to {high}"
 
 
 def _witnesses(folder: Path) -> Iterator[str]:
     if len(_read(folder, "witnesses/set.json")["families"]) < 10:
         yield "of fewer than ten families"
-    checker = [sys.executable, "-I", "-S", str(folder / "source/bench/tritest/recheck.py")]
-    ran = subprocess.run([*checker, str(folder / "witnesses")], capture_output=True, text=True, check=False)
+    command = [sys.executable, "-I", "-S", folder / "source/bench/tritest/recheck.py", folder / "witnesses"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
     print(ran.stdout, end="")
     if ran.returncode:
         yield f"exit code {ran.returncode}: {ran.stderr.strip()}"

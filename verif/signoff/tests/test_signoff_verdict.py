@@ -144,9 +144,21 @@ def without_coq():
     return parts
 
 
+def with_a_record():
+    parts = good_parts()
+    mutation = parts["mutation"].evidence
+    assert mutation
+    mutation.update(recorded=1234, sampled=56)
+    return parts
+
+
+AS_RECORDED = "mutants: 1,234 as recorded of this very state, 56 more played again"
+
+
 @pytest.mark.parametrize(
     ("parts", "absent", "said"),
     [
+        (with_a_record(), None, AS_RECORDED),
         (without_coq(), None, "theorem: not measured: coqc is not installed: apt-get install coq"),
         (None, "four_state", "four state: not measured: iverilog: not found: apt-get install iverilog"),
         (None, "netlist", "netlist: not measured: iverilog: not found: apt-get install iverilog"),
