@@ -132,26 +132,29 @@ def run(options: argparse.Namespace) -> int:
     if options.stock and options.surfaces_only:
         raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     program, machine, given = read_moves(options)
-    if (machine.objects or machine.rotary) and (options.picture is not None or options.profile):
-        raise InputError("--picture, --profile: of one tool and one workpiece: leave them out with objects")
+    whole_machine = bool(machine.objects or machine.rotary)
+    if whole_machine and options.profile:
+        raise InputError("--profile: of one tool and one workpiece: leave it out with objects")
     work = read_stl(options.work), options.work
-    operations: list[list[Rule]] = []
+    operations: list[tuple[Setup, list[Rule]]] = []
     parts = program.stretches
     tools = [given or machine.tools[part.moves[0].tool] for part in parts]
     for tool, part, stock in zip(tools, parts, _stocks(options, len(parts)), strict=True):
         first = sum(len(before.moves) for before in parts[: len(operations)])
-        operations.append(rules_of(Setup(tool, work, stock, machine, options.scale), part, first))
+        setup = Setup(tool, work, stock, machine, options.scale)
+        operations.append((setup, rules_of(setup, part, first)))
     checked: list[RuleCheck] = []
-    total = sum(len(rule.numbers) for rules in operations for rule in rules)
+    total = sum(len(rule.numbers) for _, rules in operations for rule in rules)
+    setup = operations[0][0]
     with board_of(options) as board, progress_bar("moves", total) as progress:
-        for tool, rules in zip(tools, operations, strict=True):
-            checked += _operation(options, board, tool, rules, progress)
+        for setup, rules in operations:
+            checked += _operation(options, board, setup.tool, rules, progress)
             if any(one.result.verdict != "clear" for one in checked):
                 break
     # What decides: the first that is near, or unknown, or the last.
     first = _decisive(checked)
     rule, scene, result = first.rule, first.scene, first.result
-    profile = _profile(options, scene, first.engine)
+    profile = ([], Effort()) if whole_machine else _profile(options, scene, first.engine)
     notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
         report = _report(scene, options, first, replace(program, notes=notes), profile)
@@ -161,9 +164,12 @@ def run(options: argparse.Namespace) -> int:
         write_report(options.json, report)
     if options.picture is not None:
         # Matplotlib loads for a picture alone.
-        from triaxis.host.motion.picture import draw_path
+        from triaxis.host.motion.picture import draw_machine, draw_path
 
-        draw_path(options.picture, scene, result, profile[0], rule.names)
+        if whole_machine:
+            draw_machine(options.picture, setup, program, first)
+        else:
+            draw_path(options.picture, scene, result, profile[0], rule.names)
     for one in (one for one in checked if not one.rule.of_machine):
         _print_scene(one)
         if board is not None:

@@ -104,21 +104,30 @@ class Setup:
 
     def meeting(self, a: Body, b: Body) -> Meeting:
         """Return how two objects of the machine move against each other."""
+        return Meeting.of(a, b, self.base, self.scale)
+
+    @property
+    def bodies(self) -> list[Body]:
+        """Return the objects of the machine, and tool, workpiece and stock as such."""
+        tool, work, stock = self.tool, self.work, self.stock
+        carried = [self.carried(TOOL, tool.mesh, tool.name), self.carried(WORKPIECE, work[0], str(work[1]))]
+        if stock is not None:
+            carried.append(self.carried(STOCK, stock[0], str(stock[1])))
+        return [*self.machine.objects, *carried]
+
+    @property
+    def base(self) -> Vector:
+        """Return what the machine's coordinates are beyond those of the program."""
         zero = self.machine.offsets.get("G54", NOWHERE)
-        base = vector((zero[0], zero[1], zero[2] + (self.tool.length or 0)))
-        return Meeting.of(a, b, base, self.scale)
+        return vector((zero[0], zero[1], zero[2] + (self.tool.length or 0)))
 
     def rules(self, program: Program, first: int) -> Iterator[Rule]:
         """Yield what must hold, on moves from the one with number ``first`` on, of objects of the machine.
 
         Of each two, and each and what they carry, that move against each other, but for those that may touch.
         """
-        tool, work, stock = self.tool, self.work, self.stock
-        carried = [self.carried(TOOL, tool.mesh, tool.name), self.carried(WORKPIECE, work[0], str(work[1]))]
-        if stock is not None:
-            carried.append(self.carried(STOCK, stock[0], str(stock[1])))
         numbers = range(first, first + len(program.moves))
-        for a, b in combinations((*self.machine.objects, *carried), 2):
+        for a, b in combinations(self.bodies, 2):
             meeting, may_touch = self.meeting(a, b), {a.name, b.name} in self.machine.may_touch
             if a in self.machine.objects and meeting.moving and not may_touch:
                 names = f"the {a.name}", f"the {b.name}"

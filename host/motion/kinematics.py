@@ -31,7 +31,7 @@ from triaxis.host.motion.moves import Move
 from triaxis.host.motion.path_check import NearPose
 from triaxis.host.quantise import NOWHERE, Box, Vector, vector
 from triaxis.host.scene import Turn, turned
-from triaxis.host.stl import StlMesh
+from triaxis.host.stl import Facets, StlMesh
 
 LINEAR, ROTARY = "XYZ", "ABC"
 # More than pi / 180.
@@ -98,6 +98,12 @@ class Body:
                 error = error * Fraction(3, 2) + Fraction(int(abs(x) + abs(y) + 1), 1 << 53)
             origin = vector(Rational(p) + d for p, d in zip(axis.pivot, from_line, strict=True))
         return mesh, origin, error
+
+    def standing(self, machine: Vector, angles: Vector, scale: Fraction) -> Facets:
+        """Return its facets in the frame, in millimetres, in float64: for pictures, which decide nothing."""
+        mesh, origin, _ = self.turned(angles)
+        moved = (float(o + s * m) for o, s, m in zip(origin, signs(self.chain), machine, strict=True))
+        return mesh.facets * float(scale) + np.array([*moved])
 
     def radii(self, scale: Fraction) -> list[Fraction]:
         """Return, in millimetres, how far at most its points are from the line of each rotary axis.

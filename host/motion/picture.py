@@ -1,5 +1,6 @@
-"""The picture of a path: tool, workpiece and moves in space; the proven clearance along the path."""
+"""The picture of a path: what moves and what it passes in space; the proven clearance along the path."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,17 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from triaxis.host.enclosure import State
 from triaxis.host.figures import GAP, LARGE, NORMAL, SMALL, A, B, write_figure
 from triaxis.host.motion.clearance import Clearance, lengths
+from triaxis.host.motion.contact import Setup
+from triaxis.host.motion.kinematics import LINEAR, ROTARY, signs
+from triaxis.host.motion.machine import TOOL, WORKPIECE
+from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import PathResult
 from triaxis.host.motion.path_scene import PathScene
+from triaxis.host.motion.rule_check import RuleCheck
+from triaxis.host.quantise import vector
 from triaxis.host.stl import Facets
 
-_INCHES = (13.5, 7.0)
+_INCHES, _OF_MACHINE = (13.5, 7.0), (10.0, 8.5)
 _DPI = 110
 _WORK = "#9A9A9A"
 _RAPID = "#56B4E9"
@@ -28,34 +35,77 @@ _LIGHT = np.array([0.35, -0.55, 0.76])
 _DRAWN = 6000
 # Along the longest axis in space.
 _TICKS = 8
+_WAYS: list[tuple[str, dict[str, Any]]] = [
+    ("rapid", {"color": _RAPID, "linestyle": "--"}),
+    ("feed", {"color": "black"}),
+]
 
 
 def draw_path(
     path: Path, scene: PathScene, result: PathResult, profile: list[Clearance], names: tuple[str, str]
 ) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
-    figure = Figure(figsize=_INCHES, dpi=_DPI)
-    FigureCanvasAgg(figure)
-    figure.text(
-        0.03,
-        0.94,
-        f"{scene.program.path.name}: {_verdict(scene, result, names)}",
-        fontsize=LARGE,
-        weight="bold",
-    )
-    length = f"{lengths(scene.program).sum():.5g} mm"
-    lines = f"{len(scene.program.moves)} moves, {length}; {result.effort.poses} poses asked"
-    if result.near is not None:
-        where = "  ".join(
-            f"{axis} {float(c):.3f}" for axis, c in zip("XYZ", result.near.position, strict=True)
-        )
-        lines += f"; first near pose at {where}"
-    figure.text(0.03, 0.9, lines, fontsize=NORMAL)
+    figure = _titled(_INCHES, scene.program, _verdict(scene, result, names), result)
     space = figure.add_axes((0.0, 0.1, 0.5, 0.73), projection="3d")
     assert isinstance(space, Axes3D)
     _draw_space(space, scene, result, profile, names)
     _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
     write_figure(figure, path)
+
+
+def draw_machine(path: Path, setup: Setup, program: Program, checked: RuleCheck) -> None:
+    """Draw a machine with all its objects where two of them come near, else where the program begins.
+
+    The path of the tool is drawn as the workpiece stands there, where nothing turns. Into a file as above.
+    """
+    result, names = checked.result, checked.rule.names
+    first = checked.rule.program.moves[result.asked_at]
+    near = result.near
+    place, angles = (near.position, near.angles) if near else (first.start, first.turns[0])
+    told = _verdict(checked.scene, result, names)
+    if result.verdict == "clear":
+        told = f"all is clear by more than {float(checked.scene.wanted.clearance):g} mm all along"
+    figure = _titled(_OF_MACHINE, program, told, result)
+    axes = figure.add_axes((0.02, 0.02, 0.96, 0.86), projection="3d")
+    assert isinstance(axes, Axes3D)
+    axes.computed_zorder = False
+    machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
+    shown: list[npt.NDArray[np.floating]] = []
+    colours = dict(zip(names, (A.colour, B.colour), strict=True)) if result.verdict != "clear" else {}
+    for body in setup.bodies:
+        facets = body.standing(machine, angles, setup.scale)
+        # A part of the tool is drawn as the tool.
+        called = names[0] if body.name == TOOL and not checked.rule.of_machine else f"the {body.name}"
+        colour = colours.get(called)
+        _add_mesh(axes, facets, colour or _WORK, 0.55 if colour else 0.18)
+        shown.append(facets)
+    work = setup.carried(WORKPIECE, *setup.work).at
+    turning = any(move.turning or any(move.turns[0]) for move in program.moves)
+    if not turning:
+        by = zip(work, signs(setup.machine.table), machine, strict=True)
+        origin = np.array([float(o + s * m) for o, s, m in by])
+        _add_ways(axes, [move.corners + origin for move in program.moves], program)
+    _frame(axes, np.concatenate([facets.reshape(-1, 3) for facets in shown]))
+    where = "at the first near pose" if near else "at the start"
+    entries = [(f"{name.removeprefix('the ')} {where}", _of(colour)) for name, colour in colours.items()]
+    entries += [("the rest of the machine" if colours else f"the machine {where}", _of(_WORK))]
+    _add_legend(axes, entries if turning else [*entries, *_WAYS])
+    write_figure(figure, path)
+
+
+def _titled(inches: tuple[float, float], program: Program, told: str, result: PathResult) -> Figure:
+    """Return a figure that says what was found."""
+    figure = Figure(figsize=inches, dpi=_DPI)
+    FigureCanvasAgg(figure)
+    figure.text(0.03, 0.94, f"{program.path.name}: {told}", fontsize=LARGE, weight="bold")
+    length = f"{lengths(program).sum():.5g} mm"
+    lines = f"{len(program.moves)} moves, {length}; {result.effort.poses} poses asked"
+    if (near := result.near) is not None:
+        place = [(axis, c) for axis, c in zip(LINEAR + ROTARY, (*near.position, *near.angles), strict=True)]
+        where = "  ".join(f"{axis} {float(c):.3f}" for axis, c in place if c or axis in LINEAR)
+        lines += f"; first near pose at {where}"
+    figure.text(0.03, 0.9, lines, fontsize=NORMAL)
+    return figure
 
 
 def _verdict(scene: PathScene, result: PathResult, names: tuple[str, str]) -> str:
@@ -74,8 +124,7 @@ def _draw_space(
     # The order below: lines that pass behind a facet must still be seen.
     axes.computed_zorder = False
     scale = float(scene.wanted.scale)
-    moves = scene.program.moves
-    ways = [move.corners for move in moves]
+    ways = [move.corners for move in scene.program.moves]
     work, tool = scene.work.facets * scale, scene.tool.facets * scale
     _add_mesh(axes, work, _WORK, 0.30)
     start = tool + ways[0][0]
@@ -86,16 +135,29 @@ def _draw_space(
         _add_mesh(axes, tool + position, B.colour, 0.4)
         axes.plot(*position[:, None], marker="X", markersize=10, color="black", linestyle="", zorder=30)
         shown.append(tool + position)
-    for rapid, colour, style in ((True, _RAPID, "--"), (False, "black", "-")):
-        chosen = [way for way, move in zip(ways, moves, strict=True) if move.rapid == rapid]
-        if chosen:
-            lines = Line3DCollection(chosen, colors=colour, linestyles=style, linewidths=1.3, zorder=20)
-            axes.add_collection3d(lines)
+    _add_ways(axes, ways, scene.program)
     close = np.array([place.position for place in profile if place.proven <= float(scene.wanted.clearance)])
     if len(close):
         axes.plot(*close.T, marker=".", markersize=7, color=B.colour, linestyle="", zorder=25)
     _frame(axes, np.concatenate([part.reshape(-1, 3) for part in shown]))
-    _add_legend(axes, result.near is not None, len(close) > 0, names)
+    what, of = (name.removeprefix("the ") for name in names)
+    entries = [(of, _of(_WORK)), (f"{what} at the start", _of(A.colour))]
+    if result.near is not None:
+        entries.append((f"{what} at the first near pose", _of(B.colour)))
+    entries += _WAYS
+    if result.near is not None:
+        entries.append(("first near pose", {"color": "black", "marker": "X", "linestyle": ""}))
+    if len(close):
+        entries.append(("not proven clear", {"color": B.colour, "marker": ".", "linestyle": ""}))
+    _add_legend(axes, entries)
+
+
+def _add_ways(axes: Axes3D, ways: Sequence[npt.NDArray[np.floating]], program: Program) -> None:
+    for rapid, colour, style in ((True, _RAPID, "--"), (False, "black", "-")):
+        chosen = [way for way, move in zip(ways, program.moves, strict=True) if move.rapid == rapid]
+        if chosen:
+            lines = Line3DCollection(chosen, colors=colour, linestyles=style, linewidths=1.3, zorder=20)
+            axes.add_collection3d(lines)
 
 
 def _add_mesh(axes: Axes3D, facets: Facets, colour: str, alpha: float) -> None:
@@ -129,21 +191,11 @@ def _frame(axes: Axes3D, points: npt.NDArray[np.floating]) -> None:
         label(f"{name} (mm)", fontsize=SMALL, labelpad=6)
 
 
-def _add_legend(axes: Axes3D, near: bool, close: bool, names: tuple[str, str]) -> None:
-    what, of = (name.removeprefix("the ") for name in names)
-    entries: list[tuple[str, dict[str, Any]]] = [
-        (of, {"color": _WORK, "linewidth": 6, "alpha": 0.6}),
-        (f"{what} at the start", {"color": A.colour, "linewidth": 6, "alpha": 0.4}),
-        ("rapid", {"color": _RAPID, "linestyle": "--"}),
-        ("feed", {"color": "black"}),
-    ]
-    if near:
-        entries.insert(
-            2, (f"{what} at the first near pose", {"color": B.colour, "linewidth": 6, "alpha": 0.7})
-        )
-        entries.append(("first near pose", {"color": "black", "marker": "X", "linestyle": ""}))
-    if close:
-        entries.append(("not proven clear", {"color": B.colour, "marker": ".", "linestyle": ""}))
+def _of(colour: str) -> dict[str, Any]:
+    return {"color": colour, "linewidth": 6, "alpha": 0.6}
+
+
+def _add_legend(axes: Axes3D, entries: Sequence[tuple[str, dict[str, Any]]]) -> None:
     for name, style in entries:
         axes.plot([], [], [], label=name, **style)
     axes.legend(loc="upper left", fontsize=SMALL, framealpha=0.9)

@@ -12,9 +12,9 @@ import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
-from triaxis.host import scenes
+from triaxis.host import figures, scenes
 from triaxis.host.cli import main
-from triaxis.host.motion import rule_check
+from triaxis.host.motion import picture, rule_check
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move
@@ -401,8 +401,36 @@ def test_what_is_undecided_is_said(checked, monkeypatch):
     monkeypatch.setattr(rule_check, "_MOST_PIECES", 9)
     status, said, _ = checked(MILL, "G0 Z60\nX-9 C45")
     assert status == 2 and "line 3: undecided after 9 parts of its turn" in said
-    for word in (("--picture", "p.png"), ("--profile", "5")):
-        assert checked(MILL, "G0 Z60", *word)[0] == 2
+    status, said, _ = checked(MILL, "G0 Z60", "--profile", "5")
+    assert status == 2 and "--profile: of one tool and one workpiece" in said
+
+
+def test_a_picture_shows_the_machine_where_two_objects_come_near(checked, tmp_path, monkeypatch):
+    drawn: list[tuple[str, np.ndarray]] = []
+    real = picture._add_mesh
+
+    def add(axes, facets, colour, alpha):
+        drawn.append((colour, facets))
+        real(axes, facets, colour, alpha)
+
+    monkeypatch.setattr(picture, "_add_mesh", add)
+    file = tmp_path / "machine.svg"
+    status, said, report = checked(MILL, "G0 Z60\nX-9 C45", "--picture", file)
+    assert status == 1 and "the bed comes within 0.5 mm of the table in line 3" in file.read_text(), said
+    assert [colour for colour, _ in drawn] == [figures.A.colour, figures.B.colour, *[picture._WORK] * 3]
+    # The corner of the table where its slide and the turn have it.
+    angle = np.radians(float(report["near"]["angles"][2]))
+    corner = 50 * (np.cos(angle) + np.sin(angle)) - float(report["near"]["position"][0])
+    table = drawn[1][1]
+    assert table[..., 0].max() == pytest.approx(corner)
+    assert "rapid" not in file.read_text()
+    # Where all is clear nothing is marked; and where nothing turns the tool's way is shown.
+    drawn.clear()
+    status, said, _ = checked(MILL, "G0 Z60\nX2", "--picture", file)
+    assert status == 0 and {colour for colour, _ in drawn} == {picture._WORK}, said
+    assert "rapid" in file.read_text() and "all is clear by more than" in file.read_text()
+    # The tool stands where the program begins.
+    assert drawn[2][1][..., 2].min() == pytest.approx(100)
 
 
 def test_an_angle_that_stays_is_none(checked):
