@@ -179,7 +179,7 @@ package: $(READY) ## make the wheel in dist/: check, path, verdict, scene, sim o
 
 LOCK := uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate
 lock: ## renew the lock files from pyproject.toml (needs uv)
-	$(LOCK) --group dev pyproject.toml -o requirements.lock
+	$(LOCK) --extra signoff --group dev pyproject.toml -o requirements.lock
 	$(LOCK) --group yosys -c requirements.lock -o requirements-yosys.lock
 	$(LOCK) --group timing -c requirements.lock -o requirements-timing.lock
 	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock

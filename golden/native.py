@@ -1,4 +1,4 @@
-"""C++ of ours as shared libraries, compiled on first use and kept in build/native/.
+"""C++ of ours as shared libraries, compiled on first use and kept in native/ of the build folder.
 
 The name of a library ends in a hash of its sources, the flags, the compiler and the processor that it
 was compiled for, so it is compiled again exactly when one of them changes.
@@ -16,8 +16,9 @@ from functools import cache
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import build_folder
 
-BUILD = Path(__file__).resolve().parents[1] / "build" / "native"
+BUILD = build_folder() / "native"
 
 # Not -ffast-math, ever: the arithmetic rests on correctly rounded operations in the order written. The
 # compiler may fuse a product with a sum: sources here show that their products are exact, or that it does

@@ -6,12 +6,22 @@ is a symbolic link, its target is written. What is no ordinary file (a device, a
 and so is the file that this process's own output goes to: taking its place would lose that output.
 """
 
+import importlib.metadata
 import os
 import stat
 import threading
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+
+
+def build_folder() -> Path:
+    """Return where what is built is kept: in the checkout, or among the user's caches, by version."""
+    root = Path(__file__).resolve().parents[1]
+    if (root / "pyproject.toml").exists():
+        return root / "build"
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return caches / "triaxis" / importlib.metadata.version("triaxis")
 
 
 def write_whole(path: Path, content: str | bytes) -> Path:

@@ -1,23 +1,14 @@
 """Where things are: in a checkout, or in what was installed of one."""
 
-import importlib.metadata
-import os
 from pathlib import Path
 
-
-def _build() -> Path:
-    """Return where what is built is kept: in the checkout, or among the user's caches, by version."""
-    if (ROOT / "pyproject.toml").exists():
-        return ROOT / "build"
-    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return caches / "triaxis" / importlib.metadata.version("triaxis")
-
+from triaxis.golden.outputs import build_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 DUT = ROOT / "dut"
 SIM = ROOT / "sim"
 VERIF = ROOT / "verif"
-BUILD = _build()
+BUILD = build_folder()
 
 
 def rtl_sources(dut: Path = DUT) -> list[Path]:

@@ -76,6 +76,8 @@ def _answer(words: list[str], of_this_process: bool) -> int:
         if os.environ.get("TRIAXIS_DEBUG"):
             raise
         message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
+        if isinstance(error, ModuleNotFoundError) and not f"{error.name}".startswith("triaxis"):
+            message = f"{error.name} is not installed: pip install 'triaxis[signoff]'"
     if _interrupted:
         # What was interrupted may fail for it in ways of its own.
         raise KeyboardInterrupt

@@ -1,9 +1,11 @@
-"""The wheel: whole outside a checkout."""
+"""The wheel: whole outside a checkout; for meshes it needs no package of its extras."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
@@ -27,6 +29,19 @@ SOURCES = (
     "README.md",
     "LICENSE",
 )
+
+
+# As where these are not installed.
+HIDDEN = """
+import sys
+
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Hidden())
+"""
 
 
 @pytest.mark.simulator
@@ -55,6 +70,9 @@ def test_a_wheel_decides_outside_a_checkout(tmp_path):
     (wheel,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    names = [re.split(r"[<>=]", word)[0].replace("-", "_") for word in extras["signoff"]]
+    (site / "sitecustomize.py").write_text(HIDDEN.format(names))
     scenes.write_stl(home / "a.stl", scenes.box((0, 0, 0), (1, 1, 1)))
     scenes.write_stl(home / "b.stl", scenes.box((3, 0, 0), (4, 1, 1)))
     kept = {key: value for key, value in os.environ.items() if key in ("PATH", "CXX")}
@@ -72,6 +90,9 @@ def test_a_wheel_decides_outside_a_checkout(tmp_path):
             check=False,
         )
         assert done.returncode == status, done.stderr
+    words = [sys.executable, "-c", code, "coverage", "plan"]
+    done = subprocess.run(words, cwd=home, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "hjson is not installed: pip install 'triaxis[signoff]'" in done.stderr
     tritest = "import sys; from triaxis.host.cli import tritest; sys.exit(tritest())"
     for words in (["make", "set", "--pairs", "2"], ["recheck", "set"]):
         subprocess.run([sys.executable, "-c", tritest, *words], cwd=home, env=environment, check=True)
