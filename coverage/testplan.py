@@ -1,11 +1,12 @@
-"""The testplan: what must be verified, and by what; read from testplan.hjson.
+"""The testplan: what is promised, what must be verified of it, and by what; read from testplan.hjson.
 
-The file has the form of OpenTitan's testplans, so dvsim maps the results of a regression to it. A testpoint
-holds
+The file has the form of OpenTitan's testplans, so dvsim maps the results of a regression to it. Before the
+testpoints stand the requirements, each with an ``id`` and a ``text``. A testpoint holds
 
     name        unique
     desc        three parts, each begun by its name: **Goal**:, **Stimulus**:, **Check**:
     stage       V1, V2 or V3, see stages.toml
+    requirements  ids of those that it serves
     tests       names of UVM tests; ["N/A"], as dvsim wants it, where no simulation belongs to it
     proofs      names of formal proofs
     faults      names of faults of the catalogue
@@ -40,7 +41,16 @@ RUNS = ("tests", "proofs", "faults", "checks")
 # Everything that a testpoint owns.
 KINDS = (*RUNS, "bins", "assertions", "mutants")
 _TEXTS = ("name", "desc", "stage")
+_LISTS = ("requirements", *KINDS)
 _PART = re.compile(rf"^\*\*({'|'.join(part.capitalize() for part in PARTS)})\*\*:", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What the product promises."""
+
+    id: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -56,6 +66,7 @@ class Testpoint:
     goal: str
     stimulus: str
     check: str
+    requirements: tuple[str, ...] = ()
     tests: tuple[str, ...] = ()
     proofs: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
@@ -72,11 +83,16 @@ class Testpoint:
 
 @dataclass(frozen=True)
 class Testplan:
-    """All testpoints, in the order of the file."""
+    """All requirements and testpoints, in the order of the file."""
 
     path: Path
     name: str
     testpoints: tuple[Testpoint, ...]
+    requirements: tuple[Requirement, ...] = ()
+
+    def serving(self, requirement: Requirement) -> list[Testpoint]:
+        """Return the testpoints that serve a requirement."""
+        return [point for point in self.testpoints if requirement.id in point.requirements]
 
 
 def read_testplan(path: Path = TESTPLAN) -> Testplan:
@@ -87,12 +103,24 @@ def read_testplan(path: Path = TESTPLAN) -> Testplan:
     # Of both kinds: what is no Hjson, what is no text, and a key that comes twice.
     except ValueError as error:
         raise InputError(f"{path}: not a testplan: {error}") from error
-    if not isinstance(content, dict) or set(content) != {"name", "testpoints"}:
-        raise InputError(f"{path}: must hold `name` and `testpoints`, and nothing else")
+    if not isinstance(content, dict) or set(content) != {"name", "requirements", "testpoints"}:
+        raise InputError(f"{path}: must hold `name`, `requirements` and `testpoints`, and nothing else")
     name, entries = content["name"], content["testpoints"]
     if not isinstance(name, str) or not isinstance(entries, list) or not entries:
         raise InputError(f"{path}: `name` must be a text and `testpoints` a list of at least one")
-    return Testplan(path, name, tuple(_testpoint(path, n, entry) for n, entry in enumerate(entries, 1)))
+    testpoints = tuple(_testpoint(path, n, entry) for n, entry in enumerate(entries, 1))
+    return Testplan(path, name, testpoints, _requirements(path, content["requirements"]))
+
+
+def _requirements(path: Path, entries: Any) -> tuple[Requirement, ...]:
+    found: list[Requirement] = []
+    for entry in entries if isinstance(entries, list) else [entries]:
+        fields = entry if isinstance(entry, dict) else {}
+        texts = [value.strip() for value in fields.values() if isinstance(value, str) and value.strip()]
+        if set(fields) != {"id", "text"} or len(texts) != len(fields):
+            raise InputError(f"{path}: requirement {fields.get('id', '')}: must hold an `id` and a `text`")
+        found.append(Requirement(fields["id"].strip(), " ".join(fields["text"].split())))
+    return tuple(found)
 
 
 def _object(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -126,8 +154,8 @@ def _field(where: str, key: str, value: Any) -> Any:
         if not isinstance(value, str):
             raise InputError(f"{where}: {key}: must be a text")
         return value.strip()
-    if key not in KINDS:
-        raise InputError(f"{where}: {key}: no such key; one of: {', '.join((*_TEXTS, *KINDS))}")
+    if key not in _LISTS:
+        raise InputError(f"{where}: {key}: no such key; one of: {', '.join((*_TEXTS, *_LISTS))}")
     if not isinstance(value, list) or not all(isinstance(text, str) and text for text in value):
         raise InputError(f"{where}: {key}: must be a list of texts")
     return tuple(value)

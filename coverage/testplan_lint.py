@@ -15,6 +15,7 @@ def lint(plan: Testplan, inventory: Inventory) -> list[str]:
     for testpoint in plan.testpoints:
         where = f"{plan.path}: testpoint {testpoint.name}"
         found += [f"{where}: {line}" for line in (*_lacks(testpoint), *_unknown(testpoint, inventory))]
+    found += [f"{plan.path}: {line}" for line in _promised(plan)]
     return found + [f"{plan.path}: {line}" for kind in KINDS for line in _unowned(plan, inventory, kind)]
 
 
@@ -22,6 +23,22 @@ def _twice(plan: Testplan) -> Iterator[str]:
     for name, count in Counter(testpoint.name for testpoint in plan.testpoints).items():
         if count > 1:
             yield f"testpoint {name}: there are {count} of this name; give each its own"
+
+
+def _promised(plan: Testplan) -> Iterator[str]:
+    ids = Counter(requirement.id for requirement in plan.requirements)
+    yield from (
+        f"requirement {name}: there are {count} of this id" for name, count in ids.items() if count > 1
+    )
+    for requirement in plan.requirements:
+        if not plan.serving(requirement):
+            yield f"requirement {requirement.id}: no testpoint serves it; name it in one that does"
+    for testpoint in plan.testpoints:
+        if not testpoint.requirements:
+            yield f"testpoint {testpoint.name}: serves no requirement; name one, or add what is promised"
+        for name in testpoint.requirements:
+            if name not in ids:
+                yield f"testpoint {testpoint.name}: requirement {name}: unknown"
 
 
 def _lacks(testpoint: Testpoint) -> Iterator[str]:

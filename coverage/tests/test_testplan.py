@@ -10,6 +10,10 @@ from triaxis.golden.errors import InputError
 GOOD = """
 {
   name: "toy"
+  requirements: [
+    { id: "A-1", text: "It is right." }
+    { id: "A-2", text: "It is fast." }
+  ]
   testpoints: [
     {
       name: smoke
@@ -19,6 +23,7 @@ GOOD = """
             **Stimulus**: Some.
             **Check**: The answer.'''
       stage: V1
+      requirements: ["A-1"]
       tests: ["SmokeTest", "LongTest"]
       bins: ["answer", "kind.near / *"]
       assertions: ["sva.Held"]
@@ -31,6 +36,7 @@ GOOD = """
             **Stimulus**: S.
             **Check**: C.'''
       stage: V3
+      requirements: ["A-1", "A-2"]
       tests: ["N/A"]
       proofs: ["axi"]
       faults: ["F1"]
@@ -77,6 +83,11 @@ def changed(old, new):
         # What it names and is not there.
         ('["kind.clear / *"]', '["kind.clear / *", "kind.far*"]', "bin kind.far*: matches nothing in kind"),
         ('["kind.clear / *"]', '["kind.clear / *", "ki*"]', "bin ki*: a pattern must write out"),
+        # What is promised and nobody serves, and the other way round.
+        ('["A-1", "A-2"]', '["A-1"]', "requirement A-2: no testpoint serves it"),
+        ('["A-1"]', "[]", "testpoint smoke: serves no requirement"),
+        ('["A-1", "A-2"]', '["A-3", "A-2"]', "testpoint rest: requirement A-3: unknown"),
+        ('id: "A-2"', 'id: "A-1"', "requirement A-1: there are 2 of this id"),
         # What is there and nobody owns: an illegal bin.
         ('"answer"', '"answer.right"', "bin answer.wrong: no testpoint owns"),
     ],
@@ -91,7 +102,9 @@ def test_what_is_not_well_formed_is_named(tmp_path):
         ("stage: V3", "stage: V3\n stage: V1", "rest: key stage given twice"),
         ('["F1"]', "[1]", "testpoint rest: faults: must be a list of texts"),
         (GOOD, "{ name: [", "not a testplan"),
-        (GOOD, "{ name: x\n testpoints: [] }", "at least one"),
+        (GOOD, "{ name: x\n requirements: []\n testpoints: [] }", "at least one"),
+        ('text: "It is fast."', "", "requirement A-2: must hold an `id` and a `text`"),
+        ('"It is fast."', "5", "requirement A-2: must hold an `id` and a `text`"),
     ):
         with pytest.raises(InputError, match=said):
             read(tmp_path, changed(old, new))

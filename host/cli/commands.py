@@ -115,8 +115,8 @@ COMMANDS = {
         ("all covered", "not"),
     ),
     "coverage export": Command(
-        "write stored coverage as an lcov tracefile and as UCIS XML", "verif.commands.coverage",
-        ("written",), {"--lcov": Answer(), "--ucis": Answer()},
+        "write stored coverage as an lcov tracefile and as UCIS XML, requirements as ReqIF",
+        "verif.commands.coverage", ("written",), dict.fromkeys(("--lcov", "--ucis", "--reqif"), Answer()),
     ),
     "signoff": Command(
         "simulate, measure, prove, try every mutant, and give a verdict", "verif.commands.signoff"

@@ -4,6 +4,7 @@ import argparse
 import json
 from collections import Counter
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from rich.table import Table
 from triaxis.coverage.code_counters import Point
 from triaxis.coverage.counts import CoverageDatabase
 from triaxis.coverage.interchange.lcov import read_code, write_lcov
+from triaxis.coverage.interchange.reqif import write_reqif
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
-from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint
+from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.waivers import WAIVERS, confirm_waivers
 from triaxis.golden.errors import InputError
@@ -39,6 +41,7 @@ from triaxis.verif.signoff.testplan import check_plan, inventory
 
 LCOV = BUILD / "coverage" / "triaxis.info"
 UCIS = BUILD / "coverage" / "triaxis.ucis.xml"
+REQIF = BUILD / "coverage" / "triaxis.reqif"
 COVERAGE = FOLDER / "coverage.json"
 # Beside counts of functional coverage: what they were counted on.
 _SIGNOFF = "signoff.json"
@@ -68,7 +71,7 @@ def _plan(options: argparse.Namespace) -> int:
         f"{len(known.checks)} checks, {sum(map(len, known.bins.values()))} bins in {len(known.bins)} "
         f"configurations, {len(known.assertions)} assertions, {len(known.mutants)} mutants"
     )
-    print(f"{len(plan.testpoints)} testpoints; {sizes}")
+    print(f"{len(plan.requirements)} requirements, {len(plan.testpoints)} testpoints; {sizes}")
     print_list("PROBLEM", problems)
     print("REFUSED" if problems else "clean: nothing unknown, nothing without a testpoint")
     return NO if problems else DONE
@@ -155,11 +158,12 @@ def add_export(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Write line and branch coverage of the last `triaxis coverage code` as an lcov tracefile (for "
         "genhtml, in the checkout), and functional coverage of the last sign-off together with it as UCIS "
-        "XML (for pyucis). Without --lcov and --ucis, both, in build/coverage/; with one of them, that one "
-        "alone."
+        "XML (for pyucis); requirements and testpoints as ReqIF. Without options all of them, in "
+        "build/coverage/; with --lcov, --ucis, --reqif those alone."
     )
     parser.add_argument("--lcov", type=Path, metavar="FILE", help="the tracefile to write")
     parser.add_argument("--ucis", type=Path, metavar="FILE", help="the UCIS XML file to write")
+    parser.add_argument("--reqif", type=Path, metavar="FILE", help="the ReqIF file to write")
     parser.add_argument(
         "--from",
         dest="sources",
@@ -182,9 +186,10 @@ class _Measured:
 
 
 def _export(options: argparse.Namespace) -> int:
-    both = options.lcov is None and options.ucis is None
-    lcov: Path | None = LCOV if both else options.lcov
-    ucis: Path | None = UCIS if both else options.ucis
+    every = options.lcov is None and options.ucis is None and options.reqif is None
+    lcov: Path | None = LCOV if every else options.lcov
+    ucis: Path | None = UCIS if every else options.ucis
+    reqif: Path | None = REQIF if every else options.reqif
     here = rtl_hash()
     # All that can be wrong with what is stored comes before the first file.
     functional = _functional(options.sources, here) if ucis else None
@@ -200,6 +205,9 @@ def _export(options: argparse.Namespace) -> int:
         print(f"written to {write_ucis(ucis, database, points, records)}")
     if lcov and code:
         print(f"written to {write_lcov(lcov, code.counters.values(), ROOT)}")
+    if reqif:
+        changed = datetime.fromtimestamp(TESTPLAN.stat().st_mtime, UTC)
+        print(f"written to {write_reqif(reqif, read_testplan(), changed)}")
     return DONE
 
 

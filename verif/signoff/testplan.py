@@ -8,7 +8,7 @@ from typing import Any
 
 from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.report import ModelReport
-from triaxis.coverage.testplan import TESTPLAN, Testplan, read_testplan
+from triaxis.coverage.testplan import TESTPLAN, Requirement, Testplan, Testpoint, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.testplan_lint import lint
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, progress
@@ -91,6 +91,7 @@ def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | N
     problems = [problem.removeprefix(f"{ROOT}/") for problem in found]
     points = [status.content() for status in progress(plan, inventory(), plan_results(parts, coverage))]
     met = sum(point["passed"] is True for point in points)
+    passed = {point["name"]: point["passed"] for point in points}
     return {
         "passed": met == len(points) and not problems,
         "problems": problems,
@@ -99,7 +100,15 @@ def testplan_part(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | N
         "seconds": round(time.monotonic() - start, 1),
         "rtl_hash": rtl_hash(),
         "testpoints": points,
+        "requirements": [_met(one, plan.serving(one), passed) for one in plan.requirements],
     }
+
+
+def _met(requirement: Requirement, serving: Sequence[Testpoint], passed: Mapping[str, Any]) -> Evidence:
+    """Return a requirement with the testpoints that serve it, and whether all of these have passed."""
+    names = [point.name for point in serving]
+    met = all(passed[name] is True for name in names)
+    return {"id": requirement.id, "text": requirement.text, "testpoints": names, "passed": met}
 
 
 def plan_results(parts: Mapping[str, Part], coverage: Sequence[ModelReport] | None) -> PlanResults:

@@ -12,6 +12,7 @@ import pytest
 
 from triaxis.coverage.core_coverage import core_model
 from triaxis.coverage.counts import Counts, CoverageDatabase
+from triaxis.coverage.testplan import read_testplan
 from triaxis.coverage.tests.counter_files import BINS, FIRST, SECOND, SOURCE, write_counters
 from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
@@ -138,3 +139,27 @@ def test_what_is_absent_or_stale_is_refused(checkout: Path, spoil: Any, said: st
         export()
     assert "\n" not in str(caught.value)
     assert written(checkout) == set()
+
+
+def test_requirements_and_testpoints_are_reqif_that_another_reader_understands(tmp_path):
+    reqif = pytest.importorskip("reqif", reason="reqif is not installed: `make regress` installs it")
+    import xmlschema
+    from reqif.parser import ReqIFParser
+
+    file, plan = tmp_path / "plan.reqif", read_testplan()
+    export("--reqif", file)
+    schema = Path(reqif.__file__).parent / "reqif_schema" / "reqif.xsd"
+    xmlschema.XMLSchema(schema, allow="local").validate(file)
+    content = ReqIFParser.parse(str(file)).core_content.req_if_content
+    found = {one.identifier: one for one in content.spec_objects}
+    assert list(found) == [one.id for one in plan.requirements] + [one.name for one in plan.testpoints]
+    text = found["CORE-1"].attribute_map["requirement.ReqIF.Text"].value
+    assert text == plan.requirements[0].text
+    tests = found["general_pairs"].attribute_map["testpoint.tests"].value
+    assert tests == ", ".join(plan.testpoints[0].tests)
+    assert {(one.source, one.target) for one in content.spec_relations} == {
+        (point.name, name) for point in plan.testpoints for name in point.requirements
+    }
+    before = file.read_bytes()
+    export("--reqif", file)
+    assert file.read_bytes() == before
