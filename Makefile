@@ -40,6 +40,7 @@ $(READY): requirements.lock pyproject.toml
 	@command -v $${CXX:-c++} >/dev/null || { echo "$${CXX:-c++}: not found: install a C++ compiler (Debian: apt-get install g++), or set CXX"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/python -c 'import sys; from find_libpython import find_libpython; sys.exit(not find_libpython())' || { echo "$(PYTHON): has no shared library, which simulators load: install it (Debian: apt-get install lib$$($(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])')), or a Python built with --enable-shared"; exit 2; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $@
 

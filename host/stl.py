@@ -6,6 +6,7 @@ either would let a collision be missed.
 
 import io
 import re
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -34,10 +35,13 @@ _FACET_WORDS: tuple[bytes | None, ...] = (
 _FIRST_COORDINATE = 8
 # A number written in full, as %f does, has 39 digits before its point at most, if it is a float32.
 _LONGEST_WORD = 100
-_NUMBER = rb"[+-]?(?:\d++\.?\d*+|\.\d++)(?:e[+-]?\d++)?+"
-# Exporters write normals of facets without area as nan, -nan(ind), 1.#QNAN, inf ..
-_NORMAL = rb"(?:" + _NUMBER + rb"(?:#\w++)?+|[+-]?(?:nan|inf|infinity)(?:\(\w++\))?+)"
-_COORDINATES, _NORMALS = (re.compile(rb"(?:" + number + rb" )*+") for number in (_NUMBER, _NORMAL))
+# Of these letters `float` takes what is a number in an STL file, and nothing else.
+_IN_NUMBERS = b"0123456789.e+-"
+# Exporters write normals of facets without area as nan, -nan(ind), 1.#QNAN, inf .. Possessive where one class
+# repeats, and nowhere else: before Python 3.11.5 a possessive group may be matched wrongly.
+_NORMALS = re.compile(
+    rb"(?:[+-]?+(?:(?:\d++\.?\d*+|\.\d++)(?:e[+-]?+\d++)?(?:#\w++)?|(?:nan|inf|infinity)(?:\(\w++\))?) )*"
+)
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _ASCII = re.compile(rb"(?:" + _BYTE_ORDER_MARK + rb")?\s*solid", re.IGNORECASE)
@@ -181,9 +185,21 @@ def _is_right(index: int, words: list[bytes]) -> bool:
     wanted = _FACET_WORDS[index]
     if wanted is not None:
         return words == [wanted] * len(words)
-    numbers = _NORMALS if index < _FIRST_COORDINATE else _COORDINATES
-    joined = b" ".join([*words, b""])
-    return max(map(len, words), default=0) <= _LONGEST_WORD and numbers.fullmatch(joined) is not None
+    if max(map(len, words), default=0) > _LONGEST_WORD:
+        return False
+    if index < _FIRST_COORDINATE:
+        return _NORMALS.fullmatch(b" ".join([*words, b""])) is not None
+    return _are_numbers(words)
+
+
+def _are_numbers(words: list[bytes]) -> bool:
+    if b"".join(words).translate(None, _IN_NUMBERS):
+        return False
+    try:
+        deque(map(float, words), maxlen=0)
+    except ValueError:
+        return False
+    return True
 
 
 def _wrong_word(path: Path, text: bytes, start: int, facet: int) -> InputError:

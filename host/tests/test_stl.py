@@ -1,11 +1,13 @@
 import re
 import struct
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.host import stl
 from triaxis.host.stl import read_stl
 
 FACETS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 1.5], [1, 0, 1], [0, -1e-3, 1]]], np.float32)
@@ -217,3 +219,16 @@ def test_decimals_are_not_rounded_to_float32(tmp_path):
     assert 0 < error <= mesh.rounding < Fraction(1, 10**10)
     path.write_bytes(binary(FACETS))
     assert read_stl(path).rounding == 0
+
+
+def test_numbers_are_what_a_grammar_says():
+    """For all short texts: in some versions of Python a pattern that is quick to match is matched wrongly."""
+    number = r"(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+    coordinate, normal = (
+        re.compile(f"[+-]?(?:{one})".encode()) for one in (number, f"{number}(?:#\\w+)?|inf")
+    )
+    for length in range(1, 6):
+        for letters in product(b"1.e+-#", repeat=length):
+            word = bytes(letters)
+            assert stl._is_right(8, [b"1", word]) == bool(coordinate.fullmatch(word)), word
+            assert stl._is_right(2, [word, b"inf"]) == bool(normal.fullmatch(word)), word

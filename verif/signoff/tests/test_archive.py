@@ -4,7 +4,6 @@ import hashlib
 import json
 import subprocess
 import sys
-import tarfile
 from pathlib import Path
 
 import pytest
@@ -34,8 +33,7 @@ def packed(tmp_path_factory):
 
 @pytest.fixture
 def unpacked(packed, tmp_path):
-    with tarfile.open(packed) as file:
-        file.extractall(tmp_path, filter="data")
+    subprocess.run(["tar", "xf", packed, "-C", tmp_path], check=True)
     folder = tmp_path / "triaxis-evidence"
     return folder, json.loads((folder / "signoff/signoff.json").read_text())
 
