@@ -227,7 +227,7 @@ def test_numbers_are_what_a_grammar_says():
     coordinate, normal = (
         re.compile(f"[+-]?(?:{one})".encode()) for one in (number, f"{number}(?:#\\w+)?|inf")
     )
-    for length in range(1, 6):
+    for length in range(1, 5):
         for letters in product(b"1.e+-#", repeat=length):
             word = bytes(letters)
             assert stl._is_right(8, [b"1", word]) == bool(coordinate.fullmatch(word)), word

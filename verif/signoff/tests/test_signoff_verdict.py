@@ -10,8 +10,12 @@ import pytest
 
 from triaxis.coverage.stages import read_figures
 from triaxis.golden.errors import InputError
+from triaxis.sim.build import rtl_hash
 from triaxis.sim.validity import validity
 from triaxis.verif.lint import lint_rtl, rtl_linters
+from triaxis.verif.mutation.killers import killers_hash
+from triaxis.verif.mutation.record import SEED
+from triaxis.verif.mutation.result import KILLED, Fate, MutationResult, known_result, write_result
 from triaxis.verif.signoff import parts as signoff_parts
 from triaxis.verif.signoff.gate import BESIDE, SOURCES, refusals, remarks
 from triaxis.verif.signoff.page import signoff_page
@@ -216,6 +220,30 @@ def test_a_whole_sign_off_makes_what_is_not_there_and_takes_what_is(tmp_path, mo
         assert made == [("four_state", 3)] if again else [("four_state", 3), ("netlist", 3)]
         assert steps == ([7] if again else [])
         made.clear()
+
+
+@pytest.mark.parametrize(("whole", "wanted"), [(False, [7]), (True, [7, None])])
+def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch, whole, wanted):
+    """Nor from a result in build/ that did."""
+    asked: list[int | None] = []
+    evidence = tmp_path / "mutation.json"
+
+    def mutate(seed, progress, sample):
+        assert seed == SEED
+        asked.append(sample)
+        trial = 3 if sample is None else 0
+        fate = Fate(
+            "m/op/1", "runtime", "dut/core/a.sv:1", "a", "b", KILLED, "run", "T", "w8", "x", 1, "w8", trial
+        )
+        return MutationResult((fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), 1)
+
+    monkeypatch.setattr(signoff_parts, "mutate", mutate)
+    monkeypatch.setattr(signoff_parts, "known_result", lambda: known_result(evidence))
+    monkeypatch.setattr(signoff_parts, "write_result", lambda *words: write_result(*words, evidence))
+    monkeypatch.setattr(signoff_parts, "mutant_names", lambda: ["m/op/1"])
+    found = [signoff_parts.mutation_part(7, lambda _: None, also) for also in (False, whole)]
+    assert asked == wanted
+    assert [part and part["recorded"] for part in found] == [1, 0 if whole else 1]
 
 
 def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch):
