@@ -21,12 +21,13 @@ from fractions import Fraction
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.input_file import Place
-from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius, nurbs
+from triaxis.host.motion.curves import Curve, arc, bezier, centre_by_radius
 from triaxis.host.motion.expression import Key, Value, exact
 from triaxis.host.motion.gcode import POLAR, Block, Word
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move
+from triaxis.host.motion.nurbs import nurbs
 from triaxis.host.motion.words import ARCS, CYCLES, GROUPS, TAKERS, TAKING_AXES, WHY_REFUSED
 from triaxis.host.quantise import Vector, added, vector
 
