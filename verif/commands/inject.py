@@ -21,7 +21,7 @@ from triaxis.verif.mutation.false_clears import write_result as write_certificat
 from triaxis.verif.mutation.killers import states
 from triaxis.verif.mutation.record import SEED, read_record, recorded, write_record
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
-from triaxis.verif.mutation.run import mutate
+from triaxis.verif.mutation.run import CHANGED, mutate
 from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
 from triaxis.verif.upsets.campaign import tally as tally_upsets
 from triaxis.verif.upsets.campaign import write_result as write_upsets
@@ -223,9 +223,11 @@ def add_mutate(parser: argparse.ArgumentParser) -> None:
 def _mutate(options: argparse.Namespace) -> int:
     if (options.record or options.sample is not None) and options.seed != SEED:
         raise InputError(f"--seed {options.seed}: what is recorded is of runs with --seed {SEED}")
+    if options.fresh and options.sample is not None:
+        raise InputError("--fresh and --sample: give one of them")
     restricted = options.file is not None or options.mutant is not None
-    everything = found = catalogue()
     before = states(DUT)
+    everything = found = catalogue()
     if restricted:
         found = found.restricted(options.file, options.mutant)
     with progress_bar("mutants", len(found.mutants)) as progress:
@@ -241,12 +243,14 @@ def _mutate(options: argparse.Namespace) -> int:
         print(f"written to {mutation_result.write_result(result, command)}")
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
-    if options.record and states(DUT) == before:
+    if options.record and CHANGED not in result.problems and states(DUT) == before:
         equivalent = {fate.id for fate in result.fates if fate.fate == mutation_result.EQUIVALENT}
         kills = mutation_result.kills(result.fates)
         now = recorded(read_record(), everything.mutants, kills, equivalent, before)
         blocks = ", ".join(now.states) or "no block"
         print(f"written to {write_record(now)}: {blocks} as a whole")
+    elif options.record:
+        print("nothing is recorded: something changed during the run")
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

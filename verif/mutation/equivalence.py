@@ -27,6 +27,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -385,10 +386,12 @@ def check_equivalents(
     known: Iterable[str],
     jobs: int = 2,
     dut: Path = DUT,
+    ended: Event | None = None,
 ) -> Evidence:
     """Check the evidence of all entries for those of ``mutants``; proofs that hold are kept in build/.
 
-    ``known``: the names of all mutants there are; an entry of another one is stale.
+    ``known``: the names of all mutants there are; an entry of another one is stale. ``ended``: no further
+    proof is begun.
     """
     names = frozenset(known)
     problems = [
@@ -400,7 +403,7 @@ def check_equivalents(
     wanted = [(entry, [mutants[name] for name in entry.mutants if name in mutants]) for entry in entries]
     wanted = [(entry, chosen) for entry, chosen in wanted if chosen]
     with ThreadPoolExecutor(jobs) as pool:
-        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut), wanted))
+        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut, ended), wanted))
     held: dict[str, Equivalent] = {}
     for (entry, chosen), answer in zip(wanted, answers, strict=True):
         if answer is None:
@@ -410,8 +413,23 @@ def check_equivalents(
     return Evidence(held, tuple(problems))
 
 
-def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None:
+def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path, ended: Event | None = None) -> str | None:
     """Prove an entry, or find that it was proved before."""
+    if ended and ended.is_set():
+        return f"{entry.mutants[0]}: its evidence was not checked: the run had ended"
+    mark = _mark(entry, mutants, dut)
+    if mark.exists():
+        return None
+    answer = _CHECKS[entry.evidence](entry, mutants, dut)
+    # What changed meanwhile may not have been proved.
+    if answer is None and mark == _mark(entry, mutants, dut):
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
+    return answer
+
+
+def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
+    """Return the file that says of an entry, as everything is, that it was proved."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
     solver = _solver() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT, NOTICED) else ""
     # The board, which changes more often, is part of few.
@@ -421,14 +439,7 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> str | None
         files, killers_hash(), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
-    mark = FOLDER / "proofs" / key[:24]
-    if mark.exists():
-        return None
-    answer = _CHECKS[entry.evidence](entry, mutants, dut)
-    if answer is None:
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.touch()
-    return answer
+    return FOLDER / "proofs" / key[:24]
 
 
 @cache

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.evidence import Span, read_evidence, write_evidence
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.mutation.builds import FOLDER
@@ -19,6 +19,7 @@ from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
 from triaxis.verif.mutation.equivalence import read_equivalents
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
 from triaxis.verif.mutation.outcomes import Killed, Outcome
+from triaxis.verif.mutation.record import FILE as RECORD
 
 EVIDENCE = FOLDER / "mutation.json"
 
@@ -138,8 +139,8 @@ def fate_of(outcome: Outcome, equivalent: bool) -> Fate:
 class MutationResult:
     """The fates of all mutants of a run, in a fixed order; what is wrong; how long it and its stages took.
 
-    ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of. ``sampled``: so
-    many of those that are recorded were played again.
+    ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of. ``sample``: the seed
+    by which ``sampled`` of those that are recorded were drawn, to be played; None where all were.
     """
 
     fates: tuple[Fate, ...]
@@ -149,7 +150,9 @@ class MutationResult:
     rtl_hash: str
     killers_hash: str
     stages: tuple[Span, ...] = ()
+    sample: int | None = None
     sampled: int = 0
+    record_hash: str = ""
 
     @property
     def passed(self) -> bool:
@@ -206,7 +209,9 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
         "seed": result.seed,
         "rtl_hash": result.rtl_hash,
         "killers_hash": result.killers_hash,
+        "sample": result.sample,
         "sampled": result.sampled,
+        "record_hash": result.record_hash,
         "stages": [asdict(stage) for stage in result.stages],
         **_counts(result.fates),
         "mutants": [asdict(fate) for fate in result.fates],
@@ -218,14 +223,19 @@ def write_result(result: MutationResult, command: str, path: Path = EVIDENCE) ->
     return write_evidence(path, _content(result, command), KILLERS)
 
 
-def known_result(evidence: Path = EVIDENCE) -> dict[str, Any] | None:
+def known_result(sample: int | None = None, evidence: Path = EVIDENCE) -> dict[str, Any] | None:
     """Return the last full result in build/, if it is of this RTL and of what kills its mutants today.
 
-    None without one. Raises InputError where the file is damaged.
+    One for which all were played, or, where a ``sample`` is enough, that one with today's record. None where
+    there is none. Raises InputError where the file is damaged.
     """
     content = read_evidence(evidence)
     now = rtl_hash(), killers_hash()
-    return content if content and (content["rtl_hash"], content.get("killers_hash")) == now else None
+    if not content or (content["rtl_hash"], content.get("killers_hash")) != now:
+        return None
+    wanted = (sample, content_hash([RECORD]))
+    played = content.get("sample", sample) is None
+    return content if played or (content.get("sample"), content.get("record_hash")) == wanted else None
 
 
 def fates_in(content: Mapping[str, Any], equivalents: Path = EQUIVALENTS) -> list[Fate]:

@@ -1,14 +1,16 @@
 """A run over the mutants: play them, check the list of equivalent ones, say what is wrong."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.build import content_hash, rtl_files, rtl_hash
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT
+from triaxis.verif.mutation import outcomes
 from triaxis.verif.mutation.builds import sweep
 from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
@@ -21,11 +23,14 @@ from triaxis.verif.mutation.equivalence import (
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
-from triaxis.verif.mutation.killers import killers_hash, states
-from triaxis.verif.mutation.outcomes import Killed, Outcome
-from triaxis.verif.mutation.record import Record, drawn, read_record
+from triaxis.verif.mutation.killers import BLOCKS, OUTCOMES, killers_hash, states
+from triaxis.verif.mutation.outcomes import Killed, Outcome, Store
+from triaxis.verif.mutation.record import FILE as RECORD
+from triaxis.verif.mutation.record import drawn, read_record
 from triaxis.verif.mutation.result import ABSENT, BY_PROOF, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
+
+CHANGED = "the RTL, or what plays its mutants, changed during the run: run again"
 
 
 def mutate(
@@ -47,7 +52,7 @@ def mutate(
     ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
     but for those that this seed draws. Raises InputError where the RTL without mutants fails.
     """
-    start, timeline = time.perf_counter(), Timeline()
+    start, begun, timeline = time.perf_counter(), time.time(), Timeline()
     rtl, killers = rtl_hash(dut), killers_hash()
     sweep()
     everything = catalogue(dut)
@@ -58,69 +63,95 @@ def mutate(
     listed = {name: entry for entry in entries for name in entry.mutants if name in found.by_id}
     # The smallest widths alone say too little: what only they show is tried in volume as well.
     excused = frozenset(name for name, entry in listed.items() if entry.evidence != EXHAUSTIVE)
-    record = read_record()
-    again, settled = _taken(record, found, excused, dut, sample)
-    order = record.places(found.mutants)
+    recorded = _recorded(found, excused, dut)
+    sampled = frozenset(name for name in recorded if sample is not None and drawn(name, sample))
+    settled = {} if sample is None else _settled(recorded, sampled, found, dut, seed)
+    ended = Event()
 
     def prove() -> Evidence:
         with timeline.span("evidence of equivalence"):
-            return check_equivalents(entries, found.by_id, everything.by_id, 1, dut)
+            return check_equivalents(entries, found.by_id, everything.by_id, 1, dut, ended)
 
     # One proof may take longer than all trials: beside them.
     with ThreadPoolExecutor(1) as beside:
         proofs = beside.submit(prove)
-        outcomes = judge(
-            found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress, order, settled
-        )
+        try:
+            judged = judge(
+                found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress,
+                read_record().places(found.mutants), settled,
+            )  # fmt: skip
+        except BaseException:
+            ended.set()
+            raise
+        finally:
+            touched = _forget_touched(begun, dut)
         evidence = proofs.result()
-    killed = {one.mutant.id: one.killed for one in outcomes}
-    fates = tuple(_fate(outcome, evidence) for outcome in outcomes)
+    killed = {one.mutant.id: one.killed for one in judged}
+    fates = tuple(_fate(outcome, evidence) for outcome in judged)
     problems = [
         *(_survivor(fate) for fate in fates if fate.fate in (SURVIVING, ABSENT)),
         *(
             _refuted(outcome)
-            for outcome in outcomes
+            for outcome in judged
             if outcome.killed and outcome.mutant.id in evidence.equivalent
         ),
         *evidence.problems,
         *(
-            f"{name}: {how.test} does not notice it in {how.stage} now: what is recorded is wrong: run "
+            f"{name}: {how.test} noticed it, as is recorded, and nothing does now: the record is wrong: run "
             "`triaxis prove mutate --record`"
-            for name, how in again.items()
-            if not _is_as_recorded(killed[name], how)
+            for name, how in recorded.items()
+            if how and killed[name] is None
         ),
     ]
-    if (rtl_hash(dut), killers_hash()) != (rtl, killers):
-        problems.append("the RTL, or what plays its mutants, changed during the run: run again")
+    if touched or (rtl_hash(dut), killers_hash()) != (rtl, killers):
+        problems.append(CHANGED)
     seconds = time.perf_counter() - start
     spans = tuple(timeline.spans)
-    return MutationResult(fates, tuple(problems), seed, seconds, rtl, killers, spans, len(again))
+    return MutationResult(
+        fates, tuple(problems), seed, seconds, rtl, killers, spans,
+        sample, len(sampled), content_hash([RECORD]),
+    )  # fmt: skip
 
 
-def _taken(
-    record: Record, found: Catalogue, excused: frozenset[str], dut: Path, sample: int | None
-) -> tuple[dict[str, Killed], dict[str, Killed | None]]:
-    """Return how those mutants were killed that are recorded and played again; and those that are not played.
+def _recorded(found: Catalogue, excused: frozenset[str], dut: Path) -> dict[str, Killed | None]:
+    """Return how mutants were killed that are recorded of this state.
 
-    Of those that are shown to be equivalent the evidence is checked again, and that no test noticed them is
-    part of the record (None).
+    None of those that are shown to be equivalent: that no test noticed them is part of the record, too.
     """
-    if sample is None:
-        return {}, {}
-    now = states(dut)
+    record, now = read_record(), states(dut)
     blocks = {block for block, state in now.items() if record.states.get(block) == state}
-    of_record: dict[str, Killed | None] = {
-        one.id: None for one in found.mutants if one.id in excused and one.block in blocks
-    }
-    of_record |= record.killed(found.mutants, now)
-    again = {name: how for name, how in of_record.items() if drawn(name, sample)}
-    return {name: how for name, how in again.items() if how}, {
-        name: how for name, how in of_record.items() if name not in again
-    }
+    lives = {one.id: None for one in found.mutants if one.id in excused and one.block in blocks}
+    return lives | record.killed(found.mutants, now)
 
 
-def _is_as_recorded(killed: Killed | None, how: Killed) -> bool:
-    return killed is not None and (killed.stage, killed.test) == (how.stage, how.test)
+def _settled(
+    recorded: Mapping[str, Killed | None], sampled: frozenset[str], found: Catalogue, dut: Path, seed: int
+) -> dict[str, Killed | None]:
+    """Return those that are not played: recorded, not in the sample, nor known here to survive.
+
+    What is known here of the sample is forgotten, so that it is played.
+    """
+    store = Store(found, dut, seed, False)
+    for name in sampled:
+        store.killed.pop(name, None)
+        store.surviving.discard(name)
+    store.save()
+    return {name: how for name, how in recorded.items() if name not in sampled | store.surviving}
+
+
+def _forget_touched(since: float, dut: Path) -> bool:
+    """Forget what became of mutants of blocks of which something was written since then; return whether any.
+
+    It may be again what it was before: then no hash tells that mutants were tried on something else.
+    """
+    touched = False
+    for number, block in enumerate(BLOCKS, 1):
+        rtl = [path for path in rtl_files(dut) if path.relative_to(dut).parts[0] in BLOCKS[:number]]
+        if any(path.stat().st_ctime > since for path in (*rtl, *OUTCOMES[block].files())):
+            touched = True
+            for path in outcomes.FOLDER.glob(f"outcomes-{block}-*.json"):
+                path.unlink()
+    return touched
 
 
 def _fate(outcome: Outcome, evidence: Evidence) -> Fate:

@@ -30,6 +30,7 @@ SOURCES = Sources(
         "verif/faults/patches/*.patch",
         "verif/formal/unproved.toml",
         "verif/mutation/equivalents.toml",
+        "verif/mutation/record.json",
         "verif/netlist/*.vh",
     ),
 )
@@ -84,6 +85,9 @@ def remarks(result: Path) -> list[str]:
     """Return what to know of a sign-off that opens the gate, a line each."""
     content = json.loads(read_input(result))
     found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
+    recorded = content["parts"]["mutation"]["recorded"]
+    if recorded and not content.get("exceptions"):
+        found.append(f"signed off without {recorded} mutants, which are as recorded")
     if content.get("whole") is True:
         found.append("signed off as a whole: nothing that may be absent otherwise was absent")
     if content.get("git_clean") is not True:
@@ -109,12 +113,12 @@ def _is_figure(value: Any) -> bool:
 
 def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
     """Return what a sign-off that says it is a whole does not hold."""
-    parts = content.get("parts") if isinstance(content.get("parts"), dict) else {}
+    parts = held if isinstance(held := content.get("parts"), dict) else {}
     proofs, mutation = (
         part if isinstance(part := parts.get(name), dict) else {} for name in ("proofs", "mutation")
     )
     found = [f"signed off as a whole, but without {line}" for line in proofs.get("exceptions") or []]
-    if mutation.get("recorded") != 0:
+    if (mutation.get("sample", 0), mutation.get("recorded")) != (None, 0):
         found.append("signed off as a whole, but not every mutant was played")
     return found + _parts(content.get("beside"), signed, BESIDE)
 

@@ -187,14 +187,13 @@ def mutation_part(seed: int, progress: Progress, whole: bool = False) -> Evidenc
     ``whole``: each is played; else those that are recorded are taken from there, but for a sample. Raises
     InputError where the result is of other mutants than today's generator makes.
     """
-    content = known_result()
-    if content and whole and any(fate.recorded for fate in fates_in(content)):
-        content = None
+    sample = None if whole else seed
+    content = known_result(sample)
     known = content is not None
     if content is None:
-        found = mutate(SEED, progress=progress, sample=None if whole else seed)
-        sample = "" if whole else f" --sample {seed}"
-        content = read_evidence(write_result(found, f"triaxis prove mutate --seed {SEED}{sample}"))
+        found = mutate(SEED, progress=progress, sample=sample)
+        told = "" if whole else f" --sample {seed}"
+        content = read_evidence(write_result(found, f"triaxis prove mutate --seed {SEED}{told}"))
         assert content is not None
     else:
         progress(len(content["mutants"]))

@@ -18,6 +18,7 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
+from triaxis.sim.build import content_hash
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.player import ASSERTION
@@ -192,35 +193,97 @@ def test_a_block_is_recorded_of_its_state_where_none_of_its_mutants_is_left(tmp_
     assert as_recorded(tmp_path, {}, (), whole, every[:1]).kills.keys() == {every[0].short}
 
 
-def test_what_is_recorded_of_this_state_is_taken_but_for_a_sample(tmp_path, seed, monkeypatch):
+@pytest.fixture
+def recorded(monkeypatch):
+    """Return 200 mutants that are recorded as killed, of this state."""
     chosen = [one for one in catalogue().mutants if one.block == "core"][:200]
     kills = {one.short: noticed(trial=0) for one in chosen}
-    states = killers.states(DUT)
-    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record(states, kills))
+    held = record.Record(killers.states(DUT), kills)
+    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: held)
+    return chosen
+
+
+def judging(monkeypatch, lives=()):
+    """Stand in for what plays mutants; return the list of those that are played."""
     played: list[str] = []
 
-    def judged(found, seed, jobs, timeline, excused, *rest):
+    def judged(found, seed, jobs, timeline, excused, dut, targets, fresh, *rest):
         *_, settled = rest
-        played.extend(one.id for one in found.mutants if one.id not in settled)
-        # The first of the sample is noticed no more.
-        lost = played[0]
-        killed = {one.id: settled.get(one.id, noticed()) for one in found.mutants} | {lost: None}
-        return [outcomes.Outcome(one, killed[one.id], ("w8_m8",)) for one in found.mutants]
+        store = outcomes.Store(found, dut, seed, fresh)
+        known = settled | dict.fromkeys(store.surviving) | store.killed
+        played[:] = [one.id for one in found.mutants if one.id not in known]
+        fates = known | {name: None if name in lives else noticed() for name in played}
+        return [outcomes.Outcome(one, fates[one.id], ("w8_m8",)) for one in found.mutants]
 
     monkeypatch.setattr("triaxis.verif.mutation.run.judge", judged)
-    found = mutate(record.SEED, chosen=few(*chosen), equivalents=empty(tmp_path), sample=seed)
-    assert 0 < len(played) < 40 and found.sampled == len(played)
-    assert f"{200 - len(played)} as recorded" in result._summary(found.fates)
-    assert [line for line in found.problems if "what is recorded is wrong" in line] == [
-        line for line in found.problems if line.startswith(f"{played[0]}: MixedTest does not notice it")
-    ]
-    # Another seed, another sample; none where all is to be played, or the state is another.
-    first = set(played)
-    for sample, state, count in ((seed + 1, states, None), (None, states, 200), (seed, STATES, 200)):
-        played.clear()
-        monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda s=state: record.Record(s, kills))
-        mutate(record.SEED, chosen=few(*chosen), equivalents=empty(tmp_path), sample=sample)
-        assert len(played) == count if count else set(played) != first
+    return played
+
+
+def test_what_is_recorded_is_taken_but_for_a_sample(tmp_path, seed, monkeypatch, recorded):
+    played = judging(monkeypatch)
+    ask = partial(mutate, record.SEED, chosen=few(*recorded), equivalents=empty(tmp_path))
+    found = ask(sample=seed)
+    first, names = set(played), {one.id for one in recorded}
+    assert 0 < len(first) < 40 and found.sampled == len(first) and found.passed
+    assert f"{200 - len(first)} as recorded" in found.summary
+    # Another seed, another sample; all where nothing is to be taken, or all is of another state.
+    ask(sample=seed + 1)
+    assert set(played) != first
+    assert ask().passed and set(played) == names
+    monkeypatch.setattr("triaxis.verif.mutation.run.states", lambda _: STATES)
+    ask(sample=seed)
+    assert set(played) == names
+
+
+def test_a_record_that_is_wrong_is_told(tmp_path, seed, monkeypatch, recorded):
+    lost = next(one for one in recorded if record.drawn(one.id, seed))
+    judging(monkeypatch, {lost.id})
+    for sample in (seed, None):
+        found = mutate(record.SEED, chosen=few(*recorded), equivalents=empty(tmp_path), sample=sample)
+        told = [line for line in found.problems if "the record is wrong" in line]
+        assert len(told) == 1 and told[0].startswith(f"{lost.id}: MixedTest noticed it")
+
+
+def test_what_is_known_here_goes_before_the_record_and_a_sample_before_that(
+    tmp_path, seed, monkeypatch, recorded
+):
+    played = judging(monkeypatch)
+    drawn, other = (
+        next(one.id for one in recorded if record.drawn(one.id, seed) is wanted) for wanted in (True, False)
+    )
+    store = outcomes.Store(few(*recorded), DUT, record.SEED, False)
+    store.killed[drawn] = noticed()
+    store.surviving.add(other)
+    store.save()
+    found = mutate(record.SEED, chosen=few(*recorded), equivalents=empty(tmp_path), sample=seed)
+    assert drawn in played and other not in played
+    assert next(fate for fate in found.fates if fate.id == other).fate == SURVIVING and not found.passed
+
+
+def test_what_was_written_during_a_run_is_noticed_though_it_is_as_before(
+    tmp_path, seed, monkeypatch, recorded
+):
+    dut = tmp_path / "dut"
+    shutil.copytree(DUT, dut)
+
+    def judged(found, *_):
+        store = outcomes.Store(found, dut, record.SEED, False)
+        store.killed |= {one.id: noticed() for one in found.mutants}
+        store.save()
+        file = dut / "mesh" / "triaxis_walk.sv"
+        text = file.read_text()
+        file.write_text("")
+        file.write_text(text)
+        return [outcomes.Outcome(one, noticed(), ("w8_m8",)) for one in found.mutants]
+
+    monkeypatch.setattr("triaxis.verif.mutation.run.judge", judged)
+    # One of each block: what becomes of the core's does not hang on the mesh engine.
+    chosen = [next(one for one in catalogue().mutants if one.block == block) for block in killers.BLOCKS]
+    time.sleep(0.01)
+    found = mutate(record.SEED, chosen=few(*chosen), equivalents=empty(tmp_path), dut=dut)
+    assert any("changed during the run" in line for line in found.problems)
+    left = outcomes.Store(few(*chosen), dut, record.SEED, False)
+    assert left.killed.keys() == {chosen[0].id}
 
 
 def test_where_a_mutant_was_noticed_is_where_it_is_tried_first(tmp_path, seed, monkeypatch):
@@ -357,10 +420,21 @@ def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
     found = one()
     assert found.fates[0].fate == EQUIVALENT
     path = result.write_result(found, "test", tmp_path / "mutation.json")
-    assert result.known_result(path) is not None
+    assert result.known_result(None, path) is not None
     monkeypatch.setattr(result, what, lambda: "another")
-    assert result.known_result(path) is None
-    assert result.known_result(tmp_path / "none.json") is None
+    assert result.known_result(None, path) is None
+    assert result.known_result(None, tmp_path / "none.json") is None
+
+
+def test_a_result_that_rests_on_a_record_is_taken_with_that_record_and_sample_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(result, "RECORD", tmp_path / "record.json")
+    (tmp_path / "record.json").write_text("one")
+    found = replace(one(), sample=7, record_hash=content_hash([tmp_path / "record.json"]))
+    path = result.write_result(found, "test", tmp_path / "mutation.json")
+    assert result.known_result(7, path) is not None
+    assert result.known_result(8, path) is None and result.known_result(None, path) is None
+    (tmp_path / "record.json").write_text("another")
+    assert result.known_result(7, path) is None
 
 
 def test_a_change_during_the_run_is_a_problem(tmp_path, seed, monkeypatch):

@@ -60,7 +60,8 @@ def _mutation():
     equivalents = [{"id": f"triaxis_sum/x/{number}", **entry} for number in (1, 2)]
     return evidence(
         files={"a.sv": counts}, operators={"add": counts}, survivors=[], equivalents=equivalents,
-        killed=[f"triaxis_sum/y/{number}" for number in range(10)], seconds=None, recorded=0, sampled=0,
+        killed=[f"triaxis_sum/y/{number}" for number in range(10)], seconds=None,
+        recorded=0, sampled=0, sample=None,
         stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
     )  # fmt: skip
 

@@ -95,7 +95,9 @@ CHANGES = [
     (mutants(killed=20), "ValueError: 22 of 12"),
     (mutants(surviving=1), "a mutant survives"),
     (part("mutation", killed=["one"]), "killed: not as many"),
-    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(recorded=1)), "was played"),
+    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(recorded=1)), "was played, and that"),
+    (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(sample=1)), "was played, and that"),
+    (part("mutation", recorded=1), "was played, and that"),
     (part("mutation", survivors=[{}]), "survivors: not as many"),
     (
         lambda c: c["parts"]["proofs"]["registers"]["modules"]["triaxis_fifo"].update(covered=9),

@@ -10,10 +10,11 @@ import pytest
 
 from triaxis.coverage.stages import read_figures
 from triaxis.golden.errors import InputError
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.validity import validity
 from triaxis.verif.lint import lint_rtl, rtl_linters
 from triaxis.verif.mutation.killers import killers_hash
+from triaxis.verif.mutation.record import FILE as RECORD
 from triaxis.verif.mutation.record import SEED
 from triaxis.verif.mutation.result import KILLED, Fate, MutationResult, known_result, write_result
 from triaxis.verif.signoff import parts as signoff_parts
@@ -152,7 +153,7 @@ def with_a_record():
     parts = good_parts()
     mutation = parts["mutation"].evidence
     assert mutation
-    mutation.update(recorded=1234, sampled=56)
+    mutation.update(recorded=1234, sampled=56, sample=1)
     return parts
 
 
@@ -180,6 +181,13 @@ def test_in_a_whole_sign_off_nothing_may_be_absent(tmp_path, parts, absent, said
     # Nor does the gate believe a file that says it passed.
     assert refused(tmp_path, {**content, "passed": True, "problems": []})
     assert signoff_page(content, read_figures(), []).count(said.partition(": ")[2]) >= 1
+
+
+def test_what_is_recorded_is_said_whatever_the_file_says(tmp_path):
+    content = signed(with_a_record()).content()
+    for said in (content["exceptions"], []):
+        assert not refused(tmp_path, {**content, "exceptions": said})
+        assert any("1234" in line.replace(",", "") for line in remarks(tmp_path / "signoff.json"))
 
 
 def test_a_whole_sign_off_passes_where_all_is_there_and_the_gate_says_so(tmp_path):
@@ -235,10 +243,11 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
         fate = Fate(
             "m/op/1", "runtime", "dut/core/a.sv:1", "a", "b", KILLED, "run", "T", "w8", "x", 1, "w8", trial
         )
-        return MutationResult((fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), 1)
+        record = content_hash([RECORD])
+        return MutationResult((fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), sample, 1, record)
 
     monkeypatch.setattr(signoff_parts, "mutate", mutate)
-    monkeypatch.setattr(signoff_parts, "known_result", lambda: known_result(evidence))
+    monkeypatch.setattr(signoff_parts, "known_result", lambda sample: known_result(sample, evidence))
     monkeypatch.setattr(signoff_parts, "write_result", lambda *words: write_result(*words, evidence))
     monkeypatch.setattr(signoff_parts, "mutant_names", lambda: ["m/op/1"])
     found = [signoff_parts.mutation_part(7, lambda _: None, also) for also in (False, whole)]
