@@ -108,7 +108,8 @@ def _certified(name: str, width: int, claim: str, upset: bool, *assumptions: str
     return replace(proof, edits={f"{_CERTIFIED}.sv": _UPSETS} if upset else {})
 
 
-def _certified_proofs() -> tuple[SbyProof, ...]:
+def certified_proofs() -> tuple[SbyProof, ...]:
+    """Return the proofs of the certified core."""
     return (
         _certified(
             "certified_upset",
@@ -132,7 +133,8 @@ def _certified_proofs() -> tuple[SbyProof, ...]:
             "claim does not hold or a check was tried, and then the pair is near; else verdict, flags and "
             "axis are the core's. Results are stable while they wait; none is lost, duplicated or out of "
             "order, each carries its own tag; the latency is the documented one exactly; one pair per clock "
-            "while results are taken; a reset discards everything; never more in flight than places.",
+            "while results are taken; a reset discards everything; never more in flight than places. What is "
+            "kept where nothing is on offer is not intact.",
             False,
         ),
     )
@@ -696,7 +698,7 @@ def proofs() -> tuple[Proof, ...]:
         axes_proof("axes_other", other, detectors=(8, 16, 32)),
         _apart("apart_m16", _WIDTH, _WIDTH, nine=False),
         certificate(),
-        *_certified_proofs(),
+        *certified_proofs(),
         _streams(0),
         _streams(_WIDTH),
         _intervals(_WIDTH),

@@ -68,10 +68,15 @@ def catalogue(dut: Path = DUT) -> Catalogue:
     sources = tuple(read_source(path, dut) for path in paths if path.suffix == ".sv")
     ports = input_ports(sources)
     shared = shared_enumerators(sources)
-    found = {source.name: tuple(hosts(source, ports, shared)) for source in sources}
+    every = {source.name: hosts(source, ports, shared) for source in sources}
+    held = [mutant for source in sources for host in every[source.name] for mutant in host.mutants]
+    runtime = [mutant for mutant in held if mutant.kind == RUNTIME]
+    constant = [mutant for mutant in held if mutant.kind != RUNTIME]
+    found = {
+        name: tuple(host for host in of if host.mutants[0].kind == RUNTIME) for name, of in every.items()
+    }
     elaboration = [mutant for source in sources for mutant in elaboration_mutants(source)]
-    runtime = [mutant for source in sources for host in found[source.name] for mutant in host.mutants]
-    mutants = (*runtime, *elaboration, *macro_mutants(dut))
+    mutants = (*runtime, *constant, *elaboration, *macro_mutants(dut))
     _check_distinct(mutants)
     return Catalogue(sources, found, mutants)
 

@@ -46,7 +46,7 @@ from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
 from triaxis.verif.formal.proof import SbyProof
-from triaxis.verif.formal.proofs import board_proofs, engine_proofs
+from triaxis.verif.formal.proofs import board_proofs, certified_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
     ElaborationError,
@@ -306,7 +306,8 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
 
     Of those that are noticed it must not hold.
     """
-    proofs = [proof for proof in (*engine_proofs(), *board_proofs()) if proof.top == f"{entry.module}_formal"]
+    every = (*certified_proofs(), *engine_proofs(), *board_proofs())
+    proofs = [proof for proof in every if proof.top == f"{entry.module}_formal"]
     if not proofs:
         return f"{entry.mutants[0]}: {entry.evidence}: there is no proof of {entry.module} in verif/formal/"
     if entry.evidence == NOTICED and (wrong := _broken(proofs, None, dut)):

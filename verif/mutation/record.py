@@ -69,14 +69,17 @@ def read_record(file: Path = FILE) -> Record:
     """Return what is recorded. Raises InputError where the file is damaged."""
     try:
         content: dict[str, Any] = json.loads(file.read_text())
-        kills = {
-            name: Killed(test, stage.split(",")[0], symptom, 0, stage, 0)
+        found = [
+            (name, Killed(test, stage.split(",")[0], symptom, 0, stage, 0))
             for stage, tests in content["noticed"].items()
             for test, kinds in tests.items()
             for symptom, by in _BY.items()
             for line in kinds.get(by, ())
             for name in line.split()
-        }
+        ]
+        kills = dict(found)
+        if len(kills) < len(found):
+            raise ValueError("a mutant is named twice")
         return Record({str(block): str(state) for block, state in content["states"].items()}, kills)
     except (OSError, ValueError, LookupError, AttributeError, TypeError) as error:
         raise InputError(

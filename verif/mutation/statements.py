@@ -1,7 +1,8 @@
 """Mutants that are selected at run time: every item of a module that does something, with its changes.
 
 Four kinds of items, hosts of mutants: continuous assignments, always blocks, connections of instances'
-inputs, and the registers that the macro TRIAXIS_STAGE makes.
+inputs, and the registers that the macro TRIAXIS_STAGE makes. Of an always block that reads nothing that
+changes, as one that fills a table does, mutants need a build each: it has run before one can be selected.
 """
 
 import re
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
-from triaxis.verif.mutation.mutant import RUNTIME, Edit, Mutant, applied, named, normalised
+from triaxis.verif.mutation.mutant import ELABORATION, RUNTIME, Edit, Mutant, applied, named, normalised
 from triaxis.verif.mutation.operators import Change, Scope, changes
 from triaxis.verif.mutation.syntax import (
     Declared,
@@ -192,7 +193,16 @@ def _always(module: _Module, node: Node) -> Host:
         statement = statement.statement
     start = span(node)[0]
     mutants = tuple(_procedural(module, statement, start))
+    if kind(node) == "AlwaysCombBlock" and not _reads(module, node):
+        mutants = tuple(replace(mutant, kind=ELABORATION) for mutant in mutants)
     return Host(ALWAYS, start, span(node)[1], "", span(statement), start, mutants)
+
+
+def _reads(module: _Module, block: Node) -> set[str]:
+    """Return what an always block reads of that which it does not write itself, and which may change."""
+    text = module.source.of(block)
+    written = {base_name(module.source.of(n.left)) for n in below(block) if kind(n) == "AssignmentExpression"}
+    return {name for name in module.declared if re.search(rf"\b{name}\b", text)} - written
 
 
 def _procedural(module: _Module, statement: Node, host: int) -> Iterator[Mutant]:

@@ -256,6 +256,15 @@ module triaxis_certified_core_formal
     kept = {parity, followed_q[PlaceWidth], attempt_q, tag_q, margin_q, vertices_q};
   end
 
+  // What is kept where nothing is on offer: as it would be of a pair.
+  parity_t of_offered;
+  always_comb begin
+    for (int n = 0; n < int'(NumCoordinates); n++) begin
+      of_offered[n] = ^vertices[n*W+:W];
+    end
+    of_offered[ParityRest] = ^{u_certified.accepted_q[PlaceWidth], attempt, tag, margin};
+  end
+
   // What the certifier is given.
   vertices_t given;
   for (genvar v = 0; v < 3; v++) begin : g_vertex
@@ -270,6 +279,9 @@ module triaxis_certified_core_formal
 
   always_comb begin
     if (rst_ni) begin
+      NotOffered :
+      assert (s_axis_tvalid_i || attempt.kind == TryParity ||
+          u_certified.kept_d.parity != of_offered);
       NumbersKnown : assert (u_certified.accepted_q == accepted_q);
       CountKnown : assert (u_certified.delivered_q == delivered);
       Chained : assert (chained);

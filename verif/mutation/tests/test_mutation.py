@@ -193,3 +193,22 @@ def test_a_package_that_gives_a_wrong_latency_or_time_is_found(tmp_path, file, r
     # What gives none at all is for others to find.
     copy.write_text(f"package {copy.stem}; endpackage")
     assert right_package(tmp_path, file)
+
+
+@pytest.mark.parametrize(
+    ("body", "wanted"),
+    [
+        # A table, filled once: before any mutant of it could be selected.
+        (
+            "for (genvar i = 0; i < 4; i++) always_comb if (i > 2) t[i] = i + 1; else t[i] = Most;",
+            ELABORATION,
+        ),
+        ("for (genvar i = 0; i < 4; i++) always_comb if (go_i) t[i] = i + 1; else t[i] = Most;", RUNTIME),
+        ("always_comb begin p = 9'd3; q = p + 9'd1; end", ELABORATION),
+        ("always_ff @(posedge clk_i) p_q <= 9'd3;", RUNTIME),
+    ],
+)
+def test_what_is_computed_once_needs_a_build_of_its_own(tmp_path, body, wanted):
+    source = parsed(tmp_path, f"localparam int Most = 9; int t[4]; logic [8:0] p, q; {body}")
+    mutants = [mutant for host in hosts(source, {}) for mutant in host.mutants]
+    assert mutants and {mutant.kind for mutant in mutants} == {wanted}

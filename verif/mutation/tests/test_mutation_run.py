@@ -313,7 +313,10 @@ def test_where_a_mutant_was_noticed_is_where_it_is_tried_first(tmp_path, seed, m
     assert {one.mutant.id: one.killed.trial for one in judged if one.killed} == {late.id: 1}
 
 
-@pytest.mark.parametrize("text", ["[1]", '{"states": {}, "noticed": {"a stage": {"a test": 5}}}', "{"])
+TWICE = '{"states": {}, "noticed": {"a": {"T": {"run": ["0123abcd"]}}, "b": {"T": {"run": ["0123abcd"]}}}}'
+
+
+@pytest.mark.parametrize("text", ["[1]", '{"states": {}, "noticed": {"a stage": {"a test": 5}}}', "{", TWICE])
 def test_a_damaged_record_is_refused(tmp_path, text):
     (tmp_path / "record.json").write_text(text)
     with pytest.raises(InputError, match=r"record.json: damaged: .* write \{.*\} into it"):
