@@ -2,13 +2,11 @@
 
 import argparse
 import sys
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +22,7 @@ from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.hal import HalPositions
+from triaxis.host.link.positions import Positions
 from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
@@ -41,7 +40,6 @@ from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import insides_at
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted, prepare_path
 from triaxis.host.page import Page
-from triaxis.host.quantise import Vector, vector
 from triaxis.host.report import write_report
 from triaxis.host.stl import Facets, StlMesh, read_stl
 
@@ -98,74 +96,6 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
     add_port(parser)
     add_trust(parser)
     parser.set_defaults(run=run, engine=BOARD, width=None)
-
-
-class Positions:
-    """The last of the positions that a control writes, a line each, and when it came.
-
-    ``tool``: the number of the tool that was in the spindle then; None where lines do not say it.
-    """
-
-    tool: int | None = None
-
-    def __init__(self, lines: TextIO) -> None:
-        """Begin to read, until they end."""
-        self._lines, self._changed = lines, threading.Condition()
-        self._last: Report = None
-        self._wrong: InputError | None = None
-        self._ended = False
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self) -> None:
-        wrong = None
-        try:
-            for line in self._lines:
-                # What has no end is cut off.
-                if not line.endswith("\n"):
-                    break
-                position, tool = _position(line)
-                with self._changed:
-                    self._last, self.tool = (position, time.monotonic()), tool
-                    self._changed.notify()
-        except InputError as error:
-            wrong = error
-        except (OSError, ValueError) as error:
-            wrong = InputError(f"positions: cannot read: {error}")
-        with self._changed:
-            self._ended, self._wrong = True, wrong
-            self._changed.notify()
-
-    def wait(self, seconds: float) -> bool:
-        """Return whether a position has come, or none will, within a time."""
-        with self._changed:
-            return self._changed.wait_for(lambda: self._last is not None or self._ended, seconds)
-
-    def report(self) -> Report:
-        """Return the last position and when it came; None where they have ended.
-
-        Raises InputError where any line is none.
-        """
-        self.wait(threading.TIMEOUT_MAX)
-        with self._changed:
-            if self._wrong is not None:
-                raise self._wrong
-            last = self._last
-            if self._ended:
-                self._last = None
-            return last
-
-
-def _position(line: str) -> tuple[Vector, int | None]:
-    words = line.split()
-    try:
-        if len(words) not in (3, 4):
-            raise ValueError
-        return vector(map(Fraction, words[:3])), int(words[3]) if len(words) == 4 else None
-    except (ValueError, ZeroDivisionError) as error:
-        raise InputError(
-            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, or X Y Z and the tool's "
-            "number: the machine is stopped"
-        ) from error
 
 
 Source = Positions | HalPositions

@@ -45,7 +45,7 @@ def _hal() -> Any:
 
 
 class HalPositions:
-    """The position that the pins have when it is asked for; of `follow.Positions` the form."""
+    """The position that the pins have when it is asked for; of `positions.Positions` the form."""
 
     def __init__(self) -> None:
         """Make the component; raise InputError where HAL is not running, or has one of that name."""

@@ -28,6 +28,7 @@ from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError
 from triaxis.host.link.hal import HalPositions
+from triaxis.host.link.positions import Positions
 from triaxis.host.motion.follow import (
     LONGEST,
     Follower,
@@ -351,7 +352,7 @@ def test_what_halsampler_writes_is_understood():
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
-    report = follow_module.Positions(io.StringIO(done.stdout)).report()
+    report = Positions(io.StringIO(done.stdout)).report()
     assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
 
 
@@ -365,14 +366,14 @@ def test_what_halsampler_writes_is_understood():
     ],
 )  # fmt: skip
 def test_lines_that_are_no_positions_are_refused(text, what):
-    positions = follow_module.Positions(io.StringIO(text))
+    positions = Positions(io.StringIO(text))
     with pytest.raises(InputError, match=what):
         while positions.report():
             pass
 
 
 def test_a_position_that_is_cut_off_is_none():
-    positions = follow_module.Positions(io.StringIO("1 2 3\n10 20 3"))
+    positions = Positions(io.StringIO("1 2 3\n10 20 3"))
     while report := positions.report():
         assert report[0] == (1, 2, 3)
 

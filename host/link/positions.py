@@ -1,0 +1,78 @@
+"""Where the tool is, by lines that a control writes."""
+
+import threading
+import time
+from fractions import Fraction
+from typing import TextIO
+
+from triaxis.golden.errors import InputError
+from triaxis.host.motion.follow import Report
+from triaxis.host.quantise import Vector, vector
+
+
+class Positions:
+    """The last of the positions that a control writes, a line each, and when it came.
+
+    ``tool``: the number of the tool that was in the spindle then; None where lines do not say it.
+    """
+
+    tool: int | None = None
+
+    def __init__(self, lines: TextIO) -> None:
+        """Begin to read, until they end."""
+        self._lines, self._changed = lines, threading.Condition()
+        self._last: Report = None
+        self._wrong: InputError | None = None
+        self._ended = False
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        wrong = None
+        try:
+            for line in self._lines:
+                # What has no end is cut off.
+                if not line.endswith("\n"):
+                    break
+                position, tool = _position(line)
+                with self._changed:
+                    self._last, self.tool = (position, time.monotonic()), tool
+                    self._changed.notify()
+        except InputError as error:
+            wrong = error
+        except (OSError, ValueError) as error:
+            wrong = InputError(f"positions: cannot read: {error}")
+        with self._changed:
+            self._ended, self._wrong = True, wrong
+            self._changed.notify()
+
+    def wait(self, seconds: float) -> bool:
+        """Return whether a position has come, or none will, within a time."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._last is not None or self._ended, seconds)
+
+    def report(self) -> Report:
+        """Return the last position and when it came; None where they have ended.
+
+        Raises InputError where any line is none.
+        """
+        self.wait(threading.TIMEOUT_MAX)
+        with self._changed:
+            if self._wrong is not None:
+                raise self._wrong
+            last = self._last
+            if self._ended:
+                self._last = None
+            return last
+
+
+def _position(line: str) -> tuple[Vector, int | None]:
+    words = line.split()
+    try:
+        if len(words) not in (3, 4):
+            raise ValueError
+        return vector(map(Fraction, words[:3])), int(words[3]) if len(words) == 4 else None
+    except (ValueError, ZeroDivisionError) as error:
+        raise InputError(
+            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, or X Y Z and the tool's "
+            "number: the machine is stopped"
+        ) from error
