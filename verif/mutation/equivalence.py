@@ -45,7 +45,8 @@ from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
-from triaxis.verif.formal.proof import SbyProof
+from triaxis.verif.formal.certifier_proof import certificate
+from triaxis.verif.formal.proof import Proof
 from triaxis.verif.formal.proofs import board_proofs, certified_proofs, engine_proofs
 from triaxis.verif.mutation.builds import (
     FOLDER,
@@ -306,14 +307,13 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
 
     Of those that are noticed it must not hold.
     """
-    every = (*certified_proofs(), *engine_proofs(), *board_proofs())
-    proofs = [proof for proof in every if proof.top == f"{entry.module}_formal"]
+    proofs, files = _proofs_of(entry.module)
     if not proofs:
         return f"{entry.mutants[0]}: {entry.evidence}: there is no proof of {entry.module} in verif/formal/"
     if entry.evidence == NOTICED and (wrong := _broken(proofs, None, dut)):
         return f"{entry.mutants[0]}: not noticed: without it, too, {wrong}"
     for mutant in mutants:
-        if not any(mutant.file in proof.dut_files for proof in proofs):
+        if mutant.file not in files:
             return f"{mutant.id}: {entry.evidence}: the proofs of {entry.module} are not of {mutant.file}"
         broken = _broken(proofs, mutant, dut)
         if broken and entry.evidence == CONTRACT:
@@ -323,7 +323,16 @@ def keep_contract(entry: Equivalent, mutants: Sequence[Mutant], dut: Path = DUT)
     return None
 
 
-def _broken(proofs: Iterable[SbyProof], mutant: Mutant | None, dut: Path) -> str | None:
+def _proofs_of(module: str) -> tuple[list[Proof], set[str]]:
+    """Return the proofs of a module, and the files of dut/ that they are of."""
+    if module == "triaxis_certifier":
+        return [certificate((Configuration(8, 8), Configuration(12, 0)))], {f"core/{module}.sv"}
+    every = (*certified_proofs(), *engine_proofs(), *board_proofs())
+    found = [proof for proof in every if proof.top == f"{module}_formal"]
+    return [*found], {file for proof in found for file in proof.dut_files}
+
+
+def _broken(proofs: Iterable[Proof], mutant: Mutant | None, dut: Path) -> str | None:
     """Return what the first of the proofs that fails says of a mutant, or of none; None where all hold."""
     with temporary() as folder:
         _copy(dut, folder / "dut", mutant)
