@@ -79,7 +79,8 @@ def draw_machine(path: Path, setup: Setup, program: Program, checked: RuleCheck)
         colour = colours.get(called)
         _add_mesh(axes, facets, colour or _WORK, 0.55 if colour else 0.18)
         shown.append(facets)
-    work = setup.carried(WORKPIECE, *setup.work).at
+    mesh, file = setup.work
+    work = setup.carried(WORKPIECE, mesh, str(file)).at
     turning = any(move.turning or any(move.turns[0]) for move in program.moves)
     if not turning:
         by = zip(work, signs(setup.machine.table), machine, strict=True)

@@ -24,6 +24,7 @@ from triaxis.host.cli import main
 from triaxis.host.cli.engine import checkout_id
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.link import hal as hal_module
+from triaxis.host.link import positions
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError
@@ -450,7 +451,7 @@ class Steps(follow_module.Positions):
         line = next(self._steps, None)
         if line is None:
             return None
-        position, self.tool = follow_module._position(line)
+        position, self.tool = positions._position(line)
         return position, follow_module.time.monotonic()
 
 

@@ -147,8 +147,8 @@ def _verdict(folder: Path) -> Iterator[str]:
         least, most = (bound.get(key, {}).get(STAGES[-1]) for key in ("at_least", "at_most"))
         numbers = [x for x in (value, least, most) if isinstance(x, int | float) and math.isfinite(x)]
         low, high = least or 0, math.inf if most is None else most
-        known = value is not None and len(numbers) == 2 and bool not in map(type, numbers)
-        if not known or not low <= value <= high or stored.get(name) != value:
+        bad = value is None or len(numbers) != 2 or bool in map(type, numbers) or not low <= value <= high
+        if bad or stored.get(name) != value:
             yield f"{name}: {value} by what was counted, {stored.get(name)} in signoff.json: {low} to {high}"
 
 

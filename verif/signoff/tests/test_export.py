@@ -150,7 +150,10 @@ def test_requirements_and_testpoints_are_reqif_that_another_reader_understands(t
     export("--reqif", file)
     schema = Path(reqif.__file__).parent / "reqif_schema" / "reqif.xsd"
     xmlschema.XMLSchema(schema, allow="local").validate(file)
-    content = ReqIFParser.parse(str(file)).core_content.req_if_content
+    held = ReqIFParser.parse(str(file)).core_content
+    assert held and held.req_if_content
+    content = held.req_if_content
+    assert content.spec_objects and content.spec_relations
     found = {one.identifier: one for one in content.spec_objects}
     assert list(found) == [one.id for one in plan.requirements] + [one.name for one in plan.testpoints]
     text = found["CORE-1"].attribute_map["requirement.ReqIF.Text"].value

@@ -248,7 +248,9 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
 
     monkeypatch.setattr(signoff_parts, "mutate", mutate)
     monkeypatch.setattr(signoff_parts, "known_result", lambda sample: known_result(sample, evidence))
-    monkeypatch.setattr(signoff_parts, "write_result", lambda *words: write_result(*words, evidence))
+    monkeypatch.setattr(
+        signoff_parts, "write_result", lambda found, command: write_result(found, command, evidence)
+    )
     monkeypatch.setattr(signoff_parts, "mutant_names", lambda: ["m/op/1"])
     found = [signoff_parts.mutation_part(7, lambda _: None, also) for also in (False, whole)]
     assert asked == wanted
