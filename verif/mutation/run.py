@@ -70,7 +70,7 @@ def mutate(
 
     def prove() -> Evidence:
         with timeline.span("evidence of equivalence"):
-            return check_equivalents(entries, found.by_id, everything.by_id, 1, dut, ended)
+            return check_equivalents(entries, found.by_id, everything.by_id, jobs, dut, ended)
 
     # One proof may take longer than all trials: beside them.
     with ThreadPoolExecutor(1) as beside:
