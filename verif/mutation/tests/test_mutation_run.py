@@ -210,7 +210,8 @@ def judging(monkeypatch, lives=()):
     def judged(found, seed, jobs, timeline, excused, dut, targets, fresh, *rest):
         *_, settled = rest
         store = outcomes.Store(found, dut, seed, fresh)
-        known = settled | dict.fromkeys(store.surviving) | store.killed
+        # In the order of `judge`: what is settled goes before all else.
+        known = dict.fromkeys(store.surviving) | store.killed | settled
         played[:] = [one.id for one in found.mutants if one.id not in known]
         fates = known | {name: None if name in lives else noticed() for name in played}
         return [outcomes.Outcome(one, fates[one.id], ("w8_m8",)) for one in found.mutants]
