@@ -55,9 +55,10 @@ EXTENT = {"W": 3, "Comb": 1}
 
 
 @pytest.fixture(autouse=True)
-def outcomes_of_its_own(tmp_path, monkeypatch):
-    """Keep what these runs find out away from what the checkout's own runs know."""
+def nothing_known(tmp_path, monkeypatch):
+    """Let these runs know nothing of what the checkout's own runs found out, or is recorded, nor add to it."""
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
+    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record({}, {}))
 
 
 def of(place, operator, changed):
