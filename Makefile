@@ -23,7 +23,7 @@ LAUNCHER ?= local
 WHOLE ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist gate evidence test unit lint format
+.PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist results gate evidence test unit lint format
 .PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
 .PHONY: fpga-timing activity bitstream cold docs package lock clean
 
@@ -100,6 +100,9 @@ NETLIST ?=
 CELLS   ?=
 netlist: $(READY) $(YOSYS) ## run the tests on the netlists, prove modules equal to theirs: many minutes
 	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" --config $(CONFIG)) $(if $(CELLS),--cells "$(CELLS)")
+
+results: $(READY) ## pages of all regressions, sign-offs and mutants over time, in build/results/
+	@$(BIN)/triaxis results
 
 gate: $(READY) ## say whether the stored sign-off allows a bitstream of this RTL
 	@$(BIN)/triaxis fpga gate

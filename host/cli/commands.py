@@ -75,6 +75,7 @@ COMMANDS = {
         "make failing pairs small, draw them, keep them as regression cases", "verif.commands.regress",
         ("shrunk", "no pair fails on the bare core"),
     ),
+    "results": Command("show what became of all runs over time", "verif.commands.results", ("done",)),
     "prove formal": Command(
         "prove streams, axes, verdicts, widths, skipping and runs, for all inputs", "verif.commands.prove",
         ("all hold", "one does not"),
@@ -207,7 +208,7 @@ GROUPS = {
 
 _SECTIONS = {
     "does anything come close?": ("check", "path", "verdict", "board", "scene"),
-    "is the design right?": ("sim", "regress", "prove", "coverage", "signoff", "evidence"),
+    "is the design right?": ("sim", "regress", "prove", "coverage", "signoff", "results", "evidence"),
     "how good is it, and onto the board": ("bench", "tritest", "fpga"),
 }
 

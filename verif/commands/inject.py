@@ -11,6 +11,7 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed, positive
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.paths import DUT
+from triaxis.verif.commands.results import keep
 from triaxis.verif.faults.catching import catch_all
 from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
@@ -241,6 +242,7 @@ def _mutate(options: argparse.Namespace) -> int:
         if options.sample is not None:
             command += f" --sample {options.sample}"
         print(f"written to {mutation_result.write_result(result, command)}")
+        keep(mutation_result.EVIDENCE)
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
     if options.record and CHANGED not in result.problems and states(DUT) == before:

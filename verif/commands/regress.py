@@ -14,6 +14,7 @@ from triaxis.host.cli.arguments import add_seed, natural, positive
 from triaxis.host.cli.terminal import print_list, progress_bar
 from triaxis.sim.configuration import parse_configuration
 from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.verif.commands.results import keep
 from triaxis.verif.core.failing_pairs import read_failing
 from triaxis.verif.core.kept_cases import REGRESSIONS
 from triaxis.verif.counterexample.explaining import PICTURES, explain
@@ -130,6 +131,8 @@ def _run(options: argparse.Namespace) -> int:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         outcome = regress(request, lambda line: print(line, flush=True), _Progress(bar, request.regression))
+    if request.is_usual:
+        keep(outcome.folder / RESULTS)
     _print(outcome)
     return NO if outcome.problems else DONE
 

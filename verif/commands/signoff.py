@@ -2,7 +2,6 @@
 
 import argparse
 from collections import defaultdict
-from dataclasses import asdict
 from typing import Any
 
 from rich.console import Console
@@ -14,9 +13,9 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import print_list, progress_bar, table
 from triaxis.sim.toolchain import verilator
+from triaxis.verif.commands.results import keep
 from triaxis.verif.core.detector_check import SEED_VECTORS
-from triaxis.verif.regress.definition import NIGHTLY
-from triaxis.verif.regress.history import read_history
+from triaxis.verif.mutation.result import EVIDENCE as MUTATION
 from triaxis.verif.signoff.page import write
 from triaxis.verif.signoff.plan import RESULT, VOLUME
 from triaxis.verif.signoff.result import Signoff
@@ -54,11 +53,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the sign-off, print its summary, and write its files."""
     if options.pairs < 1000:
         raise InputError(f"pairs {options.pairs}: must be at least 1000")
-    nights = read_history()
     print(f"sign-off with Verilator {verilator()}, seed {options.seed}", flush=True)
     with progress_bar("sign-off", step_count(options.seed, options.pairs, options.whole)) as progress:
         result = signoff(options.seed, progress, options.pairs, options.whole)
-    page = write(result, [asdict(night) for night in nights if night.kind == NIGHTLY])
+    page = write(result)
+    keep(RESULT)
+    if result.parts["mutation"].evidence:
+        keep(MUTATION)
     _print(result)
     print(f"written to {RESULT} and {page}")
     return DONE if result.passed else NO

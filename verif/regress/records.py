@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,11 @@ from typing import Any
 from triaxis.golden.outputs import write_whole
 from triaxis.verif.testbench.settings import RunSettings
 from triaxis.verif.testbench.simulation import run_settings
+
+
+def as_date(seconds: float) -> str:
+    """Return a time, seconds since 1970, as reports hold it: UTC, ISO 8601."""
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
 
 
 @dataclass(frozen=True)

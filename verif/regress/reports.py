@@ -1,6 +1,7 @@
-"""The outcome of a regression: results.json, junit.xml for CI systems, report.html, a line of history."""
+"""The outcome of a regression: results.json, junit.xml for CI systems, report.html."""
 
 import re
+import time
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import asdict
@@ -16,10 +17,9 @@ from triaxis.sim.evidence import write_evidence
 from triaxis.sim.validity import provenance
 from triaxis.verif.regress.coverage_models import model_of
 from triaxis.verif.regress.failing import bucket_of
-from triaxis.verif.regress.history import NightlyRecord, as_date, now
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.regress.outcome import Outcome
-from triaxis.verif.regress.records import RunRecord
+from triaxis.verif.regress.records import RunRecord, as_date
 
 RESULTS, JUNIT, REPORT = "results.json", "junit.xml", "report.html"
 # What XML cannot hold, however it is written.
@@ -34,7 +34,8 @@ def write_results(outcome: Outcome) -> Path:
         "summary": outcome.summary,
         "command": outcome.command,
         "seconds": round(outcome.seconds, 1),
-        "finished": now(),
+        "begun": as_date(outcome.state.started[0]),
+        "finished": as_date(time.time()),
         "regression": outcome.regression.name,
         "seed": outcome.state.seed,
         "seeds_multiplied_by": outcome.state.multiplier,
@@ -78,24 +79,6 @@ def _run(record: RunRecord) -> dict[str, object]:
         "bucket": None if record.passed else bucket_of(record),
         **{key: getattr(record, key) for key in ("errors", "replay", "waves", "log", "host", "job")},
     }
-
-
-def history_record(outcome: Outcome) -> NightlyRecord:
-    """Return the line that the history keeps of a regression."""
-    stamp = provenance(SOURCES)
-    return NightlyRecord(
-        date=now(),
-        kind=outcome.regression.name,
-        commit=stamp.git_commit,
-        rtl_hash=stamp.rtl_hash,
-        seed=outcome.state.seed,
-        passed=not outcome.problems,
-        pairs=outcome.checked,
-        failures=len(outcome.failed),
-        coverage_percent=outcome.coverage_percent,
-        seconds=round(outcome.seconds, 1),
-        pairs_per_second=round(outcome.checked / outcome.seconds, 1) if outcome.seconds else None,
-    )
 
 
 def write_junit(outcome: Outcome) -> Path:
@@ -157,7 +140,7 @@ def write_report(outcome: Outcome) -> Path:
         Path(__file__).with_name(REPORT),
         title=f"Triaxis: {outcome.regression.name}",
         outcome=outcome,
-        finished=now(),
+        finished=as_date(time.time()),
         stamp=provenance(SOURCES),
         flaky=flaky,
         fixed=fixed,

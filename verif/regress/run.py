@@ -19,7 +19,6 @@ from triaxis.verif.regress.definition import DEFINITION, NIGHTLY, in_checkout, r
 from triaxis.verif.regress.dispatch import Dvsim, check_dvsim, last_error
 from triaxis.verif.regress.failing import NAME as FAILING
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, few_of_each_bucket
-from triaxis.verif.regress.history import HISTORY, append_record
 from triaxis.verif.regress.launchers import LOCAL, launcher
 from triaxis.verif.regress.one_job import error_file, identity
 from triaxis.verif.regress.outcome import Outcome
@@ -34,7 +33,7 @@ from triaxis.verif.regress.records import (
     write_record,
     write_state,
 )
-from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
+from triaxis.verif.regress.reports import write_junit, write_report, write_results
 
 FOLDER = BUILD / "regress"
 
@@ -53,10 +52,9 @@ class Request:
     folder: Path = FOLDER
 
     @property
-    def is_whole_nightly(self) -> bool:
-        """Return whether this is the nightly regression as it is defined, not a part or a multiple of it."""
-        usual = (NIGHTLY, DEFINITION, FOLDER, 1.0)
-        return (self.regression, self.definition, self.folder, self.multiplier) == usual
+    def is_usual(self) -> bool:
+        """Return whether it is of the table of tests, and where regressions are: one to be remembered."""
+        return (self.definition, self.folder) == (DEFINITION, FOLDER)
 
     @property
     def usual_seed(self) -> int:
@@ -241,11 +239,9 @@ class _Regression:
         )
 
     def _write(self, outcome: Outcome) -> None:
-        """Write the reports, the history, last that it is finished: a kill repeats them."""
+        """Write the reports, last that it is finished: a kill repeats them."""
         write_junit(outcome)
         write_results(outcome)
         # Last of them: it links the others.
         write_report(outcome)
-        if self._request.is_whole_nightly:
-            append_record(history_record(outcome), outcome.state.started[0], HISTORY)
         write_state(self._folder, replace(outcome.state, finished=True))

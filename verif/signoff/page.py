@@ -1,7 +1,6 @@
-"""The page of a sign-off: the verdict, what falls short, plots, then the details and the trends.
+"""The page of a sign-off: the verdict, what falls short, plots, then the details.
 
-It shows what stands in the sign-off's file and in the history of nightly runs, and computes no verdict of
-its own.
+It shows what stands in the sign-off's file, and computes no verdict of its own.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,23 +20,17 @@ from triaxis.verif.signoff.result import Signoff
 
 Content = Mapping[str, Any]
 
-_NIGHT_KEYS = ["commit", "seed", "pairs", "failures", "seconds"]
 
-
-def write(result: Signoff, nights: Sequence[Content]) -> Path:
-    """Write build/signoff/signoff.json and index.html, each whole or not at all; return the page.
-
-    ``nights``: records of nightly runs, oldest first.
-    """
+def write(result: Signoff) -> Path:
+    """Write build/signoff/signoff.json and index.html, each whole or not at all; return the page."""
     content = result.content()
-    page = signoff_page(content, read_figures(), nights)
+    page = signoff_page(content, read_figures())
     write_evidence(RESULT, content, SOURCES)
     return write_whole(PAGE, page)
 
 
-def signoff_page(content: Content, figures: Sequence[Figure], nights: Sequence[Content]) -> str:
+def signoff_page(content: Content, figures: Sequence[Figure]) -> str:
     """Return the page."""
-    dates = [str(night["date"])[:16].replace("T", " ") for night in nights]
     return rendered(
         Path(__file__).with_name("page.html"),
         **content,
@@ -45,12 +38,6 @@ def signoff_page(content: Content, figures: Sequence[Figure], nights: Sequence[C
         stages=STAGES,
         asked=figures,
         glance=[Markup(plot) for plot in _glance(content)],
-        nights=nights,
-        trends=[Markup(plot) for plot in _trends(nights, dates)],
-        night_keys=_NIGHT_KEYS,
-        night_rows=[
-            [date, *(night[key] for key in _NIGHT_KEYS)] for date, night in zip(dates, nights, strict=True)
-        ],
     )
 
 
@@ -100,15 +87,3 @@ def _coverage_shares(parts: Mapping[str, Content]) -> dict[str, float]:
         for kind, total in parts["code_coverage"]["totals"].items():
             found[kind] = share(total["hit"] + total["waived"], total["total"]) or 0.0
     return found
-
-
-def _trends(nights: Sequence[Content], dates: Sequence[str]) -> Iterator[str]:
-    for title, label, key, scale in (
-        ("Pairs checked", "millions", "pairs", 1e-6),
-        ("Speed", "million pairs per second", "pairs_per_second", 1e-6),
-        ("Functional coverage", "percent", "coverage_percent", 1.0),
-        ("Failing runs", "runs", "failures", 1.0),
-    ):
-        if nights:
-            values = [None if night[key] is None else night[key] * scale for night in nights]
-            yield plots.trend(title, label, dates, values, from_zero=label != "percent")

@@ -21,6 +21,7 @@ from triaxis.sim.verilate import library
 from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult, check_detector
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import merge_coverage
+from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.regress.one_job import MOST_OF
 from triaxis.verif.signoff.plan import FOLDER, VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult, check_real_meshes, check_scenes
@@ -153,6 +154,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
                 "counts": r.counts,
                 "explanation": None if r.passed else r.explain().splitlines(),
                 "replay": r.settings.replay_command,
+                "log": in_checkout(r.log),
             }
             for r in result.runs
         ],

@@ -56,7 +56,7 @@ EXTENT = {"W": 3, "Comb": 1}
 
 @pytest.fixture(autouse=True)
 def nothing_known(tmp_path, monkeypatch):
-    """Let these runs know nothing of what the checkout's own runs found out, or is recorded, nor add to it."""
+    """Let these runs know nothing that the checkout's own runs found out or recorded, nor add to it."""
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
     monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record({}, {}))
 

@@ -1,4 +1,4 @@
-"""The parts of a regression on their own: buckets, failing seeds, history, state, problems, jobs."""
+"""The parts of a regression on their own: buckets, failing seeds, state, problems, jobs."""
 
 import subprocess
 import sys
@@ -16,7 +16,6 @@ from triaxis.sim.evidence import read_evidence
 from triaxis.verif.regress import dispatch
 from triaxis.verif.regress.definition import Regression
 from triaxis.verif.regress.failing import FailingSeed, FailingSeeds, buckets
-from triaxis.verif.regress.history import NightlyRecord, append_record, as_date, read_history
 from triaxis.verif.regress.launchers import LSF, SLURM, launcher
 from triaxis.verif.regress.one_job import error_file
 from triaxis.verif.regress.outcome import Outcome
@@ -32,7 +31,7 @@ from triaxis.verif.regress.records import (
     write_record,
     write_state,
 )
-from triaxis.verif.regress.reports import history_record, write_junit, write_report, write_results
+from triaxis.verif.regress.reports import write_junit, write_report, write_results
 
 RUN = PlannedRun("MixedTest_w16_m0", "MixedTest", "w16_m0", 7, 2000, "burst", 1)
 PASSED = RunRecord(
@@ -94,20 +93,6 @@ def test_a_cut_result_counts_as_missing(tmp_path):
     for end in (0, 1, len(text) // 2, len(text) - 3):
         path.write_text(text[:end])
         assert read_record(path) is None
-
-
-def test_history_keeps_each_run_once_and_passes_over_a_damaged_line(tmp_path):
-    path = tmp_path / "history" / "nightly.jsonl"
-    line = NightlyRecord(as_date(2000), "nightly", None, "f" * 64, 1, True, 9, 0, None, 1.5, None)
-    append_record(line, 1000, path)
-    # Killed after it was written, and continued: there it stands already.
-    append_record(replace(line, date=as_date(3000)), 1000, path)
-    with path.open("a") as file:
-        file.write('{"date": "2026-02-01T0')
-    # The same seed once more, another day.
-    second = replace(line, date=as_date(9000), coverage_percent=99.5)
-    append_record(second, 8000, path)
-    assert read_history(path) == [line, second]
 
 
 def test_only_the_same_unfinished_regression_is_continued(tmp_path):
@@ -189,15 +174,12 @@ def test_each_shortfall_is_a_problem_and_a_failed_case(tmp_path, change, message
     assert "FAILED" in write_report(found).read_text()
 
 
-def test_results_and_history_tell_nothing_from_zero(tmp_path):
+def test_results_tell_nothing_from_zero(tmp_path):
     found = outcome(tmp_path, records=(TOLD,), coverage=())
     result = read_evidence(write_results(found))
     assert result is not None
     assert (result["passed"], result["runs"][0]["pairs_checked"]) == (False, None)
     assert result["coverage"]["percent"] is None
-    line = history_record(found)
-    assert (line.coverage_percent, line.pairs, line.failures, line.passed) == (None, 0, 1, False)
-    assert (line.kind, line.seed, line.seconds, line.pairs_per_second) == ("nightly", 7, 4.0, 0.0)
 
 
 def test_results_of_the_board_count_replies_and_none_that_the_golden_model_judged(tmp_path):

@@ -25,7 +25,7 @@ def _simulation():
     counts = {"checked": 100_000_000, "judged_by_golden_model": 7, "clear_claims_rechecked": 9, "failed": 0}
     run = {
         "test": "VolumeTest", "config": "w16_m0", "agent": "burst", "seed": 1, "passed": True, "seconds": 2.0,
-        "counts": counts, "explanation": None, "replay": "triaxis sim VolumeTest",
+        "counts": counts, "explanation": None, "replay": "triaxis sim VolumeTest", "log": "build/x.log",
     }  # fmt: skip
     scene = {
         "name": "tool", "expected": "near", "found": "near", "agrees": True, "pairs": 3, "skipped": 1,

@@ -1,0 +1,214 @@
+"""The database of results: schema.sql filled from the evidence that runs leave, and read as rows.
+
+Evidence is added as it is, from this machine or from another: the same file twice counts once. A row is never
+changed afterwards.
+"""
+
+import hashlib
+import io
+import json
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from triaxis.golden.errors import InputError
+from triaxis.golden.outputs import make_folder, write_whole
+from triaxis.sim.evidence import read_evidence
+from triaxis.sim.paths import BUILD
+from triaxis.verif.regress.definition import in_checkout
+
+DATABASE = BUILD / "history" / "results.sqlite"
+SIGNOFF, MUTATION = "sign-off", "mutation"
+_SCHEMA = Path(__file__).with_name("schema.sql")
+# Others may be adding theirs.
+_PATIENCE_SECONDS = 60
+_STAMP = (
+    "command",
+    "seed",
+    "passed",
+    "summary",
+    "seconds",
+    "rtl_hash",
+    "environment_hash",
+    "verilator",
+    "python",
+)
+_OLDER_MUTANTS = (
+    "DELETE FROM mutant WHERE result IN (SELECT id FROM result WHERE kind = ? AND rtl_hash = ? "
+    "AND environment_hash = ? AND id < ?)"
+)
+
+Row = sqlite3.Row
+Content = Mapping[str, Any]
+
+
+@contextmanager
+def opened(path: Path = DATABASE) -> Iterator[sqlite3.Connection]:
+    """Give the database, made where there is none; commit at the end, unless that is an error.
+
+    Raises InputError where the file is no database, or cannot be read or written.
+    """
+    make_folder(path.parent)
+    try:
+        with closing(sqlite3.connect(path, timeout=_PATIENCE_SECONDS)) as connection, connection:
+            connection.row_factory = sqlite3.Row
+            connection.execute("PRAGMA foreign_keys = ON")
+            connection.executescript(_SCHEMA.read_text())
+            yield connection
+    except sqlite3.Error as error:
+        raise InputError(f"{path}: {error}: move it away, and add what it held with --add") from error
+
+
+def add_evidence(file: Path, path: Path = DATABASE) -> bool:
+    """Add a regression's results.json, a sign-off's signoff.json or mutation.json; return whether it is new.
+
+    Raises InputError where it is none of these, or not whole.
+    """
+    content = read_evidence(file)
+    if content is None:
+        raise InputError(f"{file}: no such file: name results.json, signoff.json or mutation.json of a run")
+    ended = datetime.fromtimestamp(file.stat().st_mtime, UTC).isoformat(timespec="seconds")
+    try:
+        rows = list(_rows(content, ended))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        wanted = "must be the whole result of a regression, a sign-off or a run over mutants"
+        raise InputError(f"{file}: {wanted}: {error!r}") from error
+    (_, result), *rest = rows
+    with opened(path) as connection:
+        number = _insert(connection, "result", result, "OR IGNORE")
+        if number is None:
+            return False
+        for table, row in rest:
+            _insert(connection, table, {"result": number, **row})
+        # Eight thousand rows a time: of one state of the sources the newest result alone has its mutants.
+        connection.execute(
+            _OLDER_MUTANTS, (result["kind"], result["rtl_hash"], result["environment_hash"], number)
+        )
+    return True
+
+
+def _insert(connection: sqlite3.Connection, table: str, row: Content, how: str = "") -> int | None:
+    """Insert a row; return its number, None where it was there before."""
+    names = ", ".join(row)
+    marks = ", ".join("?" * len(row))
+    found = connection.execute(f"INSERT {how} INTO {table} ({names}) VALUES ({marks})", tuple(row.values()))
+    return found.lastrowid if found.rowcount else None
+
+
+def _rows(content: Content, ended: str) -> Iterator[tuple[str, Content]]:
+    """Yield the rows of a file with the names of their tables, that of the result first."""
+    if "regression" in content:
+        yield from _regression(content)
+    elif "parts" in content:
+        yield from _signoff(content)
+    elif "mutants" in content:
+        yield "result", _result(content, MUTATION, ended, [content["seconds"], content["rtl_hash"]])
+        yield from (("mutant", _mutant(one)) for one in content["mutants"])
+    else:
+        raise ValueError("it has neither `regression`, `parts` nor `mutants`")
+    yield from (("problem", {"said": problem}) for problem in content["problems"])
+
+
+def _result(content: Content, kind: str, finished: str, same: Iterable[Any], **more: Any) -> dict[str, Any]:
+    """Return the row of a file. ``same``: what a repetition of its writing does not change."""
+    identity = [kind, content["command"], content["rtl_hash"], content["environment_hash"], *same]
+    return {
+        "key": hashlib.sha256(json.dumps(identity).encode()).hexdigest(),
+        "kind": kind,
+        "finished": finished,
+        **{name: content[name] for name in _STAMP},
+        **more,
+    }
+
+
+def _regression(content: Content) -> Iterator[tuple[str, Content]]:
+    times = content["seeds_multiplied_by"]
+    kind = content["regression"] + (f" x {times:g}" if times != 1 else "")
+    runs = content["runs"]
+    yield (
+        "result",
+        _result(
+            content, kind, content["finished"], [content["begun"]],
+            pairs=content["pairs_checked"], failures=sum(not run["passed"] for run in runs),
+            coverage_percent=content["coverage"]["percent"],
+        ),
+    )  # fmt: skip
+    flaky = set(content["flaky"])
+    for run in runs:
+        row = _run(run, run["pairs_checked"], run["bucket"])
+        yield "run", row | {"flaky": run["key"] in flaky}
+    yield from _functional(content["coverage"]["models"])
+
+
+def _signoff(content: Content) -> Iterator[tuple[str, Content]]:
+    parts, figures = content["parts"], content["figures"]
+    runs = parts["simulation"].get("runs", ())
+    covered = figures["functional_coverage"]
+    yield (
+        "result",
+        _result(
+            content, SIGNOFF, content["date"], [content["date"]], pairs=figures["pairs_checked"],
+            failures=sum(not run["passed"] for run in runs), coverage_percent=covered,
+        ),
+    )  # fmt: skip
+    for name, part in parts.items():
+        measured = part["absent"] is None
+        row = {key: part[key] if measured else None for key in ("passed", "seconds")}
+        yield "part", {"name": name, **row, "summary": part["summary"] if measured else part["absent"]}
+    for point in parts["testplan"].get("testpoints", ()):
+        yield "testpoint", {key: point[key] for key in ("name", "stage", "passed")}
+    for run in runs:
+        said = "; ".join(run["explanation"] or ()) or None
+        pairs = run["counts"]["checked"] if run["counts"] else None
+        yield "run", _run(run, pairs, said) | {"flaky": False}
+    yield from _functional(parts["simulation"].get("coverage", {}))
+    for file, kinds in parts["code_coverage"].get("files", {}).items():
+        for kind, total in kinds.items():
+            yield "covered", _covered("code", file, kind, total["hit"] + total["waived"], total["total"])
+
+
+def _run(run: Content, pairs: int | None, said: str | None) -> dict[str, Any]:
+    kept = ("test", "config", "agent", "seed", "passed", "seconds", "replay")
+    log = in_checkout(Path(run["log"]))
+    return {**{name: run[name] for name in kept}, "pairs": pairs, "said": said, "log": log}
+
+
+def _functional(models: Content) -> Iterator[tuple[str, Content]]:
+    for model, items in models.items():
+        for name, item in items.items():
+            yield "covered", _covered("functional", model, name, item["hit"], item["total"])
+
+
+def _covered(kind: str, place: str, item: str, hit: int, total: int) -> Content:
+    return {"kind": kind, "place": place, "item": item, "hit": hit, "total": total}
+
+
+def _mutant(one: Content) -> Content:
+    file, _, line = one["place"].rpartition(":")
+    kept = ("id", "original", "changed", "fate", "by", "test", "target")
+    return {**{name: one[name] for name in kept}, "file": file, "line": int(line)}
+
+
+def export_parquet(folder: Path, path: Path = DATABASE) -> list[Path]:
+    """Write every table as FOLDER/NAME.parquet; return these. InputError where pyarrow is not installed."""
+    try:
+        import pyarrow as arrow
+        import pyarrow.parquet as parquet
+    except ImportError as error:
+        raise InputError("--parquet: pyarrow is not installed: pip install pyarrow") from error
+    make_folder(folder)
+    written: list[Path] = []
+    with opened(path) as connection:
+        names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name")
+        for (name,) in names.fetchall():
+            found = connection.execute(f"SELECT * FROM {name}")
+            columns = [column for column, *_ in found.description]
+            rows = found.fetchall()
+            table = arrow.table({name: [row[name] for row in rows] for name in columns})
+            whole = io.BytesIO()
+            parquet.write_table(table, whole)
+            written.append(write_whole(folder / f"{name}.parquet", whole.getvalue()))
+    return written
