@@ -17,12 +17,13 @@ from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
+from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.false_clears import PAIRS, compare, mutants_of_data_path
 from triaxis.verif.mutation.false_clears import write_result as write_certificates
 from triaxis.verif.mutation.killers import states
 from triaxis.verif.mutation.record import SEED, read_record, recorded, write_record
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
-from triaxis.verif.mutation.run import CHANGED, mutate
+from triaxis.verif.mutation.run import CHANGED, EVIDENCE, mutate
 from triaxis.verif.upsets.campaign import CONFIG, UPSETS, by_module, upset_board
 from triaxis.verif.upsets.campaign import tally as tally_upsets
 from triaxis.verif.upsets.campaign import write_result as write_upsets
@@ -248,7 +249,12 @@ def _mutate(options: argparse.Namespace) -> int:
     if options.record and CHANGED not in result.problems and states(DUT) == before:
         equivalent = {fate.id for fate in result.fates if fate.fate == mutation_result.EQUIVALENT}
         kills = mutation_result.kills(result.fates)
-        now = recorded(read_record(), everything.mutants, kills, equivalent, before)
+        record, proved = read_record(), evidence_hash(DUT)
+        # All evidence was checked, now or then.
+        whole = not restricted and options.sample is None and result.evidence_holds
+        if whole or record.states.get(EVIDENCE) == proved:
+            before[EVIDENCE] = proved
+        now = recorded(record, everything.mutants, kills, equivalent, before)
         blocks = ", ".join(now.states) or "no block"
         print(f"written to {write_record(now)}: {blocks} as a whole")
     elif options.record:

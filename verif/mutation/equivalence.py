@@ -384,10 +384,15 @@ _CHECKS: dict[str, Callable[[Equivalent, Sequence[Mutant], Path], str | None]] =
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the list comes to: the mutants that are equivalent, with the entry; and what is wrong."""
+    """What the list comes to: the mutants that are equivalent, with the entry; and what is wrong.
+
+    ``recorded``: how many entries, of ``entries``, were taken as recorded.
+    """
 
     equivalent: Mapping[str, Equivalent]
     problems: tuple[str, ...]
+    entries: int = 0
+    recorded: int = 0
 
 
 def check_equivalents(
@@ -397,11 +402,13 @@ def check_equivalents(
     jobs: int = 2,
     dut: Path = DUT,
     ended: Event | None = None,
+    sample: Callable[[str], bool] | None = None,
 ) -> Evidence:
     """Check the evidence of all entries for those of ``mutants``; proofs that hold are kept in build/.
 
     ``known``: the names of all mutants there are; an entry of another one is stale. ``ended``: no further
-    proof is begun.
+    proof is begun. ``sample``: whether the entry whose first mutant this is is to be checked, whatever is
+    kept of it; others are taken as they are. None: all.
     """
     names = frozenset(known)
     problems = [
@@ -412,15 +419,21 @@ def check_equivalents(
     ]
     wanted = [(entry, [mutants[name] for name in entry.mutants if name in mutants]) for entry in entries]
     wanted = [(entry, chosen) for entry, chosen in wanted if chosen]
+    checked = [item for item in wanted if sample is None or sample(item[0].mutants[0])]
+    if sample:
+        for entry, chosen in checked:
+            _mark(entry, chosen, dut).unlink(missing_ok=True)
     with ThreadPoolExecutor(jobs) as pool:
-        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut, ended), wanted))
+        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut, ended), checked))
+    of_checked = {entry.mutants[0]: answer for (entry, _), answer in zip(checked, answers, strict=True)}
     held: dict[str, Equivalent] = {}
-    for (entry, chosen), answer in zip(wanted, answers, strict=True):
+    for entry, chosen in wanted:
+        answer = of_checked.get(entry.mutants[0])
         if answer is None:
             held |= {mutant.id: entry for mutant in chosen}
         else:
             problems.append(answer)
-    return Evidence(held, tuple(problems))
+    return Evidence(held, tuple(problems), len(wanted), len(wanted) - len(checked))
 
 
 def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path, ended: Event | None = None) -> str | None:
@@ -455,6 +468,11 @@ def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
 @cache
 def _solver() -> str:
     return yosys_version()
+
+
+def evidence_hash(dut: Path) -> str:
+    """Return the hash of what decides all evidence: the list, the RTL, what proves it, and yosys."""
+    return content_hash(rtl_files(dut), killers_hash(), _solver())
 
 
 def forget_proofs() -> None:

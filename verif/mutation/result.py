@@ -140,7 +140,9 @@ class MutationResult:
     """The fates of all mutants of a run, in a fixed order; what is wrong; how long it and its stages took.
 
     ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of. ``sample``: the seed
-    by which ``sampled`` of those that are recorded were drawn, to be played; None where all were.
+    by which ``sampled`` of those that are recorded were drawn, to be played; None where all were. Of the
+    ``entries`` of equivalent ones ``entries_recorded`` were taken as recorded, and those that were checked
+    hold, or not.
     """
 
     fates: tuple[Fate, ...]
@@ -153,6 +155,9 @@ class MutationResult:
     sample: int | None = None
     sampled: int = 0
     record_hash: str = ""
+    entries: int = 0
+    entries_recorded: int = 0
+    evidence_holds: bool = True
 
     @property
     def passed(self) -> bool:
@@ -212,6 +217,8 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
         "sample": result.sample,
         "sampled": result.sampled,
         "record_hash": result.record_hash,
+        "entries": result.entries,
+        "entries_recorded": result.entries_recorded,
         "stages": [asdict(stage) for stage in result.stages],
         **_counts(result.fates),
         "mutants": [asdict(fate) for fate in result.fates],

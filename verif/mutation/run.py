@@ -19,6 +19,7 @@ from triaxis.verif.mutation.equivalence import (
     NOTICED,
     Evidence,
     check_equivalents,
+    evidence_hash,
     forget_proofs,
     read_equivalents,
 )
@@ -30,6 +31,8 @@ from triaxis.verif.mutation.record import drawn, read_record
 from triaxis.verif.mutation.result import ABSENT, BY_PROOF, SURVIVING, Fate, MutationResult, fate_of
 from triaxis.verif.mutation.targets import TARGETS, AnyTarget
 
+# Of the record's states: that in which all evidence of equivalence was checked and held.
+EVIDENCE = "evidence"
 CHANGED = "the RTL, or what plays its mutants, changed during the run: run again"
 
 
@@ -50,7 +53,8 @@ def mutate(
     """Return what becomes of the mutants of dut/, or of those whose file and name match.
 
     ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
-    but for those that this seed draws. Raises InputError where the RTL without mutants fails.
+    but for those mutants, and entries of equivalent ones, that this seed draws. Raises InputError where the
+    RTL without mutants fails.
     """
     start, begun, timeline = time.perf_counter(), time.time(), Timeline()
     rtl, killers = rtl_hash(dut), killers_hash()
@@ -66,11 +70,15 @@ def mutate(
     recorded = _recorded(found, excused, dut)
     sampled = frozenset(name for name in recorded if sample is not None and drawn(name, sample))
     settled = {} if sample is None else _settled(recorded, sampled, found, dut, seed)
+    proved = sample is not None and read_record().states.get(EVIDENCE) == evidence_hash(dut)
     ended = Event()
 
     def prove() -> Evidence:
         with timeline.span("evidence of equivalence"):
-            return check_equivalents(entries, found.by_id, everything.by_id, jobs, dut, ended)
+            return check_equivalents(
+                entries, found.by_id, everything.by_id, jobs, dut, ended,
+                (lambda name: drawn(name, sample or 0)) if proved else None,
+            )  # fmt: skip
 
     # One proof may take longer than all trials: beside them.
     with ThreadPoolExecutor(1) as beside:
@@ -109,7 +117,8 @@ def mutate(
     spans = tuple(timeline.spans)
     return MutationResult(
         fates, tuple(problems), seed, seconds, rtl, killers, spans,
-        sample, len(sampled), content_hash([RECORD]),
+        sample, len(sampled), content_hash([RECORD]), evidence.entries, evidence.recorded,
+        not evidence.problems,
     )  # fmt: skip
 
 

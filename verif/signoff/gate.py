@@ -85,9 +85,10 @@ def remarks(result: Path) -> list[str]:
     """Return what to know of a sign-off that opens the gate, a line each."""
     content = json.loads(read_input(result))
     found = [f"signed off without {exception}" for exception in content.get("exceptions", [])]
-    recorded = content["parts"]["mutation"]["recorded"]
-    if recorded and not content.get("exceptions"):
-        found.append(f"signed off without {recorded} mutants, which are as recorded")
+    mutation = content["parts"]["mutation"]
+    for key, what in (("recorded", "mutants"), ("entries_recorded", "proofs of equivalence")):
+        if mutation[key] and not content.get("exceptions"):
+            found.append(f"signed off without {mutation[key]} {what}, which are as recorded")
     if content.get("whole") is True:
         found.append("signed off as a whole: nothing that may be absent otherwise was absent")
     if content.get("git_clean") is not True:
@@ -118,7 +119,7 @@ def _missing_of_whole(content: dict[str, Any], signed: Any) -> list[str]:
         part if isinstance(part := parts.get(name), dict) else {} for name in ("proofs", "mutation")
     )
     found = [f"signed off as a whole, but without {line}" for line in proofs.get("exceptions") or []]
-    if (mutation.get("sample", 0), mutation.get("recorded")) != (None, 0):
+    if [mutation.get(key, 1) for key in ("sample", "recorded", "entries_recorded")] != [None, 0, 0]:
         found.append("signed off as a whole, but not every mutant was played")
     return found + _parts(content.get("beside"), signed, BESIDE)
 

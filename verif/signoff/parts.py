@@ -210,7 +210,10 @@ def mutation_part(seed: int, progress: Progress, whole: bool = False) -> Evidenc
         "rtl_hash",
         "killers_hash",
         "seed",
+        "sample",
         "sampled",
+        "entries",
+        "entries_recorded",
     )
     return {
         **{key: content[key] for key in kept},

@@ -98,10 +98,18 @@ class Signoff:
     @property
     def _recorded(self) -> list[str]:
         mutation = self.parts["mutation"].evidence
-        if not mutation or not mutation["recorded"]:
+        if not mutation:
             return []
-        count, again = mutation["recorded"], mutation["sampled"]
-        return [f"mutants: {count:,} as recorded of this very state, {again:,} more played again"]
+        found: list[str] = []
+        if count := mutation["recorded"]:
+            again = mutation["sampled"]
+            found.append(f"mutants: {count:,} as recorded of this very state, {again:,} more played again")
+        if count := mutation["entries_recorded"]:
+            again = mutation["entries"] - count
+            found.append(
+                f"proofs of equivalence: {count:,} as recorded of this very state, {again:,} more made again"
+            )
+        return found
 
     @property
     def _absent_proofs(self) -> list[str]:

@@ -22,7 +22,8 @@ from triaxis.sim.build import content_hash
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.player import ASSERTION
-from triaxis.verif.mutation import builds, killers, killing, outcomes, record, result, targets
+from triaxis.verif.mutation import builds, equivalence, killers, killing, outcomes, record, result, targets
+from triaxis.verif.mutation import run as run_module
 from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
@@ -235,6 +236,45 @@ def test_what_is_recorded_is_taken_but_for_a_sample(tmp_path, seed, monkeypatch,
     monkeypatch.setattr("triaxis.verif.mutation.run.states", lambda _: STATES)
     ask(sample=seed)
     assert set(played) == names
+
+
+def test_evidence_is_taken_as_recorded_but_for_a_sample(tmp_path, seed, monkeypatch):
+    # Whatever is said: what decides is whether it is asked.
+    checked: list[str] = []
+
+    def check(entry, *_):
+        checked.append(entry.mutants[0])
+
+    monkeypatch.setitem(equivalence._CHECKS, PROOF, check)
+    chosen = [one for one in catalogue().mutants if one.block == "core"][:200]
+    names = [one.id for one in chosen]
+    judging(monkeypatch, names)
+    texts = [listed(tmp_path, name).read_text() for name in names]
+    entries = tmp_path / "equivalents.toml"
+    entries.write_text("\n".join(texts))
+    now = {run_module.EVIDENCE: equivalence.evidence_hash(DUT)}
+    monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record(now, {}))
+    ask = partial(mutate, record.SEED, chosen=few(*chosen), equivalents=entries, dut=DUT)
+
+    def asked(**options):
+        checked.clear()
+        found = ask(**options)
+        assert found.evidence_holds and found.entries == 200
+        assert {fate.id for fate in found.fates if fate.fate == EQUIVALENT} == set(names)
+        return set(checked), found.entries_recorded
+
+    first, taken = asked(sample=seed)
+    assert 0 < len(first) < 40 and taken == 200 - len(first)
+    # Once more, though what was proved is kept; by another seed others; all where the record is not asked.
+    assert asked(sample=seed) == (first, taken)
+    assert asked(sample=seed + 1)[0] != first
+    assert asked(fresh=True) == (set(names), 0)
+    now[run_module.EVIDENCE] = "another"
+    assert asked(sample=seed)[1] == 0
+    # One that fails is told, and is of no record.
+    monkeypatch.setitem(equivalence._CHECKS, PROOF, lambda entry, *_: f"{entry.mutants[0]}: is none")
+    found = ask(fresh=True)
+    assert not found.evidence_holds and len([line for line in found.problems if "is none" in line]) == 200
 
 
 def test_a_record_that_is_wrong_is_told(tmp_path, seed, monkeypatch, recorded):

@@ -61,7 +61,7 @@ def _mutation():
     return evidence(
         files={"a.sv": counts}, operators={"add": counts}, survivors=[], equivalents=equivalents,
         killed=[f"triaxis_sum/y/{number}" for number in range(10)], seconds=None,
-        recorded=0, sampled=0, sample=None,
+        recorded=0, sampled=0, sample=None, entries=1, entries_recorded=0,
         stages=[asdict(Span("w8_m8: 24 built", 90.0, 700.0, 1234.0))],
     )  # fmt: skip
 

@@ -98,6 +98,18 @@ CHANGES = [
     (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(recorded=1)), "was played, and that"),
     (lambda c: (c.update(whole=True), c["parts"]["mutation"].update(sample=1)), "was played, and that"),
     (part("mutation", recorded=1), "was played, and that"),
+    (part("mutation", entries_recorded=1), "was played, and that"),
+    (
+        lambda c: (
+            c["parts"]["mutation"].update(recorded=1, entries_recorded=1),
+            c.update(exceptions=["mutants: 1 as recorded of"]),
+        ),
+        "was played, and that",
+    ),
+    (
+        lambda c: (c.update(whole=True), c["parts"]["mutation"].update(entries_recorded=1)),
+        "was played, and that",
+    ),
     (part("mutation", survivors=[{}]), "survivors: not as many"),
     (
         lambda c: c["parts"]["proofs"]["registers"]["modules"]["triaxis_fifo"].update(covered=9),

@@ -149,21 +149,24 @@ def without_coq():
     return parts
 
 
-def with_a_record():
+def with_a_record(**taken):
     parts = good_parts()
     mutation = parts["mutation"].evidence
     assert mutation
-    mutation.update(recorded=1234, sampled=56, sample=1)
+    mutation.update(sample=1, **taken)
     return parts
 
 
 AS_RECORDED = "mutants: 1,234 as recorded of this very state, 56 more played again"
+AS_PROVED = "proofs of equivalence: 1,234 as recorded of this very state, 66 more made again"
+PLAYED, PROVED = {"recorded": 1234, "sampled": 56}, {"entries": 1300, "entries_recorded": 1234}
 
 
 @pytest.mark.parametrize(
     ("parts", "absent", "said"),
     [
-        (with_a_record(), None, AS_RECORDED),
+        (with_a_record(**PLAYED), None, AS_RECORDED),
+        (with_a_record(**PROVED), None, AS_PROVED),
         (without_coq(), None, "theorem: not measured: coqc is not installed: apt-get install coq"),
         (None, "four_state", "four state: not measured: iverilog: not found: apt-get install iverilog"),
         (None, "netlist", "netlist: not measured: iverilog: not found: apt-get install iverilog"),
@@ -183,8 +186,9 @@ def test_in_a_whole_sign_off_nothing_may_be_absent(tmp_path, parts, absent, said
     assert signoff_page(content, read_figures()).count(said.partition(": ")[2]) >= 1
 
 
-def test_what_is_recorded_is_said_whatever_the_file_says(tmp_path):
-    content = signed(with_a_record()).content()
+@pytest.mark.parametrize("taken", [PLAYED, PROVED])
+def test_what_is_recorded_is_said_whatever_the_file_says(tmp_path, taken):
+    content = signed(with_a_record(**taken)).content()
     for said in (content["exceptions"], []):
         assert not refused(tmp_path, {**content, "exceptions": said})
         assert any("1234" in line.replace(",", "") for line in remarks(tmp_path / "signoff.json"))
@@ -244,7 +248,10 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
             "m/op/1", "runtime", "dut/core/a.sv:1", "a", "b", KILLED, "run", "T", "w8", "x", 1, "w8", trial
         )
         record = content_hash([RECORD])
-        return MutationResult((fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), sample, 1, record)
+        recorded = 0 if sample is None else 3
+        return MutationResult(
+            (fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), sample, 1, record, 4, recorded
+        )
 
     monkeypatch.setattr(signoff_parts, "mutate", mutate)
     monkeypatch.setattr(signoff_parts, "known_result", lambda sample: known_result(sample, evidence))
@@ -255,6 +262,11 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
     found = [signoff_parts.mutation_part(7, lambda _: None, also) for also in (False, whole)]
     assert asked == wanted
     assert [part and part["recorded"] for part in found] == [1, 0 if whole else 1]
+    assert [part and part["entries_recorded"] for part in found] == [3, 0 if whole else 3]
+    # All that the gate and the evidence that is handed over ask for.
+    assert all(
+        part and set(signed().content()["parts"]["mutation"]) - {"absent"} <= set(part) for part in found
+    )
 
 
 def test_findings_of_several_builds_are_one_and_named_with_the_first(monkeypatch):
