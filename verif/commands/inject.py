@@ -17,7 +17,6 @@ from triaxis.verif.faults.known_faults import FAULTS, Fault, faults_of
 from triaxis.verif.faults.result import FaultsResult, Outcome, write_json
 from triaxis.verif.mutation import result as mutation_result
 from triaxis.verif.mutation.catalogue import catalogue
-from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.false_clears import PAIRS, compare, mutants_of_data_path
 from triaxis.verif.mutation.false_clears import write_result as write_certificates
 from triaxis.verif.mutation.killers import states
@@ -243,22 +242,22 @@ def _mutate(options: argparse.Namespace) -> int:
         if options.sample is not None:
             command += f" --sample {options.sample}"
         print(f"written to {mutation_result.write_result(result, command)}")
-        keep(mutation_result.EVIDENCE)
     elif len(result.fates) == 1:
         _print_one(result.fates[0])
     if options.record and CHANGED not in result.problems and states(DUT) == before:
         equivalent = {fate.id for fate in result.fates if fate.fate == mutation_result.EQUIVALENT}
         kills = mutation_result.kills(result.fates)
-        record, proved = read_record(), evidence_hash(DUT)
-        # All evidence was checked, now or then.
-        whole = not restricted and options.sample is None and result.evidence_holds
-        if whole or record.states.get(EVIDENCE) == proved:
+        record, proved = read_record(), result.evidence_hash
+        # Where all evidence was checked, now or then; and none of it fails now.
+        if result.evidence_holds and (not restricted or record.states.get(EVIDENCE) == proved):
             before[EVIDENCE] = proved
         now = recorded(record, everything.mutants, kills, equivalent, before)
         blocks = ", ".join(now.states) or "no block"
         print(f"written to {write_record(now)}: {blocks} as a whole")
     elif options.record:
         print("nothing is recorded: something changed during the run")
+    if not restricted:
+        keep(mutation_result.EVIDENCE)
     print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
     return DONE if result.passed else NO
 

@@ -33,7 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--add", nargs="+", type=Path, default=[], metavar="FILE",
         help="add results.json, signoff.json or mutation.json of runs elsewhere first",
     )  # fmt: skip
-    parser.add_argument(
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument(
         "--compare",
         nargs=2,
         type=natural,
@@ -41,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="make a page of what differs between two results",
     )
     parser.add_argument("--parquet", type=Path, metavar="FOLDER", help="write each table there as Parquet")
-    parser.add_argument(
+    either.add_argument(
         "--serve", type=natural, metavar="PORT",
         help="show the pages to this computer's browsers, as things are, until interrupted; 0: any free port",
     )  # fmt: skip
@@ -58,6 +59,7 @@ def _run(options: argparse.Namespace) -> int:
         with server(options.serve) as serving:
             print(f"http://127.0.0.1:{serving.server_address[1]}/", flush=True)
             serving.serve_forever()
+        return DONE
     also = [f"compare-{options.compare[0]}-{options.compare[1]}.html"] if options.compare else []
     index = write_pages(also=also)
     print(f"written to {index}{''.join(f' and {index.with_name(name)}' for name in also)}")

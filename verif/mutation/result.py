@@ -7,16 +7,18 @@ that kills mutants are the same, and runs the mutants otherwise.
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_hash
 from triaxis.sim.evidence import Span, read_evidence, write_evidence
+from triaxis.sim.paths import DUT
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.mutation.builds import FOLDER
 from triaxis.verif.mutation.equivalence import FILE as EQUIVALENTS
-from triaxis.verif.mutation.equivalence import read_equivalents
+from triaxis.verif.mutation.equivalence import evidence_hash, read_equivalents
 from triaxis.verif.mutation.killers import KILLERS, killers_hash
 from triaxis.verif.mutation.outcomes import Killed, Outcome
 from triaxis.verif.mutation.record import FILE as RECORD
@@ -56,11 +58,6 @@ class Fate:
     def operator(self) -> str:
         """Return the operator."""
         return self.id.split("/")[1]
-
-    @property
-    def recorded(self) -> bool:
-        """Return whether it was not played: it is as recorded."""
-        return self.trial == 0
 
 
 def kills(fates: Iterable[Fate]) -> dict[str, Killed | None]:
@@ -140,9 +137,9 @@ class MutationResult:
     """The fates of all mutants of a run, in a fixed order; what is wrong; how long it and its stages took.
 
     ``rtl_hash``, ``killers_hash``: of what the run began with, so what the fates are of. ``sample``: the seed
-    by which ``sampled`` of those that are recorded were drawn, to be played; None where all were. Of the
-    ``entries`` of equivalent ones ``entries_recorded`` were taken as recorded, and those that were checked
-    hold, or not.
+    by which ``sampled`` of those that are recorded were drawn, to be played; None where all were;
+    ``recorded`` were not played. Of the ``entries`` of equivalent ones ``entries_recorded`` were taken as
+    recorded, and those that were checked, in the state of ``evidence_hash``, hold, or not.
     """
 
     fates: tuple[Fate, ...]
@@ -155,8 +152,10 @@ class MutationResult:
     sample: int | None = None
     sampled: int = 0
     record_hash: str = ""
+    recorded: int = 0
     entries: int = 0
     entries_recorded: int = 0
+    evidence_hash: str = ""
     evidence_holds: bool = True
 
     @property
@@ -172,12 +171,11 @@ class MutationResult:
     @property
     def summary(self) -> str:
         """Return the outcome in one line."""
-        return _summary(self.fates)
+        return _summary(self.fates, self.recorded)
 
 
-def _summary(fates: Iterable[Fate]) -> str:
-    fates = list(fates)
-    total, recorded = tally(fates), sum(fate.recorded for fate in fates)
+def _summary(fates: Iterable[Fate], recorded: int) -> str:
+    total = tally(fates)
     score = "no score" if total.score is None else f"score {int(total.score * 100) / 100:.2f} %"
     told = f"; {recorded:,} as recorded" if recorded else ""
     return (
@@ -186,10 +184,10 @@ def _summary(fates: Iterable[Fate]) -> str:
     )
 
 
-def _counts(fates: Sequence[Fate]) -> dict[str, Any]:
-    """Return all that a file says of the fates together."""
+def _counts(fates: Sequence[Fate], recorded: int) -> dict[str, Any]:
+    """Return all that a file says of the fates together, of which so many were not played."""
     return {
-        "summary": _summary(fates),
+        "summary": _summary(fates, recorded),
         "total": _row(tally(fates)),
         "kinds": _tallies(fates, "kind"),
         "files": _tallies(fates, "file"),
@@ -211,16 +209,19 @@ def _content(result: MutationResult, command: str) -> dict[str, Any]:
         "problems": list(result.problems),
         "command": command,
         "seconds": round(result.seconds, 1),
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seed": result.seed,
         "rtl_hash": result.rtl_hash,
         "killers_hash": result.killers_hash,
         "sample": result.sample,
         "sampled": result.sampled,
         "record_hash": result.record_hash,
+        "evidence_hash": result.evidence_hash,
+        "recorded": result.recorded,
         "entries": result.entries,
         "entries_recorded": result.entries_recorded,
         "stages": [asdict(stage) for stage in result.stages],
-        **_counts(result.fates),
+        **_counts(result.fates, result.recorded),
         "mutants": [asdict(fate) for fate in result.fates],
     }
 
@@ -237,8 +238,9 @@ def known_result(sample: int | None = None, evidence: Path = EVIDENCE) -> dict[s
     there is none. Raises InputError where the file is damaged.
     """
     content = read_evidence(evidence)
-    now = rtl_hash(), killers_hash()
-    if not content or (content["rtl_hash"], content.get("killers_hash")) != now:
+    names = ("rtl_hash", "killers_hash", "evidence_hash")
+    now = [rtl_hash(), killers_hash(), evidence_hash(DUT)]
+    if not content or [content.get(name) for name in names] != now:
         return None
     wanted = (sample, content_hash([RECORD]))
     played = content.get("sample", sample) is None
@@ -281,8 +283,12 @@ def _contradiction(fate: Fate, listed: Collection[str]) -> str | None:
 
 def _miscount(content: Mapping[str, Any], fates: Sequence[Fate]) -> str | None:
     """Return what the file says of all fates that they do not bear out, None where there is nothing."""
-    wrong = [name for name, counted in _counts(fates).items() if content[name] != counted]
+    wrong = [
+        name for name, counted in _counts(fates, content["recorded"]).items() if content[name] != counted
+    ]
     if wrong:
         return f"{', '.join(wrong)}: not the sum over its mutants"
+    if content["recorded"] < sum(fate.trial == 0 for fate in fates):
+        return "recorded: fewer than say so themselves"
     lives = any(fate.fate in (SURVIVING, ABSENT) for fate in fates)
     return "passed, with mutants that survive" if content["passed"] and lives else None

@@ -1,8 +1,8 @@
 """A run over the mutants: play them, check the list of equivalent ones, say what is wrong."""
 
 import time
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
@@ -16,6 +16,7 @@ from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
     FILE,
+    HARNESSES,
     NOTICED,
     Evidence,
     check_equivalents,
@@ -24,7 +25,7 @@ from triaxis.verif.mutation.equivalence import (
     read_equivalents,
 )
 from triaxis.verif.mutation.judging import judge
-from triaxis.verif.mutation.killers import BLOCKS, OUTCOMES, killers_hash, states
+from triaxis.verif.mutation.killers import BLOCKS, KILLERS, OUTCOMES, killers_hash, states
 from triaxis.verif.mutation.outcomes import Killed, Outcome, Store
 from triaxis.verif.mutation.record import FILE as RECORD
 from triaxis.verif.mutation.record import drawn, read_record
@@ -57,7 +58,8 @@ def mutate(
     RTL without mutants fails.
     """
     start, begun, timeline = time.perf_counter(), time.time(), Timeline()
-    rtl, killers = rtl_hash(dut), killers_hash()
+    rtl, killers, proofs_of = rtl_hash(dut), killers_hash(), evidence_hash(dut)
+    record_hash = content_hash([RECORD])
     sweep()
     everything = catalogue(dut)
     found = chosen or (everything.restricted(files, names) if files or names else everything)
@@ -70,7 +72,7 @@ def mutate(
     recorded = _recorded(found, excused, dut)
     sampled = frozenset(name for name in recorded if sample is not None and drawn(name, sample))
     settled = {} if sample is None else _settled(recorded, sampled, found, dut, seed)
-    proved = sample is not None and read_record().states.get(EVIDENCE) == evidence_hash(dut)
+    proved = sample is not None and read_record().states.get(EVIDENCE) == proofs_of
     ended = Event()
 
     def prove() -> Evidence:
@@ -88,12 +90,14 @@ def mutate(
                 found, seed, jobs, timeline, excused, dut, targets, fresh, with_volume, progress,
                 read_record().places(found.mutants), settled,
             )  # fmt: skip
+            evidence = proofs.result()
         except BaseException:
             ended.set()
             raise
         finally:
+            # Of what is proved, too: no longer than until its last proof has ended.
+            wait([proofs])
             touched = _forget_touched(begun, dut)
-        evidence = proofs.result()
     killed = {one.mutant.id: one.killed for one in judged}
     fates = tuple(_fate(outcome, evidence) for outcome in judged)
     problems = [
@@ -111,13 +115,14 @@ def mutate(
             if how and killed[name] is None
         ),
     ]
-    if touched or (rtl_hash(dut), killers_hash()) != (rtl, killers):
+    now = rtl_hash(dut), killers_hash(), evidence_hash(dut), content_hash([RECORD])
+    if touched or now != (rtl, killers, proofs_of, record_hash):
         problems.append(CHANGED)
     seconds = time.perf_counter() - start
     spans = tuple(timeline.spans)
     return MutationResult(
         fates, tuple(problems), seed, seconds, rtl, killers, spans,
-        sample, len(sampled), content_hash([RECORD]), evidence.entries, evidence.recorded,
+        sample, len(sampled), record_hash, len(settled), evidence.entries, evidence.recorded, proofs_of,
         not evidence.problems,
     )  # fmt: skip
 
@@ -149,18 +154,26 @@ def _settled(
 
 
 def _forget_touched(since: float, dut: Path) -> bool:
-    """Forget what became of mutants of blocks of which something was written since then; return whether any.
+    """Forget what became of mutants of blocks of which something was written since then, and what was proved
+    with it; return whether anything was.
 
     It may be again what it was before: then no hash tells that mutants were tried on something else.
     """
     touched = False
     for number, block in enumerate(BLOCKS, 1):
         rtl = [path for path in rtl_files(dut) if path.relative_to(dut).parts[0] in BLOCKS[:number]]
-        if any(path.stat().st_ctime > since for path in (*rtl, *OUTCOMES[block].files())):
+        if _written((*rtl, *OUTCOMES[block].files()), since):
             touched = True
             for path in outcomes.FOLDER.glob(f"outcomes-{block}-*.json"):
                 path.unlink()
+    if _written((*rtl_files(dut), *KILLERS.files(), *HARNESSES.glob("*.svh"), RECORD), since):
+        touched = True
+        forget_proofs()
     return touched
+
+
+def _written(files: Iterable[Path], since: float) -> bool:
+    return any(path.stat().st_ctime > since for path in files)
 
 
 def _fate(outcome: Outcome, evidence: Evidence) -> Fate:

@@ -77,6 +77,7 @@ def _run(record: RunRecord) -> dict[str, object]:
         "seconds": round(record.seconds, 1),
         "pairs_checked": record.counts["checked"] if record.counts else None,
         "bucket": None if record.passed else bucket_of(record),
+        "silent": record.silent,
         **{key: getattr(record, key) for key in ("errors", "replay", "waves", "log", "host", "job")},
     }
 

@@ -10,7 +10,7 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ from triaxis.verif.regress.definition import in_checkout
 
 DATABASE = BUILD / "history" / "results.sqlite"
 SIGNOFF, MUTATION = "sign-off", "mutation"
+# Of schema.sql.
+VERSION = 1
 _SCHEMA = Path(__file__).with_name("schema.sql")
 # Others may be adding theirs.
 _PATIENCE_SECONDS = 60
@@ -36,10 +38,15 @@ _STAMP = (
     "verilator",
     "python",
 )
-_OLDER_MUTANTS = (
-    "DELETE FROM mutant WHERE result IN (SELECT id FROM result WHERE kind = ? AND rtl_hash = ? "
-    "AND environment_hash = ? AND id < ?)"
+_OLDER_MUTANTS = """
+DELETE FROM mutant WHERE result IN (
+  SELECT id FROM result WHERE (kind, rtl_hash, environment_hash) = (?, ?, ?)
+  EXCEPT SELECT * FROM (
+    SELECT id FROM result WHERE (kind, rtl_hash, environment_hash) = (?, ?, ?)
+    ORDER BY finished DESC, id DESC LIMIT 1
+  )
 )
+"""
 
 Row = sqlite3.Row
 Content = Mapping[str, Any]
@@ -49,17 +56,39 @@ Content = Mapping[str, Any]
 def opened(path: Path = DATABASE) -> Iterator[sqlite3.Connection]:
     """Give the database, made where there is none; commit at the end, unless that is an error.
 
-    Raises InputError where the file is no database, or cannot be read or written.
+    Raises InputError where the file is no such database, or cannot be read or written.
     """
     make_folder(path.parent)
     try:
-        with closing(sqlite3.connect(path, timeout=_PATIENCE_SECONDS)) as connection, connection:
+        with closing(sqlite3.connect(path, timeout=_PATIENCE_SECONDS)) as connection:
             connection.row_factory = sqlite3.Row
             connection.execute("PRAGMA foreign_keys = ON")
-            connection.executescript(_SCHEMA.read_text())
-            yield connection
-    except sqlite3.Error as error:
+            _make(connection, path)
+            with connection:
+                yield connection
+    except sqlite3.OperationalError as error:
+        raise InputError(f"{path}: {error}: try again, or see that it can be written") from error
+    except sqlite3.DatabaseError as error:
         raise InputError(f"{path}: {error}: move it away, and add what it held with --add") from error
+
+
+def _make(connection: sqlite3.Connection, path: Path) -> None:
+    """Make what schema.sql describes, once: others may be about to do the same."""
+    if _version(connection) == VERSION:
+        return
+    with connection:
+        connection.execute("BEGIN IMMEDIATE")
+        if _version(connection) == VERSION:
+            return
+        if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+            raise InputError(f"{path}: is of another version: move it away, and add what it held with --add")
+        for statement in _SCHEMA.read_text().split(";\n"):
+            connection.execute(statement)
+        connection.execute(f"PRAGMA user_version = {VERSION}")
+
+
+def _version(connection: sqlite3.Connection) -> int:
+    return connection.execute("PRAGMA user_version").fetchone()[0]
 
 
 def add_evidence(file: Path, path: Path = DATABASE) -> bool:
@@ -70,23 +99,27 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
     content = read_evidence(file)
     if content is None:
         raise InputError(f"{file}: no such file: name results.json, signoff.json or mutation.json of a run")
-    ended = datetime.fromtimestamp(file.stat().st_mtime, UTC).isoformat(timespec="seconds")
+    wanted = "must be the whole result of a regression, a sign-off or a run over mutants"
     try:
-        rows = list(_rows(content, ended))
+        rows = list(_rows(content))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        wanted = "must be the whole result of a regression, a sign-off or a run over mutants"
         raise InputError(f"{file}: {wanted}: {error!r}") from error
     (_, result), *rest = rows
     with opened(path) as connection:
-        number = _insert(connection, "result", result, "OR IGNORE")
-        if number is None:
-            return False
-        for table, row in rest:
-            _insert(connection, table, {"result": number, **row})
-        # Eight thousand rows a time: of one state of the sources the newest result alone has its mutants.
-        connection.execute(
-            _OLDER_MUTANTS, (result["kind"], result["rtl_hash"], result["environment_hash"], number)
-        )
+        try:
+            number = _insert(connection, "result", result, "ON CONFLICT (key) DO NOTHING")
+            if number is None:
+                return False
+            for table, row in rest:
+                _insert(connection, table, {"result": number, **row})
+        # Of a value that is missing, of another type, or too large.
+        except (sqlite3.IntegrityError, sqlite3.InterfaceError, sqlite3.ProgrammingError, ValueError,
+                OverflowError) as error:  # fmt: skip
+            connection.rollback()
+            raise InputError(f"{file}: {wanted}: {error}") from error
+        # Eight thousand rows a time: of one state of the sources the newest result alone keeps its mutants.
+        same = [result[name] for name in ("kind", "rtl_hash", "environment_hash")]
+        connection.execute(_OLDER_MUTANTS, (*same, *same))
     return True
 
 
@@ -94,26 +127,32 @@ def _insert(connection: sqlite3.Connection, table: str, row: Content, how: str =
     """Insert a row; return its number, None where it was there before."""
     names = ", ".join(row)
     marks = ", ".join("?" * len(row))
-    found = connection.execute(f"INSERT {how} INTO {table} ({names}) VALUES ({marks})", tuple(row.values()))
+    found = connection.execute(f"INSERT INTO {table} ({names}) VALUES ({marks}) {how}", tuple(row.values()))
     return found.lastrowid if found.rowcount else None
 
 
-def _rows(content: Content, ended: str) -> Iterator[tuple[str, Content]]:
+def _rows(content: Content) -> Iterator[tuple[str, Content]]:
     """Yield the rows of a file with the names of their tables, that of the result first."""
     if "regression" in content:
         yield from _regression(content)
     elif "parts" in content:
         yield from _signoff(content)
     elif "mutants" in content:
-        yield "result", _result(content, MUTATION, ended, [content["seconds"], content["rtl_hash"]])
+        finished = content["finished"]
+        yield (
+            "result",
+            _result(content, MUTATION, finished, [finished, content["seconds"], content["summary"]]),
+        )
         yield from (("mutant", _mutant(one)) for one in content["mutants"])
     else:
         raise ValueError("it has neither `regression`, `parts` nor `mutants`")
     yield from (("problem", {"said": problem}) for problem in content["problems"])
+    yield from (("exception", {"said": line}) for line in content.get("exceptions", ()))
 
 
 def _result(content: Content, kind: str, finished: str, same: Iterable[Any], **more: Any) -> dict[str, Any]:
     """Return the row of a file. ``same``: what a repetition of its writing does not change."""
+    datetime.fromisoformat(finished)
     identity = [kind, content["command"], content["rtl_hash"], content["environment_hash"], *same]
     return {
         "key": hashlib.sha256(json.dumps(identity).encode()).hexdigest(),
@@ -139,19 +178,20 @@ def _regression(content: Content) -> Iterator[tuple[str, Content]]:
     flaky = set(content["flaky"])
     for run in runs:
         row = _run(run, run["pairs_checked"], run["bucket"])
-        yield "run", row | {"flaky": run["key"] in flaky}
+        yield "run", row | {"flaky": run["key"] in flaky, "silent": run["silent"]}
     yield from _functional(content["coverage"]["models"])
 
 
 def _signoff(content: Content) -> Iterator[tuple[str, Content]]:
     parts, figures = content["parts"], content["figures"]
-    runs = parts["simulation"].get("runs", ())
+    simulated = parts["simulation"]["absent"] is None
+    runs = parts["simulation"]["runs"] if simulated else ()
     covered = figures["functional_coverage"]
     yield (
         "result",
         _result(
             content, SIGNOFF, content["date"], [content["date"]], pairs=figures["pairs_checked"],
-            failures=sum(not run["passed"] for run in runs), coverage_percent=covered,
+            failures=sum(not run["passed"] for run in runs) if simulated else None, coverage_percent=covered,
         ),
     )  # fmt: skip
     for name, part in parts.items():
@@ -163,7 +203,7 @@ def _signoff(content: Content) -> Iterator[tuple[str, Content]]:
     for run in runs:
         said = "; ".join(run["explanation"] or ()) or None
         pairs = run["counts"]["checked"] if run["counts"] else None
-        yield "run", _run(run, pairs, said) | {"flaky": False}
+        yield "run", _run(run, pairs, said) | {"flaky": False, "silent": False}
     yield from _functional(parts["simulation"].get("coverage", {}))
     for file, kinds in parts["code_coverage"].get("files", {}).items():
         for kind, total in kinds.items():

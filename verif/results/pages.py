@@ -8,8 +8,9 @@ import os
 import re
 import sqlite3
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from triaxis.coverage.html import rendered
 from triaxis.coverage.testplan import read_testplan
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
-from triaxis.sim.build import rtl_hash
+from triaxis.sim.build import rtl_files, rtl_hash
 from triaxis.sim.evidence import read_evidence
 from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.code_coverage.run import RESULT as CODE_COVERAGE
@@ -32,8 +33,8 @@ FOLDER = BUILD / "results"
 INDEX = "index.html"
 # Results that a trend shows, and that have a page of their own among the files.
 _NEWEST = 60
-_RESULT = re.compile(r"result-(\d+)\.html")
-_COMPARED = re.compile(r"compare-(\d+)-(\d+)\.html")
+_RESULT = re.compile(r"result-(\d{1,18})\.html")
+_COMPARED = re.compile(r"compare-(\d{1,18})-(\d{1,18})\.html")
 _SOURCE = "source-"
 _TRENDS = (
     ("Pairs checked", "millions", "pairs", 1e-6),
@@ -60,11 +61,18 @@ def page(name: str, database: Path = DATABASE) -> str | None:
 def names(database: Path = DATABASE) -> list[str]:
     """Return the names of all pages that files are made of."""
     with opened(database) as connection:
-        results = _rows(connection, "SELECT * FROM result ORDER BY id DESC LIMIT ?", _NEWEST)
-        before = {row["id"]: _before(connection, row) for row in results}
-        sources = [source_page(file) for file in _mutated_files(connection)]
+        linked = _linked(connection)
+        found = (_rows(connection, "SELECT * FROM result WHERE id = ?", number)[0] for number in linked)
+        before = {row["id"]: _before(connection, row, linked) for row in found}
+        sources = [source_page(file) for file in _mutated_files(connection, _mutation(connection))]
     compared = [f"compare-{one}-{number}.html" for number, one in before.items() if one is not None]
     return [*(f"result-{number}.html" for number in before), *compared, *sources, INDEX]
+
+
+def _linked(connection: sqlite3.Connection) -> set[int]:
+    """Return the results that have a page among the files."""
+    newest = _rows(connection, "SELECT id FROM result ORDER BY finished DESC, id DESC LIMIT ?", _NEWEST)
+    return {row["id"] for row in newest}
 
 
 def write_pages(folder: Path = FOLDER, database: Path = DATABASE, also: Sequence[str] = ()) -> Path:
@@ -86,11 +94,13 @@ def _show(template: str, title: str, **values: object) -> str:
     return rendered(Path(__file__).with_name(template), title=f"Triaxis: {title}", log=_log, **values)
 
 
-def _log(path: str) -> Markup:
-    """Return a link to a log, or its name where it is not there."""
+def _log(path: str, finished: str | None = None) -> Markup:
+    """Return a link to a log, or its name where it is not there, or was written again since then."""
     whole = ROOT / path
     if not whole.is_file() or not whole.is_relative_to(BUILD):
         return Markup("<code>{}</code>").format(path)
+    if finished and whole.stat().st_mtime > datetime.fromisoformat(finished).timestamp() + 1:
+        return Markup("<code>{}</code>, of a later run now").format(path)
     return Markup("<a href='{}'>log</a>").format(os.path.relpath(whole, FOLDER))
 
 
@@ -101,7 +111,8 @@ def _rows(connection: sqlite3.Connection, query: str, *values: object) -> list[R
 def _index(connection: sqlite3.Connection) -> str:
     results = _rows(connection, "SELECT * FROM result ORDER BY finished DESC, id DESC")
     return _show(
-        "index.html", "results", results=results, running=list(_running()), trends=list(_trends(results)),
+        "index.html", "results", results=results, linked=_linked(connection), running=list(_running()),
+        trends=list(_trends(results)),
         tests=_rows(connection, "SELECT * FROM test ORDER BY mean_seconds DESC"),
         flaky=_rows(connection, "SELECT * FROM flaky ORDER BY last DESC"),
     )  # fmt: skip
@@ -126,7 +137,7 @@ def _trends(results: Sequence[Row]) -> Iterator[tuple[str, list[Markup]]]:
 
 @dataclass(frozen=True)
 class _Running:
-    """A regression that has begun and not come to its end: the runs that are done, and its builds."""
+    """A regression that has not come to its end: the runs that are done, and its builds."""
 
     name: str
     command: str
@@ -145,9 +156,10 @@ def _running() -> Iterator[_Running]:
         passed = sum(record.passed for record in records)
         failed = {path.stem for path in folder.glob("builds/*.error")}
         logs = sorted(folder.glob("dvsim/**/build.log"))
+        times = f" --seeds-times {state.multiplier:g}" if state.multiplier != 1 else ""
         builds = [(log.parent.parent.name, _state_of(log, failed)) for log in logs]
         yield _Running(
-            folder.name, f"triaxis regress run {folder.name} --seed {state.seed}", passed,
+            folder.name, f"triaxis regress run {folder.name} --seed {state.seed}{times}", passed,
             len(records) - passed, builds,
             [str(path.relative_to(ROOT)) for path in (*sorted(folder.glob("dvsim-*.log")), *logs)],
         )  # fmt: skip
@@ -172,9 +184,13 @@ SELECT file, count(*) AS mutants, sum(fate = 'killed') AS killed, sum(fate = 'eq
 FROM mutant WHERE result = ? GROUP BY file
 """
 _OTHER_OUTCOMES = """
-SELECT a.test, a.config, a.agent, a.seed, a.passed AS before, b.passed AS after, b.said, b.replay
-FROM run AS a JOIN run AS b USING (test, config, agent, seed)
-WHERE a.result = ? AND b.result = ? AND a.pairs IS b.pairs AND a.passed <> b.passed
+SELECT b.test, b.config, b.agent, b.seed, b.passed AS after, b.said, b.replay
+FROM run AS a JOIN run AS b USING (replay)
+WHERE a.result = ? AND b.result = ? AND a.passed <> b.passed
+"""
+_FAILED = """
+SELECT * FROM run WHERE result = ?2 AND NOT passed
+AND replay NOT IN (SELECT replay FROM run WHERE result = ?1)
 """
 _ONLY_THERE = """
 SELECT test, config, agent FROM run WHERE result = ?
@@ -188,20 +204,25 @@ WHERE a.result = ? AND b.result = ? AND a.seconds > 0 ORDER BY b.seconds - a.sec
 """
 _OTHER_COVERAGE = """
 SELECT place, item, a.hit AS hit_before, a.total AS total_before, b.hit, b.total
-FROM covered AS a JOIN covered AS b USING (kind, place, item)
-WHERE a.result = ? AND b.result = ? AND (a.hit, a.total) <> (b.hit, b.total)
+FROM (SELECT DISTINCT kind, place, item FROM covered WHERE result IN (?1, ?2))
+LEFT JOIN (SELECT * FROM covered WHERE result = ?1) AS a USING (kind, place, item)
+LEFT JOIN (SELECT * FROM covered WHERE result = ?2) AS b USING (kind, place, item)
+WHERE a.hit IS NOT b.hit OR a.total IS NOT b.total
 """
 _OTHER_FATES = """
-SELECT id, b.file, b.line, a.fate AS before, a.test AS test_before, b.fate, b.test
-FROM mutant AS a JOIN mutant AS b USING (id)
-WHERE a.result = ? AND b.result = ? AND (a.fate <> b.fate OR a.test IS NOT b.test)
+SELECT id, coalesce(b.file, a.file) AS file, coalesce(b.line, a.line) AS line, a.fate AS before,
+  a.test AS test_before, b.fate, b.test
+FROM (SELECT DISTINCT id FROM mutant WHERE result IN (?1, ?2))
+LEFT JOIN (SELECT * FROM mutant WHERE result = ?1) AS a USING (id)
+LEFT JOIN (SELECT * FROM mutant WHERE result = ?2) AS b USING (id)
+WHERE a.fate IS NOT b.fate OR a.test IS NOT b.test
 """
 
 
-def _before(connection: sqlite3.Connection, row: Row) -> int | None:
-    """Return the result of the same kind before one, None where there is none."""
+def _before(connection: sqlite3.Connection, row: Row, linked: Collection[int]) -> int | None:
+    """Return the result of the same kind before one, None where none of those that have a page is."""
     found = _rows(connection, _BEFORE, row["kind"], row["finished"], row["id"])
-    return found[0]["id"] if found else None
+    return found[0]["id"] if found and found[0]["id"] in linked else None
 
 
 def _result(connection: sqlite3.Connection, number: int) -> str | None:
@@ -217,13 +238,15 @@ def _result(connection: sqlite3.Connection, number: int) -> str | None:
     tests = {point.name: point.tests for point in read_testplan().testpoints}
     return _show(
         "result.html", f"{row['kind']} {number}", row=row, runs=runs,
-        before=_before(connection, row), problems=of_it("problem"), parts=of_it("part"),
+        before=_before(connection, row, _linked(connection)), problems=of_it("problem"),
+        exceptions=of_it("exception"), parts=of_it("part"),
         points=[
             (point, [run for run in runs if run["test"] in tests.get(point["name"], ())])
             for point in of_it("testpoint")
         ],
         covered=of_it("covered", "hit = total, kind DESC, place"), kills=_rows(connection, _KILLS, number),
         files=_rows(connection, _FILES, number), source_page=source_page,
+        sources=_mutated_files(connection, number) if number == _mutation(connection) else [],
     )  # fmt: skip
 
 
@@ -232,36 +255,45 @@ def _compared(connection: sqlite3.Connection, one: int, other: int) -> str | Non
     rows = [row for n in (one, other) for row in _rows(connection, "SELECT * FROM result WHERE id = ?", n)]
     if len(rows) < 2:
         return None
+    kept = all(_mutated_files(connection, number) for number in (one, other))
     queries = {
-        "runs": _OTHER_OUTCOMES, "times": _TIMES, "covered": _OTHER_COVERAGE, "mutants": _OTHER_FATES,
+        "runs": _OTHER_OUTCOMES, "failed": _FAILED, "times": _TIMES, "covered": _OTHER_COVERAGE,
+        "mutants": _OTHER_FATES,
     }  # fmt: skip
     return _show(
-        "compare.html", f"{one} and {other}", rows=rows,
+        "compare.html", f"{one} and {other}", rows=rows, mutants_kept=kept,
         only=[
             (row, _rows(connection, _ONLY_THERE, row["id"], another["id"]))
             for row, another in (rows, rows[::-1])
         ],
-        **{name: _rows(connection, query, one, other) for name, query in queries.items()},
+        **{
+            name: _rows(connection, query, one, other) if kept or name != "mutants" else []
+            for name, query in queries.items()
+        },
     )  # fmt: skip
 
 
 def _mutation(connection: sqlite3.Connection) -> int | None:
     """Return the newest result of mutants of today's RTL, None where there is none: its lines are others."""
     found = _rows(
-        connection, "SELECT id FROM result WHERE kind = ? AND rtl_hash = ? ORDER BY id DESC LIMIT 1",
+        connection,
+        "SELECT id FROM result WHERE (kind, rtl_hash) = (?, ?) ORDER BY finished DESC, id DESC LIMIT 1",
         MUTATION, rtl_hash(),
     )  # fmt: skip
     return found[0]["id"] if found else None
 
 
-def _mutated_files(connection: sqlite3.Connection) -> list[str]:
+def _mutated_files(connection: sqlite3.Connection, number: int | None) -> list[str]:
+    """Return the files of today's RTL of which a result has mutants."""
     query = "SELECT DISTINCT file FROM mutant WHERE result = ? ORDER BY file"
-    return [row["file"] for row in _rows(connection, query, _mutation(connection))]
+    today = {str(path.relative_to(DUT.parent)) for path in rtl_files(DUT)}
+    return [row["file"] for row in _rows(connection, query, number) if row["file"] in today]
 
 
 def _source(connection: sqlite3.Connection, name: str) -> str | None:
     """Return a file of today's RTL, line by line: what is not covered there, and its mutants."""
-    file = {source_page(one): one for one in _mutated_files(connection)}.get(name)
+    files = _mutated_files(connection, _mutation(connection))
+    file = {source_page(one): one for one in files}.get(name)
     if file is None:
         return None
     number = _mutation(connection)
@@ -271,7 +303,7 @@ def _source(connection: sqlite3.Connection, name: str) -> str | None:
     open_bins, measured = _uncovered(file)
     lines = [
         (line, text, open_bins.get(line, []), mutants.get(line, []))
-        for line, text in enumerate((ROOT / file).read_text().splitlines(), 1)
+        for line, text in enumerate((DUT.parent / file).read_text().splitlines(), 1)
     ]
     return _show("source.html", file, file=file, lines=lines, measured=measured, mutation=number)
 

@@ -1,8 +1,8 @@
 -- The database of results, build/history/results.sqlite: one row of `result` for each file of evidence, and
 -- below it what the file holds. Whatever reads SQLite may read it; what was not measured is NULL, never 0.
--- Times are UTC, ISO 8601; `passed` and `flaky` are 0 or 1.
+-- Times are UTC, ISO 8601; `passed`, `flaky` and `silent` are 0 or 1. A change of it is another PRAGMA user_version.
 
-CREATE TABLE IF NOT EXISTS result (
+CREATE TABLE result (
   id INTEGER PRIMARY KEY,
   -- What tells it from every other: the hash of what is in a file that no repetition would write again.
   key TEXT NOT NULL UNIQUE,
@@ -26,14 +26,18 @@ CREATE TABLE IF NOT EXISTS result (
   python TEXT NOT NULL
 );
 
--- Why it failed, a line each.
-CREATE TABLE IF NOT EXISTS problem (
+-- Why it failed, a line each; and what a sign-off was without, such as what it took as recorded.
+CREATE TABLE problem (
+  result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
+  said TEXT NOT NULL
+);
+CREATE TABLE exception (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   said TEXT NOT NULL
 );
 
 -- A test that ran once. `said`: what a failed one said, as its bucket; `log`: from the root of the checkout.
-CREATE TABLE IF NOT EXISTS run (
+CREATE TABLE run (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   test TEXT NOT NULL,
   config TEXT NOT NULL,
@@ -43,6 +47,8 @@ CREATE TABLE IF NOT EXISTS run (
   passed INTEGER NOT NULL,
   -- It failed and passed on the same sources, within this result.
   flaky INTEGER NOT NULL,
+  -- It left no result of its own (killed, not built), which says nothing of its seed.
+  silent INTEGER NOT NULL,
   seconds REAL NOT NULL,
   said TEXT,
   log TEXT NOT NULL,
@@ -50,23 +56,23 @@ CREATE TABLE IF NOT EXISTS run (
 );
 
 -- A part of a sign-off, with its testpoints where it is the testplan.
-CREATE TABLE IF NOT EXISTS part (
+CREATE TABLE part (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   name TEXT NOT NULL,
   passed INTEGER,
   seconds REAL,
   summary TEXT
 );
-CREATE TABLE IF NOT EXISTS testpoint (
+CREATE TABLE testpoint (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   name TEXT NOT NULL,
   stage TEXT NOT NULL,
   passed INTEGER
 );
 
--- Bins that were hit (or waived), of those that are goals. `kind`: functional, with a model and a cover item;
+-- Bins that were hit (or waived), of those that are goals. `kind`: functional, with a model and a cover item,
 -- or code, with a file of RTL and what is counted: line, branch, expression, toggle, fsm, antecedent.
-CREATE TABLE IF NOT EXISTS covered (
+CREATE TABLE covered (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   kind TEXT NOT NULL,
   place TEXT NOT NULL,
@@ -76,8 +82,8 @@ CREATE TABLE IF NOT EXISTS covered (
 );
 
 -- What became of a mutant. Each is tried until a test notices it: of `test` it is known that it does, of no
--- other that it does not. Of results on the same RTL and environment the newest alone has them.
-CREATE TABLE IF NOT EXISTS mutant (
+-- other that it does not. Of results on the same RTL and environment the newest alone keeps them.
+CREATE TABLE mutant (
   result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
   id TEXT NOT NULL,
   file TEXT NOT NULL,
@@ -90,13 +96,12 @@ CREATE TABLE IF NOT EXISTS mutant (
   target TEXT
 );
 
-CREATE INDEX IF NOT EXISTS run_of ON run (result);
-CREATE INDEX IF NOT EXISTS run_by ON run (test, config, agent);
-CREATE INDEX IF NOT EXISTS covered_of ON covered (result);
-CREATE INDEX IF NOT EXISTS mutant_of ON mutant (result);
+CREATE INDEX run_of ON run (result);
+CREATE INDEX run_by ON run (test, config, agent);
+CREATE INDEX covered_of ON covered (result);
+CREATE INDEX mutant_of ON mutant (result);
 
 -- Each test in each configuration: how it fared, and what it took.
-DROP VIEW IF EXISTS test;
 CREATE VIEW test AS
 SELECT test, config, agent, count(*) AS runs, count(*) - sum(passed) AS failed, sum(pairs) AS pairs,
   avg(seconds) AS mean_seconds, max(seconds) AS most_seconds,
@@ -105,15 +110,14 @@ SELECT test, config, agent, count(*) AS runs, count(*) - sum(passed) AS failed, 
 FROM run GROUP BY test, config, agent;
 
 -- Seeds that both failed and passed on the same RTL, environment and simulator.
-DROP VIEW IF EXISTS flaky;
 CREATE VIEW flaky AS
 SELECT test, config, agent, run.seed, run.pairs, count(*) AS runs, count(*) - sum(run.passed) AS failed,
   max(finished) AS last, max(replay) AS replay
 FROM run JOIN result ON result.id = run.result
+WHERE NOT silent
 GROUP BY rtl_hash, environment_hash, verilator, test, config, agent, run.seed, replay
 HAVING max(flaky) OR min(run.passed) < max(run.passed);
 
 -- Which test noticed how many mutants of which file, in each result.
-DROP VIEW IF EXISTS kills;
 CREATE VIEW kills AS
 SELECT result, test, file, count(*) AS mutants FROM mutant WHERE fate = 'killed' GROUP BY result, test, file;

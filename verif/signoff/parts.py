@@ -212,6 +212,7 @@ def mutation_part(seed: int, progress: Progress, whole: bool = False) -> Evidenc
         "seed",
         "sample",
         "sampled",
+        "recorded",
         "entries",
         "entries_recorded",
     )
@@ -221,7 +222,6 @@ def mutation_part(seed: int, progress: Progress, whole: bool = False) -> Evidenc
         "stages": [] if known else content["stages"],
         "files": _totals(fates, "file"),
         "operators": _totals(fates, "operator"),
-        "recorded": sum(fate.recorded for fate in fates),
         "killed": [fate.id for fate in fates if fate.fate == KILLED],
         "survivors": [
             {"id": fate.id, "place": fate.place, "original": fate.original, "changed": fate.changed}

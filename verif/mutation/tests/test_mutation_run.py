@@ -22,6 +22,7 @@ from triaxis.sim.build import content_hash
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.player import ASSERTION
+from triaxis.verif.commands import inject
 from triaxis.verif.mutation import builds, equivalence, killers, killing, outcomes, record, result, targets
 from triaxis.verif.mutation import run as run_module
 from triaxis.verif.mutation.catalogue import catalogue
@@ -44,7 +45,7 @@ from triaxis.verif.mutation.judging import judge
 from triaxis.verif.mutation.killing import _ORIGINAL as ORIGINAL
 from triaxis.verif.mutation.killing import Hunt
 from triaxis.verif.mutation.result import EQUIVALENT, KILLED, SURVIVING
-from triaxis.verif.mutation.run import mutate
+from triaxis.verif.mutation.run import CHANGED, mutate
 from triaxis.verif.mutation.schema import mutated
 from triaxis.verif.mutation.targets import ENGINE, ENGINE_SINGLE, ENGINE_WORD, MAIN
 from triaxis.verif.testbench.simulation import run_trials
@@ -59,6 +60,7 @@ EXTENT = {"W": 3, "Comb": 1}
 def nothing_known(tmp_path, monkeypatch):
     """Let these runs know nothing that the checkout's own runs found out or recorded, nor add to it."""
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
+    monkeypatch.setattr(equivalence, "FOLDER", tmp_path / "known")
     monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record({}, {}))
 
 
@@ -156,6 +158,7 @@ def test_what_is_killed_cannot_be_listed_as_equivalent(tmp_path, seed, monkeypat
 
 
 STATES = {"core": "one", "mesh": "two", "board": "three"}
+EMPTY = result.MutationResult((), (), 1, 1.0, "", "", evidence_hash="state")
 PLACE = record.Place("w8_m8, assertions", "MixedTest")
 
 
@@ -271,10 +274,66 @@ def test_evidence_is_taken_as_recorded_but_for_a_sample(tmp_path, seed, monkeypa
     assert asked(fresh=True) == (set(names), 0)
     now[run_module.EVIDENCE] = "another"
     assert asked(sample=seed)[1] == 0
-    # One that fails is told, and is of no record.
+    # What failed here is checked by every seed, until it holds; and no such run is to be recorded.
+    now[run_module.EVIDENCE] = equivalence.evidence_hash(DUT)
     monkeypatch.setitem(equivalence._CHECKS, PROOF, lambda entry, *_: f"{entry.mutants[0]}: is none")
-    found = ask(fresh=True)
-    assert not found.evidence_holds and len([line for line in found.problems if "is none" in line]) == 200
+    found = ask(sample=seed)
+    assert not found.evidence_holds
+    assert {line.partition(":")[0] for line in found.problems if line.endswith("is none")} == first
+    monkeypatch.setitem(equivalence._CHECKS, PROOF, check)
+    drawn = {name for name in names if record.drawn(name, seed + 1)}
+    assert asked(sample=seed + 1)[0] == first | drawn
+    assert asked(sample=seed + 1)[0] == drawn
+
+
+def test_a_proof_of_what_was_edited_meanwhile_is_kept_by_nobody(tmp_path, seed, monkeypatch):
+    dut = tmp_path / "dut"
+    shutil.copytree(DUT, dut)
+    one = of("triaxis_extent", "relational", "points_i[i] <= points_i")
+    checked: list[str] = []
+
+    def edit(entry, *_):
+        """As long as the last proof may: it ends when all trials have."""
+        checked.append(entry.mutants[0])
+        file = dut / "core" / "triaxis_extent.sv"
+        text = file.read_text()
+        file.write_text("")
+        file.write_text(text)
+
+    monkeypatch.setitem(equivalence._CHECKS, PROOF, edit)
+    judging(monkeypatch, {one.id})
+    time.sleep(0.01)
+    for _ in range(2):
+        found = mutate(
+            record.SEED, chosen=few(one), equivalents=listed(tmp_path, one.id), dut=dut, sample=seed
+        )
+        assert CHANGED in found.problems
+    assert len(checked) == 2
+
+
+def test_solvers_and_what_harnesses_include_decide_evidence(monkeypatch, tmp_path):
+    before = equivalence.evidence_hash(DUT)
+    monkeypatch.setattr(equivalence, "version", lambda _: "another")
+    other = equivalence.evidence_hash(DUT)
+    monkeypatch.undo()
+    (tmp_path / "triaxis_formal.svh").write_text("// assumes everything")
+    monkeypatch.setattr(equivalence, "HARNESSES", tmp_path)
+    assert len({before, other, equivalence.evidence_hash(DUT)}) == 3
+
+
+@pytest.mark.parametrize("holds", [True, False])
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("words", [(), ("--file", "core/*")])
+def test_evidence_is_recorded_where_all_was_checked_and_holds(tmp_path, monkeypatch, holds, known, words):
+    monkeypatch.setattr(inject, "mutate", lambda *_, **__: replace(EMPTY, evidence_holds=holds))
+    monkeypatch.setattr(inject, "keep", lambda _: None)
+    monkeypatch.setattr(inject.mutation_result, "write_result", lambda *_: tmp_path)
+    before = record.Record({run_module.EVIDENCE: "state"} if known else {}, {})
+    monkeypatch.setattr(inject, "read_record", lambda: before)
+    written: list[record.Record] = []
+    monkeypatch.setattr(inject, "write_record", lambda now: written.append(now) or tmp_path)
+    main(["prove", "mutate", "--record", *words])
+    assert (run_module.EVIDENCE in written[0].states) is (holds and (known or not words))
 
 
 def test_a_record_that_is_wrong_is_told(tmp_path, seed, monkeypatch, recorded):
@@ -474,11 +533,17 @@ def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
 def test_a_result_that_rests_on_a_record_is_taken_with_that_record_and_sample_alone(tmp_path, monkeypatch):
     monkeypatch.setattr(result, "RECORD", tmp_path / "record.json")
     (tmp_path / "record.json").write_text("one")
-    found = replace(one(), sample=7, record_hash=content_hash([tmp_path / "record.json"]))
+    found = replace(
+        one(), sample=7, record_hash=content_hash([tmp_path / "record.json"]),
+        evidence_hash=equivalence.evidence_hash(DUT),
+    )  # fmt: skip
     path = result.write_result(found, "test", tmp_path / "mutation.json")
     assert result.known_result(7, path) is not None
     assert result.known_result(8, path) is None and result.known_result(None, path) is None
     (tmp_path / "record.json").write_text("another")
+    assert result.known_result(7, path) is None
+    (tmp_path / "record.json").write_text("one")
+    monkeypatch.setattr(result, "evidence_hash", lambda _: "another")
     assert result.known_result(7, path) is None
 
 

@@ -1,11 +1,13 @@
 """The database of results and its pages: what is added, once, what is shown of it, and to whom."""
 
+import json
+import os
 import re
 import sqlite3
 import threading
 import urllib.error
 import urllib.request
-from pathlib import Path
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -33,8 +35,8 @@ def run(seed=1, passed=True, **changes):
     said = None if passed else "ERROR tag N where N was due"
     return {
         "test": "RandomTest", "config": "w16_m0", "agent": "burst", "seed": seed, "pairs": 100,
-        "key": str(seed),
-        "passed": passed, "seconds": 2.0, "pairs_checked": 100, "bucket": said, "log": "/elsewhere/run.log",
+        "key": str(seed), "passed": passed, "silent": False, "seconds": 2.0, "pairs_checked": 100,
+        "bucket": said, "log": "/elsewhere/run.log",
         "replay": f"triaxis sim RandomTest --seed {seed}", **changes,
     }  # fmt: skip
 
@@ -63,6 +65,7 @@ def mutation(folder, number, **changes):
     content = {
         "passed": True, "problems": [], "summary": "one killed", "seconds": float(number), "seed": 1,
         "command": "triaxis prove mutate --seed 1", "mutants": [mutant],
+        "finished": f"2026-02-{number:02}T02:00:00+00:00",
     }  # fmt: skip
     return write_evidence(folder / f"mutation-{number}.json", content, SOURCES)
 
@@ -118,10 +121,68 @@ def test_seeds_that_both_passed_and_failed_on_the_same_sources_are_flaky(databas
     assert ("RandomTest", 7, 1, 0) in rows(database, flaky)
 
 
-def test_of_one_state_the_newest_mutants_are_kept(database, tmp_path):
-    add_evidence(mutation(tmp_path, 2, test="VolumeTest"), database)
+def test_of_one_state_the_newest_mutants_are_kept_whenever_they_are_added(database, tmp_path):
+    add_evidence(mutation(tmp_path, 3, test="VolumeTest"), database)
+    add_evidence(mutation(tmp_path, 2, test="RandomTest"), database)
     assert rows(database, "SELECT test FROM mutant") == [("VolumeTest",)]
-    assert rows(database, "SELECT count(*) FROM result WHERE kind = 'mutation'") == [(2,)]
+    assert rows(database, "SELECT count(*) FROM result WHERE kind = 'mutation'") == [(3,)]
+    assert "They are not kept of both" in (page("compare-4-5.html", database) or "")
+
+
+def test_a_run_that_was_killed_says_nothing_of_its_seed(database, tmp_path):
+    add_evidence(regression(tmp_path, 5, run(1, passed=False, silent=True)), database)
+    assert rows(database, "SELECT seed FROM flaky") == [(2,)]
+
+
+def test_what_fails_comes_to_light_however_little_it_checked(tmp_path):
+    path = tmp_path / "results.sqlite"
+    lost = {"percent": None, "models": {}}
+    new = run(20260102, passed=False)
+    died = run(1, passed=False, pairs_checked=None)
+    add_evidence(regression(tmp_path, 1, run(1), run(20260101)), path)
+    add_evidence(regression(tmp_path, 2, died, new, coverage=lost), path)
+    text = page("compare-1-2.html", path) or ""
+    assert text.count("<td>RandomTest<td>w16_m0, burst") == 3
+    assert text.count(f"{new['replay']}<") == 1 and text.count(f"{died['replay']}<") == 1
+    assert "32<" in text and "not measured" in text and "20,260" not in text
+
+
+def test_what_was_not_measured_is_null_and_exceptions_are_shown(tmp_path):
+    path = tmp_path / "results.sqlite"
+    content = json.loads(json.dumps(good_content()))
+    content["parts"]["simulation"] = {"absent": "it was not there"}
+    content["exceptions"] = ["mutants: 9 as recorded of this very state, 1 more played again"]
+    for name in ("pairs_checked", "functional_coverage"):
+        content["figures"][name] = None
+    add_evidence(write_evidence(tmp_path / "signoff.json", content, SIGNED), path)
+    assert rows(path, "SELECT pairs, failures, coverage_percent FROM result") == [(None, None, None)]
+    assert "9 as recorded of this very state" in (page("result-1.html", path) or "")
+
+
+def test_a_log_that_a_later_run_wrote_is_not_taken_for_its_own(tmp_path, monkeypatch):
+    monkeypatch.setattr(pages, "BUILD", tmp_path)
+    monkeypatch.setattr(pages, "FOLDER", tmp_path / "results")
+    log = tmp_path / "run.log"
+    log.write_text("")
+    path = tmp_path / "results.sqlite"
+    add_evidence(regression(tmp_path, 1, run(log=str(log))), path)
+    assert "of a later run now" in (page("result-1.html", path) or "")
+    os.utime(log, (1.7e9, 1.7e9))
+    assert "<a href='../run.log'>log</a>" in (page("result-1.html", path) or "")
+
+
+def test_only_pages_that_are_there_are_linked(tmp_path, monkeypatch):
+    monkeypatch.setattr(pages, "_NEWEST", 3)
+    path = tmp_path / "results.sqlite"
+    for number in range(1, 6):
+        add_evidence(regression(tmp_path, number), path)
+    add_evidence(mutation(tmp_path, 1), path)
+    with opened(path) as connection:
+        connection.execute("UPDATE result SET rtl_hash = 'another' WHERE kind = 'mutation'")
+    made = {file.name: file.read_text() for file in write_pages(tmp_path / "pages", path).parent.iterdir()}
+    assert set(made) == set(names(path)) and len(made) == 5
+    for name, text in made.items():
+        assert set(re.findall(r"href='([^']+)'", text)) <= set(made), name
 
 
 @pytest.mark.parametrize("name", ["regression", "seed", "runs", "coverage", "begun"])
@@ -140,7 +201,9 @@ def test_what_is_no_whole_evidence_is_refused_and_leaves_nothing(tmp_path, name)
 def test_a_row_that_does_not_fit_takes_its_result_along(tmp_path):
     file = regression(tmp_path, 1, run(1), run(2, seconds=None))
     path = tmp_path / "results.sqlite"
-    with pytest.raises(InputError, match=r"results.sqlite: NOT NULL constraint failed: run.seconds"):
+    with pytest.raises(
+        InputError, match=r"results-1.json: must be .*: NOT NULL constraint failed: run.seconds"
+    ):
         add_evidence(file, path)
     assert rows(path, "SELECT * FROM result") == []
 
@@ -224,7 +287,7 @@ def test_tables_are_exported_as_they_are(database, tmp_path):
     with opened(database) as connection:
         for name, found in written.items():
             assert found == [dict(row) for row in connection.execute(f"SELECT * FROM {name}")]
-    assert len(written["run"]) == 6 and len(written) == 7
+    assert len(written["run"]) == 6 and len(written) == 8
 
 
 def test_the_command_adds_compares_and_says_where(tmp_path, monkeypatch, capsys):
@@ -256,7 +319,7 @@ def status(address, **headers):
 
 
 def test_pages_and_logs_are_served_and_nothing_else(address, database, tmp_path):
-    assert status(address) == status(f"{address}/build/results/result-1.html") == 200
+    assert status(address) == status(f"{address}/results/result-1.html") == 200
     assert status(address, Host="triaxis.example") == 403
     for path in (
         "README.md",
@@ -273,7 +336,7 @@ def test_pages_and_logs_are_served_and_nothing_else(address, database, tmp_path)
 @pytest.mark.simulator
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed: no browser shows the pages")
 def test_a_browser_sorts_and_filters_by_keyboard_and_reads_the_roles(address, tmp_path):
-    browser = Browser(tmp_path, f"{address}/build/results/result-2.html")
+    browser = Browser(tmp_path, f"{address}/results/result-2.html")
     table = "[...document.querySelectorAll('table')].find(one => one.caption?.textContent === 'runs')"
 
     def seeds():
@@ -317,8 +380,17 @@ def test_a_browser_sorts_and_filters_by_keyboard_and_reads_the_roles(address, tm
         browser.end()
 
 
-def test_the_schema_opens_an_older_database_again(database):
+def test_a_database_of_another_version_is_refused(database):
     with sqlite3.connect(database) as connection:
-        connection.execute("DROP VIEW kills")
-    assert rows(database, "SELECT count(*) FROM kills") == [(1,)]
-    assert Path(pages.__file__).with_name("schema.sql").is_file()
+        connection.execute("PRAGMA user_version = 99")
+    with pytest.raises(InputError, match=r"results.sqlite: is of another version: move it away"):
+        page(INDEX, database)
+
+
+def test_many_may_open_and_add_at_a_time(tmp_path):
+    path = tmp_path / "results.sqlite"
+    files = [regression(tmp_path, number) for number in range(1, 13)]
+    with ThreadPoolExecutor(6) as pool:
+        assert all(pool.map(lambda file: add_evidence(file, path), files))
+        assert len(list(pool.map(lambda _: page(INDEX, path), range(12)))) == 12
+    assert rows(path, "SELECT count(*) FROM result") == [(12,)]

@@ -11,8 +11,10 @@ import pytest
 from triaxis.coverage.stages import read_figures
 from triaxis.golden.errors import InputError
 from triaxis.sim.build import content_hash, rtl_hash
+from triaxis.sim.paths import DUT
 from triaxis.sim.validity import validity
 from triaxis.verif.lint import lint_rtl, rtl_linters
+from triaxis.verif.mutation.equivalence import evidence_hash
 from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.record import FILE as RECORD
 from triaxis.verif.mutation.record import SEED
@@ -248,10 +250,11 @@ def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch,
             "m/op/1", "runtime", "dut/core/a.sv:1", "a", "b", KILLED, "run", "T", "w8", "x", 1, "w8", trial
         )
         record = content_hash([RECORD])
-        recorded = 0 if sample is None else 3
+        taken = (0, 4, 0) if sample is None else (1, 4, 3)
         return MutationResult(
-            (fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), sample, 1, record, 4, recorded
-        )
+            (fate,), (), seed, 1.0, rtl_hash(), killers_hash(), (), sample, 1, record, *taken,
+            evidence_hash(DUT),
+        )  # fmt: skip
 
     monkeypatch.setattr(signoff_parts, "mutate", mutate)
     monkeypatch.setattr(signoff_parts, "known_result", lambda sample: known_result(sample, evidence))
