@@ -21,7 +21,7 @@ from triaxis.verif.commands import results as command
 from triaxis.verif.regress.one_job import SOURCES
 from triaxis.verif.regress.records import State, write_record, write_state
 from triaxis.verif.regress.tests.test_regression_parts import FAILED, PASSED
-from triaxis.verif.results import pages
+from triaxis.verif.results import pages, serving
 from triaxis.verif.results.database import add_evidence, export_parquet, opened
 from triaxis.verif.results.pages import INDEX, names, page, source_page, write_pages
 from triaxis.verif.results.serving import server
@@ -78,7 +78,12 @@ def database(tmp_path):
     first = regression(tmp_path, 1, run(1), run(2), slow)
     better = {"percent": 100.0, "models": {"core_w16_m0": {"claim": {"hit": 33, "total": 33}}}}
     second = regression(
-        tmp_path, 2, run(1), run(2, passed=False, seconds=3.0), coverage=better, problems=["<one> failed"]
+        tmp_path,
+        2,
+        run(1, seconds=2.25),
+        run(2, passed=False, seconds=2.5),
+        coverage=better,
+        problems=["<one> failed"],
     )
     for file in (first, second, signed(tmp_path), mutation(tmp_path, 1)):
         assert add_evidence(file, path)
@@ -108,7 +113,7 @@ def test_what_is_added_counts_once_and_is_what_the_files_say(database, tmp_path)
     assert rows(database, "SELECT said FROM problem") == [("<one> failed",)]
     assert rows(database, "SELECT test, mutants, file FROM kills") == [("MixedTest", 1, FILE)]
     runs = "SELECT runs, failed, pairs, mean_seconds, most_seconds FROM test WHERE test = 'RandomTest'"
-    assert sorted(rows(database, runs)) == [(1, 0, 100, 50.0, 50.0), (5, 1, 500, 2.2, 3.0)]
+    assert sorted(rows(database, runs)) == [(1, 0, 100, 50.0, 50.0), (5, 1, 500, 2.15, 2.5)]
 
 
 def test_seeds_that_both_passed_and_failed_on_the_same_sources_are_flaky(database, tmp_path):
@@ -318,10 +323,21 @@ def status(address, **headers):
         return error.code
 
 
-def test_pages_and_logs_are_served_and_nothing_else(address, database, tmp_path):
+def test_pages_and_logs_are_served_and_nothing_else(address, database, tmp_path, monkeypatch):
     assert status(address) == status(f"{address}/results/result-1.html") == 200
     assert status(address, Host="triaxis.example") == 403
+    monkeypatch.setattr(serving, "BUILD", tmp_path)
+    (tmp_path / "smoke").mkdir()
+    for name in ("smoke/run.log", "run.json"):
+        (tmp_path / name).write_text("said")
+    (tmp_path / "out.log").symlink_to("/etc/passwd")
+    assert status(f"{address}/smoke/run.log") == 200
     for path in (
+        "run.json",
+        "out.log",
+        "%00.log",
+        "results/result-99999999999999999999.html",
+        "smoke/none.log",
         "README.md",
         "build/results/../../README.md",
         "build/%2e%2e/README.md",
@@ -358,6 +374,11 @@ def test_a_browser_sorts_and_filters_by_keyboard_and_reads_the_roles(address, tm
         browser.until(f"{table}.tHead.rows[0].cells[4].getAttribute('aria-sort')", "ascending")
         assert seeds() == "1,2"
         press("Enter", 13, text="\r")
+        assert seeds() == "2,1"
+        # 2.25 and 2.5: as numbers.
+        browser.value(f"{table}.tHead.rows[0].cells[6].querySelector('button').click()")
+        assert seeds() == "1,2"
+        browser.value(f"{table}.tHead.rows[0].cells[6].querySelector('button').click()")
         assert seeds() == "2,1"
         field = f"{table}.previousElementSibling.previousElementSibling.querySelector('input')"
         browser.value(f"{field}.focus()")
