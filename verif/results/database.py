@@ -33,6 +33,7 @@ _STAMP = (
     "passed",
     "summary",
     "seconds",
+    "git_commit",
     "rtl_hash",
     "environment_hash",
     "verilator",

@@ -51,7 +51,7 @@ def regression(folder, number, *runs, **changes):
         "begun": f"2026-01-{number:02}T01:00:00+00:00", "finished": f"2026-01-{number:02}T02:00:00+00:00",
         "pairs_checked": 100 * len(runs), "runs": runs, "flaky": [],
         "coverage": {"percent": 99.5, "models": {"core_w16_m0": {"claim": {"hit": 32, "total": 33}}}},
-        **changes,
+        "git_commit": "0123abcd", **changes,
     }  # fmt: skip
     return write_evidence(folder / f"results-{number}.json", content, SOURCES)
 
@@ -105,6 +105,7 @@ def test_what_is_added_counts_once_and_is_what_the_files_say(database, tmp_path)
         ("nightly", 1, 300, 0, 99.5), ("nightly", 0, 200, 1, 100.0), ("sign-off", 1, 100_000_000, 0, 100.0),
         ("mutation", 1, None, None, None),
     ]  # fmt: skip
+    assert rows(database, "SELECT DISTINCT git_commit FROM result WHERE kind = 'nightly'") == [("0123abcd",)]
     # Killed after it was added, and continued: it ended later, and is the same.
     again = regression(tmp_path, 1, run(1), run(2), finished="2026-01-01T03:00:00+00:00")
     assert not add_evidence(again, database)
