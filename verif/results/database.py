@@ -1,7 +1,7 @@
 """The database of results: schema.sql filled from the evidence that runs leave, and read as rows.
 
 Evidence is added as it is, from this machine or from another: the same file twice counts once. A row is never
-changed afterwards.
+changed afterwards, but older mutants go.
 """
 
 import hashlib

@@ -236,6 +236,7 @@ def test_a_whole_sign_off_makes_what_is_not_there_and_takes_what_is(tmp_path, mo
         made.clear()
 
 
+@pytest.mark.prover
 @pytest.mark.parametrize(("whole", "wanted"), [(False, [7]), (True, [7, None])])
 def test_a_whole_sign_off_takes_no_mutant_from_the_record(tmp_path, monkeypatch, whole, wanted):
     """Nor from a result in build/ that did."""
