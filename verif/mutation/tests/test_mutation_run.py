@@ -518,16 +518,18 @@ def one(killed=None):
     """Return the result of a run over one mutant, equivalent unless it was killed."""
     outcome = outcomes.Outcome(first(), killed, ("w8_m8",))
     fates = (result.fate_of(outcome, True),)
-    return result.MutationResult(fates, (), 1, 1.0, result.rtl_hash(), result.killers_hash())
+    states = result.rtl_hash(), result.killers_hash()
+    evidence = equivalence.evidence_hash(DUT)
+    return result.MutationResult(fates, (), 1, 1.0, *states, evidence_hash=evidence)
 
 
-@pytest.mark.parametrize("what", ["rtl_hash", "killers_hash"])
+@pytest.mark.parametrize("what", ["rtl_hash", "killers_hash", "evidence_hash"])
 def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
     found = one()
     assert found.fates[0].fate == EQUIVALENT
     path = result.write_result(found, "test", tmp_path / "mutation.json")
     assert result.known_result(None, path) is not None
-    monkeypatch.setattr(result, what, lambda: "another")
+    monkeypatch.setattr(result, what, lambda *_: "another")
     assert result.known_result(None, path) is None
     assert result.known_result(None, tmp_path / "none.json") is None
 
@@ -535,10 +537,7 @@ def test_a_result_of_another_state_is_not_taken(tmp_path, monkeypatch, what):
 def test_a_result_that_rests_on_a_record_is_taken_with_that_record_and_sample_alone(tmp_path, monkeypatch):
     monkeypatch.setattr(result, "RECORD", tmp_path / "record.json")
     (tmp_path / "record.json").write_text("one")
-    found = replace(
-        one(), sample=7, record_hash=content_hash([tmp_path / "record.json"]),
-        evidence_hash=equivalence.evidence_hash(DUT),
-    )  # fmt: skip
+    found = replace(one(), sample=7, record_hash=content_hash([tmp_path / "record.json"]))
     path = result.write_result(found, "test", tmp_path / "mutation.json")
     assert result.known_result(7, path) is not None
     assert result.known_result(8, path) is None and result.known_result(None, path) is None
