@@ -3,7 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -17,12 +17,13 @@ from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
 from triaxis.host.cli.path import add_program, read_moves
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.enclosure import NOT_ASKED, State
-from triaxis.host.engines import BULK, scene_engine
+from triaxis.host.enclosure import Enclosure, State
+from triaxis.host.engines import BULK, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.hal import HalPositions
 from triaxis.host.link.positions import Positions
+from triaxis.host.motion.contact import Setup
 from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
@@ -39,9 +40,10 @@ from triaxis.host.motion.machine import Tool
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import insides_at
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted, prepare_path
+from triaxis.host.motion.supervision import Names, Supervision
 from triaxis.host.page import Page
 from triaxis.host.report import write_report
-from triaxis.host.stl import Facets, StlMesh, read_stl
+from triaxis.host.stl import Facets, read_stl
 
 _LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
@@ -113,23 +115,25 @@ def run(options: argparse.Namespace) -> int:
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
-    if machine.objects or machine.rotary:
+    if machine.rotary:
         raise InputError(
-            f"{options.tool}: objects: the board is not asked for them here: check them with path"
+            f"{options.tool}: {', '.join(sorted(machine.rotary))}: the board holds meshes as they stand: "
+            "check what turns with path"
         )
-    work = read_stl(options.work)
+    work, parts = read_stl(options.work), program.stretches
+    tools = [given or machine.tools[part.moves[0].tool] for part in parts]
     with board_of(options) as board:
         assert board
         operations = [
-            _operation(options, board, given or machine.tools[part.moves[0].tool], work, part)
-            for part in program.stretches
+            _operation(options, board, Setup(tool, (work, options.work), None, machine, options.scale), part)
+            for tool, part in zip(tools, parts, strict=True)
         ]
         count = sum(len(one.pieces) for one in operations)
-        for one in operations:
-            insides = NOT_ASKED if options.surfaces_only else insides_at(one.scene)
-            if insides.state not in (State.OUTSIDE, State.NOT_ASKED):
-                insides.refuse_undecided((one.tool.name, str(options.work)))
-                return _told(options, Followed(), count, "inside")
+        for one in operations if not options.surfaces_only else ():
+            for insides, files, names in one.insides():
+                if insides.state != State.OUTSIDE:
+                    insides.refuse_undecided(files)
+                    return _told(options, Followed(), count, "inside", names)
         print(f"board: {about(board.description)}")
         print(f"path: {program.path}, {len(program.moves)} moves, {count} pieces")
         for note in program.notes:
@@ -142,12 +146,12 @@ def run(options: argparse.Namespace) -> int:
         if page is not None:
             print(f"page: {page.address}", flush=True)
         try:
-            done, verdict = _follow(options, board, operations, page)
+            done, verdict, names = _follow(options, board, operations, page)
         except InputError as error:
             if page is not None:
                 page.tell(stopped=str(error))
             raise
-    return _told(options, done, count, verdict, self_tested(options))
+    return _told(options, done, count, verdict, names, self_tested(options))
 
 
 @dataclass(frozen=True)
@@ -155,29 +159,49 @@ class _Operation:
     """A part of the program with one tool, and its pieces."""
 
     tool: Tool
-    work: StlMesh
+    supervised: Supervision
     scene: PathScene
+    engine: SceneEngine
     pieces: Sequence[Piece]
 
+    def insides(self) -> Iterator[tuple[Enclosure, Names, Names]]:
+        """Yield whether one of two is inside the other at the start, their files, and their names."""
+        sides = self.supervised.tool, self.supervised.work
+        files, names = (sides[0].files, sides[1].files), (sides[0].name, sides[1].name)
+        yield insides_at(self.scene), files, names
+        for beside in self.supervised.beside:
+            yield beside.insides, beside.rule.files, beside.rule.names
 
-def _operation(
-    options: argparse.Namespace, board: Board, tool: Tool, work: StlMesh, program: Program
-) -> _Operation:
+    def near_objects(self, piece: Piece) -> Names:
+        """Return two objects that are near in a piece, by the engine that cut it."""
+        if piece.beside is not None:
+            return piece.beside
+        near = self.engine.run(piece.sample, piece.margin, stop_at_first=True).near
+        a, b = map(int, near[0]) if len(near) else (0, 0)
+        return self.supervised.tool.named(a), self.supervised.work.named(b)
+
+
+def _operation(options: argparse.Namespace, board: Board, setup: Setup, program: Program) -> _Operation:
     wanted = Wanted(
         options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
     )
-    scene = prepare_path(tool.mesh, work, (tool.name, str(options.work)), program, wanted)
+    supervised = Supervision.of(setup, program, wanted)
+    tool, work = supervised.tool, supervised.work
+    scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wanted)
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     with progress_bar("pieces are cut", 1) as progress:
-        found = pieces(scene, engine, options.length)
+        found = pieces(scene, engine, options.length, beside=partial(supervised.near_beside, scene))
         progress(1)
-    return _Operation(tool, work, scene, found)
+    return _Operation(setup.tool, supervised, scene, engine, found)
 
 
 def _follow(
     options: argparse.Namespace, board: Board, operations: Sequence[_Operation], page: Page | None
-) -> tuple[Followed, str]:
-    """Follow the machine through one operation after the other; return how far it came, and the verdict."""
+) -> tuple[Followed, str, Names | None]:
+    """Follow the machine through one operation after the other.
+
+    Returns how far it came, the verdict, and, where that is near, what is near.
+    """
     if not options.hal:
         positions = None if options.simulate else Positions(options.positions)
         return _through(options, board, operations, positions, page)
@@ -191,7 +215,7 @@ def _follow(
 def _through(
     options: argparse.Namespace, board: Board, operations: Sequence[_Operation],
     positions: Source | None, page: Page | None,
-) -> tuple[Followed, str]:  # fmt: skip
+) -> tuple[Followed, str, Names | None]:  # fmt: skip
     done = Followed()
     for number, one in enumerate(operations):
         scene = one.scene
@@ -211,13 +235,15 @@ def _through(
         else:
             report = partial(_with_tool, positions, one.tool)
             if not _come_to_start(board, positions, one.tool, follower if number else None):
-                return done, "ended"
+                return done, "ended", None
         ends = one is operations[-1]
         seen = _told_to(page, positions, scene, follower, done.asked)
         done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends, seen))
-        if done.near or not follower.at_the_end:
-            return done, "near" if done.near else "ended"
-    return done, "followed"
+        if done.near:
+            return done, "near", one.near_objects(done.near)
+        if not follower.at_the_end:
+            return done, "ended", None
+    return done, "followed", None
 
 
 def _shown(options: argparse.Namespace, one: _Operation) -> tuple[Facets, Facets, NDArray[np.float64], str]:
@@ -226,7 +252,8 @@ def _shown(options: argparse.Namespace, one: _Operation) -> tuple[Facets, Facets
     places = [one.pieces[0].start, *(piece.end for piece in one.pieces)]
     ends = np.array([_millimetres(one.scene, place) for place in places])
     title = f"{one.tool.name} along {one.scene.program.path.name}"
-    return one.tool.mesh.facets * scale, one.work.facets * scale, ends, title
+    tool, work = (side.mesh.facets * scale for side in (one.supervised.tool, one.supervised.work))
+    return tool, work, ends, title
 
 
 def _millimetres(scene: PathScene, place: GridPoint) -> list[float]:
@@ -294,6 +321,7 @@ def _told(
     done: Followed,
     count: int,
     verdict: str,
+    names: Names | None,
     tested: dict[str, str] | None = None,
 ) -> int:
     """Print what came of it, and write the report."""
@@ -303,13 +331,16 @@ def _told(
             {
                 "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
                 "line": done.near.line if done.near else None,
+                "what": names[0] if names else None, "of": names[1] if names else None,
                 "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
                 **(tested or {}),
             },
         )  # fmt: skip
+    one, other = names or ("", "")
     what = {
-        "near": f"NEAR: line {done.near.line if done.near else 0}: the machine was stopped before it",
-        "inside": "NEAR: one is inside the other at the start: go was never said",
+        "near": f"NEAR: line {done.near.line if done.near else 0}: the machine was stopped before it, where "
+        f"{one} comes near {other}",
+        "inside": f"NEAR: of {one} and {other} one is inside the other at the start: go was never said",
         "followed": "FOLLOWED: to the end of the program",
         "ended": "ENDED: the positions ended before the program did",
     }[verdict]

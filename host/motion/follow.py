@@ -44,8 +44,8 @@ class Piece:
 
     Each of its places is at most ``reach`` from the sample. ``end``: where the tool leaves it; ``way``: how
     far it goes in it at least. Of a ``rapid`` that takes an unknown way it may pass over pieces: they have
-    its number, the start and the end of the whole, and no way but the last one's. ``near``: the engine that
-    cuts does not find it clear.
+    its number, the start and the end of the whole, and no way but the last one's. ``near``: it is not found
+    clear when it is cut. ``beside``: the objects, of those that the board is not asked about, that are not.
     """
 
     sample: Translation
@@ -59,6 +59,7 @@ class Piece:
     high: GridPoint
     rapid: int | None = None
     near: bool = False
+    beside: tuple[str, str] | None = None
 
     def holds(self, place: GridPoint) -> bool:
         """Return whether a place is covered by its sample."""
@@ -70,15 +71,21 @@ def _apart(a: GridPoint, b: Sequence[Rational | int]) -> Rational:
 
 
 def pieces(
-    scene: PathScene, engine: SceneEngine, shortest: Fraction, longest: Fraction | None = None
+    scene: PathScene,
+    engine: SceneEngine,
+    shortest: Fraction,
+    longest: Fraction | None = None,
+    beside: Callable[[Segment], tuple[str, str] | None] = lambda _: None,
 ) -> tuple[Piece, ...]:
     """Return the pieces of a path in its order: as long as an engine finds them clear, short moves together.
 
     ``shortest``: what is not clear is not cut further where it is no longer than that, in millimetres;
-    ``longest``: nor is anything longer than that. Raises InputError where a margin does not fit the engine.
+    ``longest``: nor is anything longer than that; ``beside``: what else is not clear where the sample of a
+    segment covers it (`supervision`). Raises InputError where a margin does not fit the engine.
     """
     step = scene.wanted.resolution
-    cut = _Cut(scene, engine, Rational(shortest / step), Rational(longest / step) if longest else None)
+    longest_steps = Rational(longest / step) if longest else None
+    cut = _Cut(scene, engine, Rational(shortest / step), longest_steps, beside)
     found = list[Piece]()
     moves = scene.program.moves
     first, together = 0, len(moves)
@@ -106,13 +113,15 @@ class _Cut:
     engine: SceneEngine
     shortest: Rational
     longest: Rational | None
+    beside: Callable[[Segment], tuple[str, str] | None]
 
     def as_it_is(self, segment: Segment) -> bool:
         """Return whether all of a segment is clear by one pose, and it is not too long."""
         margin = self.scene.path.margin(segment)
         if margin > self.scene.largest_margin or (self.longest and segment.length > self.longest):
             return False
-        return not self.engine.run(segment.sample, margin, stop_at_first=True).near_count
+        run = self.engine.run(segment.sample, margin, stop_at_first=True)
+        return not run.near_count and self.beside(segment) is None
 
     def move(self, number: int) -> Iterator[Piece]:
         """Yield the pieces of one move, in the order in which the tool comes to them."""
@@ -131,7 +140,7 @@ class _Cut:
             else:
                 way = Rational(0) if pending else _way(self.scene, number)
                 piece = _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
-            yield replace(piece, near=not clear)
+            yield piece if clear else replace(piece, near=True, beside=self.beside(segment))
 
 
 def _way(scene: PathScene, number: int) -> Rational:
@@ -349,6 +358,11 @@ def follow(
         piece = follower.pieces[number]
         if now() - since > follower.lag:
             raise _late(now() - since, follower)
+        if piece.beside is not None:
+            # The board knows nothing of it: what it permitted before ends by itself.
+            seen(number, hold, False, now() - since)
+            done.permitted, done.near = follower.permitted, piece
+            return done
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)
         lag = now() - since

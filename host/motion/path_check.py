@@ -144,7 +144,7 @@ def check_path(
     while index < len(moves):
         together = min(together, len(moves) - index)
         if together > 1:
-            if _proven(scene, engine, scene.group(index, index + together), result):
+            if shown_clear(scene, engine, scene.group(index, index + together), result):
                 progress(together)
                 index, together = index + together, 2 * together
             else:
@@ -194,7 +194,7 @@ def insides_at(scene: PathScene, index: int = 0) -> Enclosure:
     return enclosure(a.moved(start), b, scene.extents[index:end] - start)
 
 
-def _proven(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:
+def shown_clear(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:
     """Return whether a pose, or the objects' boxes, show that all of a segment is clear."""
     level = _level(result, segment)
     if _boxes_apart(scene, segment):
@@ -221,7 +221,7 @@ def _first_near(
     pending, clear = [move], 0
     while pending:
         segment = pending.pop()
-        if _proven(scene, engine, segment, result):
+        if shown_clear(scene, engine, segment, result):
             clear += 1
             continue
         margin = scene.path.margin(segment)

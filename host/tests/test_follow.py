@@ -1,6 +1,7 @@
 """A machine is followed through a program: where it may be, for how long, and what stops it."""
 
 import io
+import json
 import os
 import shutil
 import subprocess
@@ -432,6 +433,85 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)
+    assert top.stop
+
+
+OBJECTS = """rapids = "straight"
+loaded = 1
+[offsets]
+G54 = [0.0, 0.0, -250.0]
+[[tools]]
+number = 1
+length = 50
+mesh = "tool.stl"
+[[objects]]
+name = "bed"
+mesh = "post.stl"
+[[objects]]
+name = "saddle"
+axis = "-Y"
+[[objects]]
+name = "table"
+on = "saddle"
+axis = "-X"
+mesh = "table.stl"
+[[objects]]
+name = "head"
+axis = "Z"
+mesh = "head.stl"
+at = [0.0, 0.0, 250.0]
+[spindle]
+on = "head"
+nose = [0.0, 0.0, 250.0]
+[workpiece]
+on = "table"
+"""
+
+
+@pytest.mark.simulator
+def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    for name, corners in {
+        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
+        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (65, 40, 60)),
+        "w": ((-20, -20, 0), (-10, 20, 70)),
+    }.items():  # fmt: skip
+        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    ticks = count()
+    monkeypatch.setattr(follow_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, text=OBJECTS):
+            machine.write_text(text)
+            program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
+            arguments = [str(machine), str(work), str(program), "--port", served.path, "--simulate"]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
+            status = main(["board", "follow", *arguments, "--json", str(report), "--skip-self-test"])
+            found = json.loads(report.read_text())
+            return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
+
+        status, near, said = run("G0 Z30\nX5 Y5\nG1 X-3")
+        assert (status, near, said.err) == (0, (None, None, None), "")
+        # By X and Y, of which the board knows nothing; by Z; and by all three, which it is asked about.
+        for lines, near in (
+            ("G0 Z60\nX-9.6", (3, "the bed", "the table")),
+            ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head")),
+            ("G0 Z30\nG1 Z20.4", (3, "the head", "the workpiece")),
+        ):
+            status, found, said = run(lines)
+            assert (status, found) == (1, near), said
+            assert (
+                f"NEAR: line {near[0]}: the machine was stopped before it, where {near[1]} comes" in said.out
+            )
+        touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
+        assert "may_touch: head and workpiece: the board is asked" in run("G0 Z60", touching)[2].err
+        turning = OBJECTS.replace('axis = "-Y"', 'axis = "-Y"\n[[objects]]\nname = "c"\non = "saddle"\n')
+        turning = turning.replace('on = "saddle"\n\n', 'on = "saddle"\naxis = "C"\npivot = [0.0, 0.0, 0.0]\n')
+        assert "C: the board holds meshes as they stand" in run("G0 Z60", turning)[2].err
+        # A table that has a bed inside it.
+        scenes.write_stl(tmp_path / "post.stl", scenes.box((-5, -5, -7), (5, 5, -3)))
+        status, found, said = run("G0 Z60")
+        assert status == 1 and "NEAR: of the bed and the table one is inside the other" in said.out
     assert top.stop
 
 

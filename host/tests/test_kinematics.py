@@ -4,7 +4,8 @@ import json
 import shutil
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import combinations
+from functools import partial
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +13,20 @@ import pytest
 
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Rational
 from triaxis.host import figures, scenes
 from triaxis.host.cli import main
+from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.motion import picture, rule_check
+from triaxis.host.motion.contact import Setup
+from triaxis.host.motion.follow import pieces
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move
+from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
+from triaxis.host.motion.supervision import Supervision
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import near_facets
 from triaxis.host.stl import StlMesh, read_stl
@@ -120,15 +127,15 @@ class Thing:
     at: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
 
-def made_up(rng):
-    """Return a machine by random: its file, its objects, what carries tool and workpiece, where these are."""
+def made_up(rng, turning=True):
+    """Return a machine by random: its objects, what carries tool and workpiece, where these are."""
     sides = rng.integers(0, 2, 3)
     things, ends = {}, []
     for side, sign in ((0, ""), (1, "-")):
         on = None
         axes = [sign + letter for letter, at in zip("XYZ", sides, strict=True) if at == side]
-        turning = rng.choice(list("ABC"), rng.integers(0, 4), replace=False)
-        axes = [*rng.permutation(axes), *(rng.choice(["", "-"]) + letter for letter in turning), None]
+        turned = rng.choice(list("ABC"), rng.integers(0, 4) if turning else 0, replace=False)
+        axes = [*rng.permutation(axes), *(rng.choice(["", "-"]) + letter for letter in turned), None]
         for axis in axes:
             name = f"thing {len(things)}"
             mesh = rng.uniform(-7, 7, (4, 3)).round(3) if rng.random() < 0.5 else None
@@ -270,10 +277,16 @@ def holds(piece, part, real, free):
     return bool(((np.minimum(low, high) <= real[3:]) & (real[3:] <= np.maximum(low, high))).all())
 
 
-@pytest.mark.parametrize("number", range(24))
-def test_machines_made_up(checked, tmp_path, rng, number):
-    things, (spindle, table), nose, zero = made_up(rng)
-    length, start = 6.0, rng.uniform(-9, 9, 3).round(2)
+LENGTH = 6.0
+
+
+def written(tmp_path, rng, turning=True):
+    """Write the meshes of a machine by random.
+
+    Returns its file, its objects, what they carry of which mesh, the base of its coordinates, whether rapids
+    are straight.
+    """
+    things, (spindle, table), nose, zero = made_up(rng, turning)
     meshes, parts = {}, []
     for name, thing in things.items():
         if thing.mesh is not None:
@@ -284,18 +297,31 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         parts.append(entry(name, thing.on, thing.axis, pivot, file, thing.at.tolist()))
     small = scenes.box((-2, -2, 0), (2, 2, 6)), scenes.box((-5, -4, -3), (5, 4, 3))
     for name, mesh, on, at in (
-        ("tool", small[0], spindle, nose - [0, 0, length]), ("work", small[1], table, nose + zero),
+        ("tool", small[0], spindle, nose - [0, 0, LENGTH]), ("work", small[1], table, nose + zero),
     ):  # fmt: skip
         scenes.write_stl(tmp_path / f"{name}.stl", mesh)
         meshes[{"tool": "tool", "work": "workpiece"}[name]] = on, mesh.astype(np.float64) + at
-    letters = {thing.axis[-1] for thing in things.values() if thing.axis and thing.axis[-1] in "ABC"}
     straight = rng.random() < 0.7
     machine = "".join(
         (
             f'rapids = "{"straight" if straight else "any"}"\nloaded = 1\n[offsets]\nG54 = {zero.tolist()}\n',
-            TOOL.format(length), *parts, carriers(spindle, table, nose.tolist()),
+            TOOL.format(LENGTH), *parts, carriers(spindle, table, nose.tolist()),
         )
     )  # fmt: skip
+    base = np.array([zero[0], zero[1], zero[2] + LENGTH, 0, 0, 0])
+    return machine, things, meshes, base, straight
+
+
+def near_by(things, meshes, one, other, pose, distance):
+    """Return whether two objects are within a distance at a pose of the machine."""
+    return within(*(moved(things, *meshes[name], pose) for name in (one, other)), distance)
+
+
+@pytest.mark.parametrize("number", range(24))
+def test_machines_made_up(checked, tmp_path, rng, number):
+    machine, things, meshes, base, straight = written(tmp_path, rng)
+    letters = {thing.axis[-1] for thing in things.values() if thing.axis and thing.axis[-1] in "ABC"}
+    start = rng.uniform(-9, 9, 3).round(2)
     here, poses, lines = np.zeros(6), [], []
     here[:3] = start
     for _ in range(rng.integers(1, 5)):
@@ -314,7 +340,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         here = to
     if not lines:
         return
-    first = [str(c) for c in start + np.array([0, 0, length])]
+    first = [str(c) for c in start + np.array([0, 0, LENGTH])]
     status, said, report = checked(
         machine,
         "\n".join(lines),
@@ -326,22 +352,62 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         start=first,
     )
     assert status < 2, said
-    base = np.array([zero[0], zero[1], zero[2] + length, 0, 0, 0])
-
-    def near(one, other, pose, distance):
-        a, b = (moved(things, meshes[name][0], meshes[name][1], pose + base) for name in (one, other))
-        return within(a, b, distance)
-
+    near = partial(near_by, things, meshes)
     if status:
         found = report["near"]
         pose = np.array([float(c) for c in (*found["position"], *found["angles"])])
         what, of = (report[key].removeprefix("the ") for key in ("what", "of"))
-        assert near(what, of, pose, 0.3 + float(report["false_alarm_band"]) + 1e-5), said
+        assert near(what, of, pose + base, 0.3 + float(report["false_alarm_band"]) + 1e-5), said
         return
     for one, other in combinations(meshes, 2):
         if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0]):
             for pose in poses:
-                assert not near(one, other, pose, 0.3 - 1e-5), (one, other, pose, machine, lines)
+                assert not near(one, other, pose + base, 0.3 - 1e-5), (one, other, pose, machine, lines)
+
+
+@pytest.mark.parametrize("number", range(24))
+def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, rng, number):
+    """And where one does not, two are near at some place of it, but for the band of false alarms."""
+    text, things, meshes, base, _ = written(tmp_path, rng, turning=False)
+    (tmp_path / "m.toml").write_text(text)
+    machine, program = read_machine(tmp_path / "m.toml"), tmp_path / "p.nc"
+    places = rng.uniform(-15, 15, (5, 3)).round(2)
+    lines = [f"G{int(rng.integers(2))} X{x} Y{y} Z{z}" for x, y, z in places[1:]]
+    program.write_text("\n".join(("G21 G90 G61 G43 H1 F100", *lines, "")))
+    read = read_program(program, exactly(places[0] + [0, 0, LENGTH]), False, machine)
+    wanted = Wanted(Fraction(3, 10), Fraction(1, 100), Fraction(2), Fraction(1), None)
+    work = read_stl(tmp_path / "work.stl"), tmp_path / "work.stl"
+    setup = Setup(machine.tools[1], work, None, machine)
+    supervised = Supervision.of(setup, read, wanted)
+    sides = supervised.tool.mesh, supervised.work.mesh
+    scene = prepare_path(*sides, (supervised.tool.files, supervised.work.files), read, wanted)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    found = pieces(scene, engine, Fraction(2), beside=partial(supervised.near_beside, scene))
+    pairs = [
+        (one, other)
+        for one, other in combinations(meshes, 2)
+        if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0])
+    ]
+    chosen = rng.choice(len(found), min(len(found), 40), replace=False)
+    for piece in (found[k] for k in chosen):
+        sample = np.array([float(c) for c in scene.path.position(vector(map(Rational, piece.sample)))])
+        reach = float(piece.reach) / 100
+        cube = sample + reach * np.array([*product((-1, 0, 1), repeat=3)])
+        for one, other in pairs:
+            seen = [
+                near_by(things, meshes, one, other, np.append(place, [0, 0, 0]) + base, distance)
+                for place, distance in [(place, 0.3 - 1e-5) for place in cube] * (not piece.near)
+            ]
+            assert not any(seen), (one, other, piece, text, lines)
+        if piece.near:
+            assert reach < 2
+            beyond = 0.3 + 4 * reach + 0.05
+            names = [name.removeprefix("the ") for name in piece.beside] if piece.beside else None
+            for one, other in [names] if names else pairs:
+                if near_by(things, meshes, one, other, np.append(sample, [0, 0, 0]) + base, beyond):
+                    break
+            else:
+                raise AssertionError((piece, text, lines))
 
 
 def test_both_readers_turn_alike(tmp_path):

@@ -50,7 +50,7 @@ from triaxis.verif.code_coverage.state_machines import covers, state_machines
 from triaxis.verif.core.detector_check import ask_at_random
 from triaxis.verif.testbench.assertions import with_antecedents
 from triaxis.verif.testbench.settings import BURST, TEST_DATA, TEST_MODULES, Block, counters_file
-from triaxis.verif.testbench.simulation import RunResult, run, run_settings
+from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import table
 
 RESULT = BUILD / "coverage" / "code.json"
@@ -71,6 +71,8 @@ CORES = (
     Configuration(12, 0, certified=True),
 )
 DETECTOR_WIDTH = 16
+# What asks the wrapper, where others run tests.
+WRAPPER_CHECK = "check_detector"
 
 # The mesh engine, where several words of lanes make a group, and several a mesh; with margins and
 # certificates, and without.
@@ -179,85 +181,118 @@ def covered(configuration: Measured) -> Build:
 
 
 @dataclass(frozen=True)
-class _Job:
-    """One build, and the tests that run on it."""
+class _Counted:
+    """A model that counts: its configuration and its build."""
 
     configuration: Measured
-    seed: int
-    pairs: int
-    waivers: list[Waiver]
+    build: Build
 
-    @property
-    def model(self) -> Build:
-        """Return the build."""
-        return covered(self.configuration)
+    @classmethod
+    def make(cls, configuration: Measured) -> "_Counted":
+        """Build and elaborate the model, where needed."""
+        build = covered(configuration)
+        library(build)
+        described(build)
+        return cls(configuration, build)
 
-    @property
-    def tests(self) -> dict[str, int]:
+    def tests(self, seed: int, pairs: int) -> list["_Test"]:
         """Return the tests that run on it, and how many pairs or replies each is asked for."""
         if isinstance(self.configuration, BoardParameters):
-            return {one.name: one.runs[0].pairs for one in table().values() if one.block is Block.BOARD}
-        if isinstance(self.configuration, MeshConfiguration):
-            return _MESH_TESTS
-        return _CERTIFIED_TESTS if self.configuration and self.configuration.certified else _CORE_TESTS
+            named = {one.name: one.runs[0].pairs for one in table().values() if one.block is Block.BOARD}
+        elif isinstance(self.configuration, MeshConfiguration):
+            named = _MESH_TESTS
+        elif self.configuration is None:
+            named = {WRAPPER_CHECK: PAIRS}
+        else:
+            named = _CERTIFIED_TESTS if self.configuration.certified else _CORE_TESTS
+        return [_Test(self.build, name, -(-pairs * count // PAIRS), seed) for name, count in named.items()]
 
-    def build(self) -> None:
-        """Build and elaborate the model, where needed."""
-        library(self.model)
-        described(self.model)
 
-    def run(self) -> tuple[list[Run], Assessment]:
-        """Run the tests, and assess the coverage of the model."""
-        model = self.model
-        file = COUNTERS / f"{model.name}.dat"
-        runs = [self._ask_wrapper(file)] if self.configuration is None else self._run_tests(file)
-        own = {source.stem for source in own_sources(self.configuration)}
-        design = read_elaboration(described(model), model.top)
-        instances = {path: one for path, one in design.items() if one.module in own}
-        return runs, assess_model(ModelCoverage(model.name, read_counters(file), instances), self.waivers)
+@dataclass(frozen=True)
+class _Test:
+    """One test of so many pairs on a model."""
 
-    def _run_tests(self, file: Path) -> list[Run]:
-        """Run the environment's tests on the model, and add up what they covered."""
-        path, model = library(self.model), self.model.name
-        results: list[RunResult] = []
-        for test, pairs in self.tests.items():
-            count = -(-self.pairs * pairs // PAIRS)
-            settings = run_settings(
-                test, model, self.seed, count, folder=COUNTERS / f"{model}-{test}", agent=BURST,
-                judged_one_in=_JUDGED_ONE_IN,
-            )  # fmt: skip
-            results.append(run(settings, model=path))
-            if not results[-1].passed:
-                raise InputError(f"code coverage: {results[-1].explain()}")
-        folders = [Path(result.settings.folder) for result in results]
-        add_files([counters_file(folder) for folder in folders], file)
-        for folder in folders:
-            counters_file(folder).unlink()
-        return [
-            Run(model, one.settings.test, one.counts["checked"], one.counts["failed"], one.seconds)
-            for one in results
-            if one.counts
-        ]
+    build: Build
+    name: str
+    pairs: int
+    seed: int
 
-    def _ask_wrapper(self, file: Path) -> Run:
+    @property
+    def folder(self) -> Path:
+        """Return where it runs."""
+        return COUNTERS / f"{self.build.name}-{self.name}"
+
+    def run(self) -> Run:
+        """Run it, which leaves its counters in the folder; raise InputError where it fails."""
+        if self.name == WRAPPER_CHECK:
+            return self._ask_wrapper()
+        settings = run_settings(
+            self.name, self.build.name, self.seed, self.pairs, folder=self.folder, agent=BURST,
+            judged_one_in=_JUDGED_ONE_IN,
+        )  # fmt: skip
+        result = run(settings, model=library(self.build))
+        if not result.passed or not result.counts:
+            raise InputError(f"code coverage: {result.explain()}")
+        counts = result.counts
+        return Run(self.build.name, self.name, counts["checked"], counts["failed"], result.seconds)
+
+    def _ask_wrapper(self) -> Run:
         start = time.perf_counter()
-        player = DetectorPlayer(library(self.model))
+        player = DetectorPlayer(library(self.build))
         pairs, wrong = ask_at_random(player, self.seed, DETECTOR_WIDTH)
-        player.write_coverage(file)
-        return Run(self.model.name, "check_detector", pairs, wrong, time.perf_counter() - start)
+        make_folder(self.folder)
+        player.write_coverage(counters_file(self.folder))
+        return Run(self.build.name, self.name, pairs, wrong, time.perf_counter() - start)
 
 
-def _run_all(jobs: list[_Job], progress: Callable[[int], None]) -> list[tuple[list[Run], Assessment]]:
-    """Build in threads, which only wait for compilers; then run in processes, whose work is Python's."""
+@dataclass(frozen=True)
+class _Count:
+    """What the tests of a model counted together."""
+
+    model: _Counted
+    folders: Sequence[Path]
+    waivers: list[Waiver]
+
+    def assess(self) -> Assessment:
+        """Add up what they counted, and assess it."""
+        build = self.model.build
+        file = COUNTERS / f"{build.name}.dat"
+        counted = [counters_file(folder) for folder in self.folders]
+        add_files(counted, file)
+        for one in counted:
+            one.unlink()
+        own = {source.stem for source in own_sources(self.model.configuration)}
+        design = read_elaboration(described(build), build.top)
+        instances = {path: one for path, one in design.items() if one.module in own}
+        return assess_model(ModelCoverage(build.name, read_counters(file), instances), self.waivers)
+
+
+def _run_all(
+    models: Sequence[Measured], seed: int, pairs: int, waivers: list[Waiver], progress: Callable[[int], None]
+) -> tuple[list[Run], list[Assessment]]:
+    """Build in threads, which only wait for compilers; then run and assess in processes.
+
+    A process takes a test, and not all of a model: the board's take as long as those of all others.
+    """
+    counted: list[_Counted] = []
     with ThreadPoolExecutor(_JOBS) as threads:
-        for _ in threads.map(_Job.build, jobs):
+        for one in threads.map(_Counted.make, models):
+            counted.append(one)
             progress(1)
-    done: list[tuple[list[Run], Assessment]] = []
-    with closing(results_in_processes(_Job.run, jobs, workers=_JOBS)) as results:
-        for outcome in results:
-            done.append(outcome)
+    tests = [one.tests(seed, pairs) for one in counted]
+    with closing(
+        results_in_processes(_Test.run, [one for some in tests for one in some], workers=_JOBS)
+    ) as ran:
+        runs = list(ran)
+    counts = [
+        _Count(one, [test.folder for test in some], waivers) for one, some in zip(counted, tests, strict=True)
+    ]
+    assessments: list[Assessment] = []
+    with closing(results_in_processes(_Count.assess, counts, workers=_JOBS)) as assessed:
+        for one in assessed:
+            assessments.append(one)
             progress(1)
-    return done
+    return runs, assessments
 
 
 def measure(
@@ -275,18 +310,17 @@ def measure(
     """
     start = time.perf_counter()
     read = read_waivers(waivers)
-    jobs = [_Job(one, seed, pairs, read) for one in (*boards, *engines, *cores, None)]
     # Two runs at once would write each other's counters.
     make_folder(COUNTERS)
     with FileLock(COUNTERS / ".lock"):
         before = rtl_hash()
-        done = _run_all(jobs, progress or (lambda _: None))
+        models = (*boards, *engines, *cores, None)
+        runs, assessments = _run_all(models, seed, pairs, read, progress or (lambda _: None))
         together = Assessment()
-        for _, assessment in done:
+        for assessment in assessments:
             together.add(assessment)
         whole = conclude(together, generate_blocks([*rtl_sources(), *mesh_sources(), *board_sources()]), read)
         changed = rtl_hash() != before
-    runs = [run for some, _ in done for run in some]
     return CodeCoverage(runs, whole, read, time.perf_counter() - start, before, changed)
 
 
