@@ -379,8 +379,8 @@ def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, 
     work = read_stl(tmp_path / "work.stl"), tmp_path / "work.stl"
     setup = Setup(machine.tools[1], work, None, machine)
     supervised = Supervision.of(setup, read, wanted)
-    sides = supervised.tool.mesh, supervised.work.mesh
-    scene = prepare_path(*sides, (supervised.tool.files, supervised.work.files), read, wanted)
+    tool, fixed = supervised.tool, supervised.work
+    scene = prepare_path(tool.mesh, fixed.mesh, (tool.files, fixed.files), read, wanted)
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     found = pieces(scene, engine, Fraction(2), beside=partial(supervised.near_beside, scene))
     pairs = [
