@@ -314,7 +314,8 @@ def written(tmp_path, rng, turning=True):
 
 def near_by(things, meshes, one, other, pose, distance):
     """Return whether two objects are within a distance at a pose of the machine."""
-    return within(*(moved(things, *meshes[name], pose) for name in (one, other)), distance)
+    (a, mesh), (b, other_mesh) = meshes[one], meshes[other]
+    return within(moved(things, a, mesh, pose), moved(things, b, other_mesh, pose), distance)
 
 
 @pytest.mark.parametrize("number", range(24))
