@@ -71,7 +71,7 @@ def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Map
             total["dsps"] += node.name == _WIDE
         return ast.VisitAction.Advance
 
-    compilation = _compilation(sources, include, top, parameters)
+    compilation = compiled(sources, include, top, parameters)
     instances = compilation.getRoot().topInstances
     errors = [str(d) for d in compilation.getAllDiagnostics() if d.isError()]
     if errors or not instances:
@@ -83,7 +83,8 @@ def count_dsps(sources: Sequence[Path], include: Path, top: str, parameters: Map
     return DspCount(total["products"], total["pieces"], total["dsps"])
 
 
-def _compilation(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> Any:
+def compiled(sources: Sequence[Path], include: Path, top: str, parameters: Mapping[str, int]) -> Any:
+    """Return a module as slang elaborates it; raise InputError where pyslang is not installed."""
     try:
         import pyslang
         from pyslang.ast import Compilation, CompilationOptions

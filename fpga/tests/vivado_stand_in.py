@@ -19,7 +19,11 @@ VIVADO_COMMANDS = (
     "write_checkpoint", "write_bitstream", "read_saif", "report_timing_summary", "report_utilization",
     "report_clock_utilization", "report_io", "report_drc", "report_methodology", "report_route_status",
     "report_power", "get_ports", "get_cells", "get_nets", "get_timing_paths", "get_property",
-    "get_msg_config",
+    "get_msg_config", "create_project", "add_files", "get_files", "current_fileset",
+    "update_compile_order", "ipx::package_project", "ipx::current_core", "ipx::get_hdl_parameters",
+    "ipx::get_user_parameters", "ipx::get_bus_interfaces", "ipx::remove_bus_interface",
+    "ipx::add_bus_interface", "ipx::add_port_map", "ipx::add_bus_parameter", "ipx::check_integrity",
+    "ipx::save_core",
 )  # fmt: skip
 
 Answers = dict[str, Callable[[tuple[str, ...]], str]]
@@ -37,6 +41,7 @@ class Recorder:
         self.tcl = tkinter.Tcl()
         self.answers = answers or {}
         self._status: int | None = None
+        self.tcl.eval("namespace eval ipx {}")
         for command in VIVADO_COMMANDS:
             self.tcl.createcommand(command, lambda *a, command=command: self._record(command, *a))
         # The real one would end this process; an error ends the script.

