@@ -595,7 +595,8 @@ class BoardSilenceTest(BoardTest):
         reference = self.env.scoreboard.reference
         await self.hello()
         for command in (Command.HELLO, Command.RUN):
-            wait = 0
+            # The clocks from the last sign of life to this one, but for those of the gap before it.
+            usual = 0
             for number in range(11):
                 await self.clear_scene()
                 await self.status()
@@ -603,10 +604,12 @@ class BoardSilenceTest(BoardTest):
                     self.session ^= 1
                 kicked = reference.kicked
                 frame = framed(self.frame(command, self.asked() if command == Command.RUN else b""))
-                await self.line(frame[:-1], Until.NOW, gap=_BYTE * 60 + wait)
+                # An answer or a frame with stuffed bytes takes longer than another.
+                spoken = reference.clock - kicked + _BYTE * len(frame)
+                wait = self.parameters.watchdog_clocks - 6 + number - spoken - usual if number else _BYTE * 60
+                await self.line(frame[:-1], Until.NOW, gap=wait)
                 await self.line(frame[-1:], gap=_SHORT)
-                after = reference.arrived + EXECUTED - kicked
-                wait += 1 if number else self.parameters.watchdog_clocks - 5 - after
+                usual = reference.arrived + EXECUTED - kicked - spoken - wait
                 await self.idle()
                 self.session, self.sequence = reference.session, reference.sequence
                 await self.status()

