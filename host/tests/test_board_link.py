@@ -1,6 +1,5 @@
 """Host program, serial port, UART, engine and core together; and what a bad line can do to them."""
 
-import json
 import re
 import signal
 import subprocess
@@ -24,6 +23,7 @@ from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import LOADED_POSE, Mesh, Mode, RunEnd, TrialKind, trial_of
 from triaxis.host.tests.line_faults import LineFaults, StaleReplies
+from triaxis.host.tests.published import read_published
 from triaxis.host.tests.test_cli import TRIAXIS
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
 from triaxis.sim.simulated_board import SimulatedTop
@@ -83,7 +83,7 @@ def test_the_scenes_through_the_serial_port(board_check, tmp_path, report):
     for number in (1, 4):
         scene, a, b = written[number]
         status, out, error = board_check(a, b, "--json", report)
-        said = json.loads(report.read_text())
+        said = read_published(report, "check")
         assert (status, error, said["verdict"]) == (int(scene.near), "", "near" if scene.near else "clear")
         assert ("output: stop\n" if scene.near else "output: go; stop when this command ends") in out
         tested = said["pairs_tested"]
@@ -101,7 +101,7 @@ def test_a_board_is_not_asked_where_one_mesh_may_be_inside_the_other(
     scenes.write_stl(stock, scenes.box((-20, -20, -20), (30, 30, 30))[:facets])
     options = (boxes[0], stock, "--json", report)
     found, out, _ = board_check(*options, "--hold")
-    said = json.loads(report.read_text())
+    said = read_published(report, "check")
     assert (found, top.go_clocks, said["enclosure"]["state"]) == (status, 0, state)
     assert said["verdict"] == {1: "near", 2: "unknown"}[status]
     assert "output: stop; the board was not asked to run\n" in out
@@ -131,7 +131,7 @@ def test_check_takes_the_board_like_any_other_engine(top, boxes, report, capsys)
         for engine in (("board", "--port", served.path), ("bulk", "--width", "16")):
             words = ("check", *map(str, boxes), *moved.split(), "--json", str(report), "--engine", *engine)
             assert main([*words]) == 1
-            found.append(json.loads(report.read_text()))
+            found.append(read_published(report, "check"))
             assert main([*words, "--width", "24"]) == (2 if engine[0] == "board" else 1)
         assert "width 24: the board has 16 bits: leave --width out" in capsys.readouterr().err
     for same in ("verdict", "pose", "grid", "margin", "pairs_tested", "pairs_near", "near"):
@@ -148,7 +148,7 @@ def path_on(tmp_path, report):
         moves.write_text(gcode)
         where = ("--start", "0", "0", "16", "--resolution", "0.01", "--json", str(report))
         status = main(["path", str(tool), str(work), str(moves), *where, "--engine", *engine])
-        return status, json.loads(report.read_text())
+        return status, read_published(report, "path")
 
     return run
 
@@ -305,7 +305,7 @@ def test_unplugged(loading, top, boxes, report, capsys):
 
     def watch(data):
         if top.go_clocks > PARAMETERS.watchdog_clocks and not said:
-            said.append(json.loads(report.read_text())["verdict"])
+            said.append(read_published(report, "check")["verdict"])
         return data
 
     with ServedBoard(top, Wire(count, watch)) as served:
@@ -314,7 +314,7 @@ def test_unplugged(loading, top, boxes, report, capsys):
         assert main([*words, "--skip-self-test"]) == 2
     out, error = capsys.readouterr()
     assert error == f"triaxis: error: {served.path}: {GONE}\n"
-    assert json.loads(report.read_text()) == {"verdict": "unknown"}
+    assert read_published(report, "check") == {"verdict": "unknown"}
     assert (said, "output: go" in out, top.go) == (([], False, False) if loading else (["clear"], True, True))
     top.step(PARAMETERS.watchdog_clocks + 100)
     assert top.stop
@@ -358,9 +358,9 @@ def test_a_board_whose_check_is_silent_is_refused_before_anything_is_loaded(
     status, out, error = board_check(*boxes, "--json", report)
     assert (status, out, top.go_clocks) == (2, "", 0)
     assert "the board's check of one scan by another does not tell of the fault put before it" in error
-    assert json.loads(report.read_text()) == {"verdict": "unknown"}
+    assert read_published(report, "check") == {"verdict": "unknown"}
     status, _, _ = board_check(*boxes, "--json", report, "--skip-self-test")
-    assert (status, json.loads(report.read_text())["self_test"]) == (0, "skipped")
+    assert (status, read_published(report, "check")["self_test"]) == (0, "skipped")
 
 
 def test_a_fault_in_use_is_unknown_and_a_further_check_is_right(top, board_check, boxes, monkeypatch):
@@ -424,15 +424,15 @@ def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(
 ):
     options = (*boxes, "--json", report)
     assert board_check(*options)[0] == 0
-    assert json.loads(report.read_text())["bitstream"] == {"known": True, "any_allowed": False}
+    assert read_published(report, "check")["bitstream"] == {"known": True, "any_allowed": False}
     monkeypatch.setattr(engine_module, "checkout_id", lambda: 0xFACADE)
     status, out, error = board_check(*options)
     assert (status, out) == (2, "")
     assert f"{OTHER_BUILD}: load the bitstream of this checkout, or allow others" in error
-    assert json.loads(report.read_text()) == {"verdict": "unknown"}
+    assert read_published(report, "check") == {"verdict": "unknown"}
     status, out, _ = board_check(*options, "--any-bitstream")
     assert (status, out.startswith(f"warning: {OTHER_BUILD}; allowed by --any-bitstream\n")) == (0, True)
-    said = json.loads(report.read_text())
+    said = read_published(report, "check")
     assert (said["verdict"], said["bitstream"]) == ("clear", {"known": False, "any_allowed": True})
     with ServedBoard(top) as served:
         assert main(["board", "status", "--port", served.path]) == 0

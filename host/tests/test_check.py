@@ -1,12 +1,11 @@
 """``triaxis check``: poses of the first mesh, engines, reports."""
 
-import json
-
 import pytest
 
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.scenes import mesh_data
+from triaxis.host.tests.published import read_published
 from triaxis.host.tests.test_cli import meshes
 
 __all__ = ["meshes"]
@@ -31,7 +30,7 @@ def check(meshes, capsys, tmp_path):
 @pytest.fixture
 def report(tmp_path):
     """Return a function that reads the report."""
-    return lambda: json.loads((tmp_path / "new" / "report.json").read_text())
+    return lambda: read_published(tmp_path / "new" / "report.json", "check")
 
 
 @pytest.mark.simulator

@@ -1,6 +1,5 @@
 """What may touch what while a program runs: feeds of the cutter into the stock, and nothing else."""
 
-import json
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -17,6 +16,7 @@ from triaxis.host.motion.path_check import _near_at, check_path
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import vector
+from triaxis.host.tests.published import read_published
 
 HERE = (Fraction(0), Fraction(0), Fraction(20))
 START = ("--start", "0", "0", "20")
@@ -66,7 +66,7 @@ def checked(tmp_path, capsys):
         chosen = [word for one in stocks for word in ("--stock", one)]
         status = main([str(word) for word in ("path", *files, *start, *chosen, *words)])
         said = "".join(capsys.readouterr())
-        return Found(status, said, json.loads((tmp_path / "report.json").read_text()))
+        return Found(status, said, read_published(tmp_path / "report.json", "path"))
 
     return run
 
@@ -339,7 +339,7 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
         start = vector(map(Fraction, here))
         moves = read_program(tmp_path / "p.nc", start, False, read_machine(tmp_path / "m.toml")).moves
         first = crash(moves, parts, rng.uniform(low, high, (4000, 3)))
-        said = json.loads(report.read_text())
+        said = read_published(report, "path")
         assert status in (0, 1), lines
         if status == 0:
             assert first is None, (lines, parts, first)

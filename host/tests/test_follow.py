@@ -1,7 +1,6 @@
 """A machine is followed through a program: where it may be, for how long, and what stops it."""
 
 import io
-import json
 import os
 import shutil
 import subprocess
@@ -44,6 +43,7 @@ from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import vector
 from triaxis.host.stl import StlMesh
+from triaxis.host.tests.published import read_published
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
 from triaxis.sim.simulated_board import SimulatedTop
@@ -424,7 +424,7 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         second = [f"{x} 0 40 2" for x in (10, 14, 18, 20, 20, 20, 20)]
         status, said = run([*first, *away, *second])
         assert (status, said.err) == (0, "") and "FOLLOWED: to the end of the program" in said.out
-        assert '"verdict": "followed"' in report.read_text()
+        assert read_published(report, "follow")["verdict"] == "followed"
         for lines, status, what in (
             ([*first, *away[:3]], 1, "ENDED"),
             ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
@@ -487,7 +487,7 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
             arguments = [str(machine), str(work), str(program), "--port", served.path, "--simulate"]
             arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
             status = main(["board", "follow", *arguments, "--json", str(report), "--skip-self-test"])
-            found = json.loads(report.read_text())
+            found = read_published(report, "follow")
             return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
 
         status, near, said = run("G0 Z30\nX5 Y5\nG1 X-3")
@@ -607,7 +607,7 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
         positions.write_text("0 0\n")
         status, said = run("--positions", str(positions), "--surfaces-only")
         assert status == 2 and "position '0 0': must be X Y Z in mm" in said.err
-        assert '"verdict": "unknown"' in report.read_text()
+        assert read_published(report, "follow") == {"verdict": "unknown"}
         for option, what in (
             ("--speed", "say how fast"),
             ("--lag", "must be more than 0"),

@@ -30,6 +30,7 @@ from triaxis.host.motion.supervision import Supervision
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import near_facets
 from triaxis.host.stl import StlMesh, read_stl
+from triaxis.host.tests.published import read_published
 
 LETTERS = "XYZABC"
 HEAD = 'rapids = "straight"\nloaded = 1\n[offsets]\nG54 = [0.0, 0.0, -250.0]\n'
@@ -79,7 +80,7 @@ def checked(tmp_path, capsys):
         more = ("--start", *start, "--json", tmp_path / "r.json", "--engine", "bulk", *words)
         status = main([str(word) for word in ("path", *files, *more)])
         said = "".join(capsys.readouterr())
-        return status, said, json.loads((tmp_path / "r.json").read_text()) if status < 2 else {}
+        return status, said, read_published(tmp_path / "r.json", "path") if status < 2 else {}
 
     return run
 

@@ -1,6 +1,5 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
-import json
 import math
 from fractions import Fraction
 from itertools import pairwise
@@ -25,6 +24,7 @@ from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.stl import StlMesh
+from triaxis.host.tests.published import read_published
 from triaxis.sim.mesh_configuration import MeshConfiguration
 
 RASTER = Path(__file__).with_name("data") / "raster_with_dive.nc"
@@ -296,7 +296,7 @@ def path(tmp_path, capsys):
         moves.write_text(program)
         command = ("path", *meshes, moves, "--engine", "bulk", "--json", report, *words)
         status = main([*map(str, command)])
-        return status, "".join(capsys.readouterr()), json.loads(report.read_text())
+        return status, "".join(capsys.readouterr()), read_published(report, "path")
 
     return run
 

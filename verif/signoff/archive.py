@@ -32,7 +32,8 @@ _README = """Triaxis: evidence of a sign-off.
 
 python3 -I verify.py     checks all of it again, in a minute, with Python 3.11 or newer and nothing else
 
-signoff/           what was found: signoff.json, and index.html to read
+signoff/           what was found: signoff.json (source/docs/reports.schema.json tells its fields), and
+                   index.html to read
 source/            the checkout that was signed off: RTL, environment, documents
 witnesses/         pairs of triangles, and what proves the distance of each: see source/docs/benchmarks.md
 attestation.json   an in-toto statement about both; sign it with your own key

@@ -1,6 +1,5 @@
 """Code coverage: every bit and block has its counter, and the result says what is missed."""
 
-import json
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +26,7 @@ from triaxis.coverage.elaboration import read_elaboration
 from triaxis.coverage.waivers import KINDS, Waiver, module_hash
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
+from triaxis.host.tests.published import read_published
 from triaxis.sim.build import run_tool
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CorePlayer
@@ -140,7 +140,7 @@ def test_the_result_is_written_and_the_exit_code_says_the_same(
     assert main(["coverage", "code"]) == (0 if passed else 1)
     out = capsys.readouterr().out
     assert said in out and ("PASSED" in out) is passed
-    content = json.loads(path.read_text())
+    content = read_published(path, "evidence")
     assert content["passed"] is found.passed is passed
     assert content["problems"] == ([problem] if problem else [])
     assert content["totals"]["toggle"] == {"hit": 9, "waived": 1, "total": 10, "percent": 100.0}

@@ -10,9 +10,10 @@ import pytest
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
+from triaxis.host.tests.published import read_published
 from triaxis.sim.validity import git
-from triaxis.verif.signoff import archive
-from triaxis.verif.signoff.tests.signoff_evidence import good_content, signed
+from triaxis.verif.signoff import archive, page
+from triaxis.verif.signoff.tests.signoff_evidence import signed
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +23,10 @@ def packed(tmp_path_factory):
     assert main(["tritest", "make", str(folder / "set"), "--pairs", "2"]) == 0
     (folder / "signoff").mkdir()
     result = folder / "signoff" / "signoff.json"
-    result.write_text(json.dumps(good_content()))
-    (folder / "signoff" / "index.html").write_text("page")
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(page, "RESULT", result)
+        patch.setattr(page, "PAGE", result.with_name("index.html"))
+        page.write(signed())
         patch.setattr(archive, "git", lambda *words: "" if words[0] == "status" else git(*words))
         outs = [archive.pack(folder / f"{name}.tar.gz", folder / "set", result) for name in "ab"]
     assert outs[0].read_bytes() == outs[1].read_bytes()
@@ -57,6 +59,7 @@ def summed(folder, *names):
 
 def test_it_verifies_with_python_alone(unpacked):
     folder, _ = unpacked
+    read_published(folder / "signoff/signoff.json", "signoff")
     code, said = verified(folder)
     assert code == 0, said
     assert "PASSED: 62 pairs proven, 0 not" in said and said.splitlines()[-1].startswith(
