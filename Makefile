@@ -112,7 +112,7 @@ evidence: $(READY) ## one archive of the sign-off, its sources and a million wit
 	@$(BIN)/triaxis evidence build/evidence --out dist/triaxis-evidence.tar.gz
 
 test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
-	@$(BIN)/pytest -n 2 -m "not regress"
+	@$(BIN)/pytest -n 2 -m "not regress" --durations 20 --durations-min 10
 
 unit: $(READY) ## the tests that need no simulator, prover or synthesiser: about a minute
 	@$(BIN)/pytest -n 2 -m "not (simulator or prover or synthesiser or regress)"
