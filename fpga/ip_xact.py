@@ -98,13 +98,16 @@ def _value(parameter: Any) -> int:
 
 def write_component(one: Component, folder: Path) -> Path:
     """Write the folder of a component; return its component.xml."""
+    # Vivado may be called from anywhere.
+    folder = folder.absolute()
     rtl = make_folder(folder / "rtl")
     headers = sorted(one.include.glob("*.svh"))
     for source in (*headers, *one.sources):
         write_whole(rtl / source.name, source.read_bytes())
     options = [
         *(f"{key}={value}" for key, value in (("part", PART), ("top", one.top), ("out", folder / "vivado"))),
-        f"version={version('triaxis')}", f"description={TOPS[one.top]}", f"include={rtl}",
+        f"vendor={VENDOR}", f"library={LIBRARY}", f"version={version('triaxis')}",
+        f"description={TOPS[one.top]}", f"include={rtl}",
         *(f"source={rtl / source.name}" for source in one.sources),
         *(f"generic={name}={value}" for name, value in one.parameters.items()),
         *(

@@ -130,14 +130,18 @@ def test_what_is_no_component_is_refused(tmp_path, capsys):
         component("nexys4ddr_top", {}, DUT)
 
 
-def test_the_command_writes_it_and_names_what_comes_next(tmp_path, capsys):
-    assert main(["fpga", "ip", "triaxis_core", "W=16", "M=8", "--out", str(tmp_path / "ip")]) == 0
+def test_the_command_writes_it_and_names_what_comes_next(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["fpga", "ip", "triaxis_core", "W=16", "M=8", "--out", "ip"]) == 0
     said = capsys.readouterr().out
     assert (
         "triaxis_core: W=16, M=8, TAG=16, EdgeBox=1, Gating=1" in said and "streams: s_axis, m_axis" in said
     )
     script = re.search(r"-source (\S+) -tclargs (\S+)", said)
-    assert script and Path(script[1]) == PACKAGE_SCRIPT and Path(script[2]).is_file()
+    assert script and Path(script[1]) == PACKAGE_SCRIPT and Path(script[2]) == tmp_path / "ip" / "options.txt"
+    options = Path(script[2]).read_text().splitlines()
+    paths = [line.rpartition("=")[2] for line in options if line.startswith(("source=", "include=", "out="))]
+    assert len(paths) > 20 and all(Path(path).is_relative_to(tmp_path) for path in paths)
     listed = subprocess.run(
         ["ls", tmp_path / "ip"], capture_output=True, text=True, check=True
     ).stdout.split()

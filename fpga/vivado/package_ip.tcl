@@ -6,7 +6,7 @@
 #   vivado -mode batch -notrace -source package_ip.tcl -tclargs FOLDER/options.txt
 #
 # The file holds a line NAME=VALUE for each option:
-#   part, top, version, description   of the component
+#   part, vendor, library, top, version, description   of the component
 #   source        a file of RTL; one line each, in order
 #   include       the folder of the headers
 #   generic       PARAMETER=VALUE; a line each
@@ -35,7 +35,7 @@ proc parameter {bus name value} {
 if {[llength $argv] != 1} {
     error "usage: -tclargs FOLDER/options.txt"
 }
-set singles {part top version description include out}
+set singles {part vendor library top version description include out}
 set o [options [lindex $argv 0] $singles {source generic stream} [concat $singles {source generic stream}]]
 set out [dict get $o out]
 file delete -force $out
@@ -48,7 +48,8 @@ set_property top [dict get $o top] [current_fileset]
 set_property include_dirs [dict get $o include] [current_fileset]
 set_property generic [dict get $o generic] [current_fileset]
 update_compile_order -fileset sources_1
-ipx::package_project -root_dir $out -vendor triaxis -library geometry -taxonomy /Math_Functions -import_files
+ipx::package_project -root_dir $out -vendor [dict get $o vendor] -library [dict get $o library] \
+    -taxonomy /Math_Functions -import_files
 set core [ipx::current_core]
 set_property name [dict get $o top] $core
 set_property version [dict get $o version] $core

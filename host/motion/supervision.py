@@ -121,7 +121,8 @@ class Supervision:
     @staticmethod
     def of(setup: Setup, program: Program, wanted: Wanted) -> "Supervision":
         """Put the objects of a machine together; raise InputError where the board cannot be asked so."""
-        tool, work = setup.carried(TOOL, setup.tool.mesh, setup.tool.name), _workpiece(setup)
+        tool = setup.carried(TOOL, setup.tool.mesh, setup.tool.name)
+        work = setup.carried(WORKPIECE, setup.work[0], str(setup.work[1]))
         if not setup.machine.objects:
             return Supervision(Joined([tool], setup.scale), Joined([work], setup.scale), ())
         with_tool, with_work = (
@@ -151,11 +152,6 @@ class Supervision:
             for side in (-1, 1)
         )
         return next((one.rule.names for one in self.beside if not one.clear(low, high)), None)
-
-
-def _workpiece(setup: Setup) -> Body:
-    mesh, file = setup.work
-    return setup.carried(WORKPIECE, mesh, str(file))
 
 
 def _beside(rule: Rule, wanted: Wanted) -> Beside:

@@ -195,9 +195,7 @@ def add_ip(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=NUMBER",
         help="of the block, as W=16 M=16; others as in the RTL",
     )
-    parser.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="where to, made anew (build/fpga/ip/BLOCK)"
-    )
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where to (build/fpga/ip/BLOCK)")
     parser.set_defaults(run=_ip)
 
 
@@ -214,7 +212,8 @@ def _ip(options: argparse.Namespace) -> int:
     print(f"{one.top}: {', '.join(f'{name}={value}' for name, value in one.parameters.items())}")
     print(f"streams: {', '.join(one.streams)}; ports: {len(one.ports)}; files: {len(one.sources)}")
     print(f"written to {written}; a package of Vivado of it:")
-    print(f"  vivado -mode batch -notrace -source {ip_xact.PACKAGE_SCRIPT} -tclargs {folder / 'options.txt'}")
+    options_file = written.with_name("options.txt")
+    print(f"  vivado -mode batch -notrace -source {ip_xact.PACKAGE_SCRIPT} -tclargs {options_file}")
     return DONE
 
 
