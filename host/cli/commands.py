@@ -99,6 +99,10 @@ COMMANDS = {
         "put small faults into dut/, and see each noticed by a test or shown to change nothing",
         "verif.commands.inject", ("every mutant killed or equivalent", "not"),
     ),
+    "prove power": Command(
+        "let a sample of mutants meet every test: which notices which, and the fewest that notice all",
+        "verif.commands.inject", ("each test came to a verdict on each", "one did not"),
+    ),
     "prove certificates": Command(
         "see that no mutant of the data path gets a wrong clear through certificates",
         "verif.commands.inject", ("each is near, with a fault", "one comes through"),

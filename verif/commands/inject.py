@@ -20,6 +20,9 @@ from triaxis.verif.mutation.catalogue import catalogue
 from triaxis.verif.mutation.false_clears import PAIRS, compare, mutants_of_data_path
 from triaxis.verif.mutation.false_clears import write_result as write_certificates
 from triaxis.verif.mutation.killers import states
+from triaxis.verif.mutation.power import MODELS, ONE_IN, Power, measure_power
+from triaxis.verif.mutation.power import RESULT as POWER
+from triaxis.verif.mutation.power import write_result as write_power
 from triaxis.verif.mutation.record import SEED, read_record, recorded, write_record
 from triaxis.verif.mutation.result import Fate, MutationResult, Tally, grouped, tally
 from triaxis.verif.mutation.run import CHANGED, EVIDENCE, mutate
@@ -293,3 +296,56 @@ def _fates(title: str, rows: Mapping[str, Tally], total: Tally) -> Table:
             end_section=name != "all",
         )  # fmt: skip
     return fates
+
+
+def add_power(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``prove power``."""
+    parser.description = (
+        "Let a sample of the mutants that are selected at run time meet every short test of a model, where "
+        "`triaxis prove mutate` ends each at the first that notices it. Says of each test what it notices, "
+        "what no other does, and which are the fewest that notice as much as all. Writes "
+        "build/mutation/power.json, which `triaxis results` shows."
+    )
+    parser.add_argument(
+        "--of", action="append", choices=tuple(MODELS), metavar="BLOCK",
+        help=f"only the model of this block ({', '.join(MODELS)}); may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--file", metavar="GLOB", help="only mutants of these files; no result is written then"
+    )
+    parser.add_argument(
+        "--one-in", type=positive, default=ONE_IN, metavar="N",
+        help=f"draw one mutant in so many ({ONE_IN}); 1: all",
+    )  # fmt: skip
+    parser.add_argument("--jobs", type=positive, default=_JOBS, help=f"processes ({_JOBS})")
+    add_seed(parser)
+    parser.set_defaults(run=_power)
+
+
+def _power(options: argparse.Namespace) -> int:
+    wanted = [name for name in MODELS if name in (options.of or MODELS)]
+    models = [MODELS[name] for name in wanted]
+    with progress_bar("tests", sum(len(model.tests(options.seed)) for model in models)) as progress:
+        result = measure_power(
+            models, options.seed, options.one_in, options.file, options.jobs, progress=progress
+        )
+    console = Console(width=110)
+    for power in result.powers:
+        console.print(_power_of(power))
+    print_list("PROBLEM", result.problems, _SHOWN, "see the JSON file")
+    if options.file is None:
+        command = f"triaxis prove power --seed {options.seed} --one-in {options.one_in}"
+        command += "".join(f" --of {name}" for name in options.of or ())
+        print(f"written to {write_power(result, command)}")
+        keep(POWER)
+    print(f"{'PASSED' if result.passed else 'FAILED'}: {result.summary}, {result.seconds:.0f} s")
+    return DONE if result.passed else NO
+
+
+def _power_of(power: Power) -> Table:
+    title = f"{power.model}: {len(power.noticed)} of {len(power.tried)} mutants noticed"
+    rows = table(title, ("test", "notices", "no other does", "among the fewest"), text=1)
+    for test, found in power.found_by.items():
+        fewest = "yes" if test in power.fewest else ""
+        rows.add_row(test, str(len(found)), str(len(power.alone(test))), fewest)
+    return rows

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--add", nargs="+", type=Path, default=[], metavar="FILE",
-        help="add results.json, signoff.json or mutation.json of runs elsewhere first",
+        help="add results.json, signoff.json, mutation.json or power.json of runs elsewhere first",
     )  # fmt: skip
     either = parser.add_mutually_exclusive_group()
     either.add_argument(

@@ -7,6 +7,7 @@ changed afterwards, but older mutants go.
 import hashlib
 import io
 import json
+import re
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
@@ -21,9 +22,10 @@ from triaxis.sim.paths import BUILD
 from triaxis.verif.regress.definition import in_checkout
 
 DATABASE = BUILD / "history" / "results.sqlite"
-SIGNOFF, MUTATION = "sign-off", "mutation"
+SIGNOFF, MUTATION, POWER = "sign-off", "mutation", "power"
 # Of schema.sql.
-VERSION = 1
+VERSION = 2
+_CREATED = re.compile(r"^CREATE \w+ (\w+)", re.MULTILINE)
 _SCHEMA = Path(__file__).with_name("schema.sql")
 # Others may be adding theirs.
 _PATIENCE_SECONDS = 60
@@ -39,8 +41,8 @@ _STAMP = (
     "verilator",
     "python",
 )
-_OLDER_MUTANTS = """
-DELETE FROM mutant WHERE result IN (
+_OLDER = """
+DELETE FROM {} WHERE result IN (
   SELECT id FROM result WHERE (kind, rtl_hash, environment_hash) = (?, ?, ?)
   EXCEPT SELECT * FROM (
     SELECT id FROM result WHERE (kind, rtl_hash, environment_hash) = (?, ?, ?)
@@ -74,17 +76,19 @@ def opened(path: Path = DATABASE) -> Iterator[sqlite3.Connection]:
 
 
 def _make(connection: sqlite3.Connection, path: Path) -> None:
-    """Make what schema.sql describes, once: others may be about to do the same."""
+    """Make what schema.sql describes, once: others may be about to. An older one gets the rest."""
     if _version(connection) == VERSION:
         return
     with connection:
         connection.execute("BEGIN IMMEDIATE")
-        if _version(connection) == VERSION:
+        if (version := _version(connection)) == VERSION:
             return
-        if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+        there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+        if there and not 0 < version < VERSION:
             raise InputError(f"{path}: is of another version: move it away, and add what it held with --add")
         for statement in _SCHEMA.read_text().split(";\n"):
-            connection.execute(statement)
+            if (created := _CREATED.search(statement)) and created[1] not in there:
+                connection.execute(statement)
         connection.execute(f"PRAGMA user_version = {VERSION}")
 
 
@@ -93,13 +97,16 @@ def _version(connection: sqlite3.Connection) -> int:
 
 
 def add_evidence(file: Path, path: Path = DATABASE) -> bool:
-    """Add a regression's results.json, a sign-off's signoff.json or mutation.json; return whether it is new.
+    """Add a regression's results.json, a sign-off's signoff.json, mutation.json or power.json; return whether
+    it is new.
 
     Raises InputError where it is none of these, or not whole.
     """
     content = read_evidence(file)
     if content is None:
-        raise InputError(f"{file}: no such file: name results.json, signoff.json or mutation.json of a run")
+        raise InputError(
+            f"{file}: no such file: name results.json, signoff.json, mutation.json or power.json of a run"
+        )
     wanted = "must be the whole result of a regression, a sign-off or a run over mutants"
     try:
         rows = list(_rows(content))
@@ -120,7 +127,8 @@ def add_evidence(file: Path, path: Path = DATABASE) -> bool:
             raise InputError(f"{file}: {wanted}: {error}") from error
         # Eight thousand rows a time: of one state of the sources the newest result alone keeps its mutants.
         same = [result[name] for name in ("kind", "rtl_hash", "environment_hash")]
-        connection.execute(_OLDER_MUTANTS, (*same, *same))
+        for table in ("mutant", "noticed"):
+            connection.execute(_OLDER.format(table), (*same, *same))
     return True
 
 
@@ -139,14 +147,14 @@ def _rows(content: Content) -> Iterator[tuple[str, Content]]:
     elif "parts" in content:
         yield from _signoff(content)
     elif "mutants" in content:
-        finished = content["finished"]
-        yield (
-            "result",
-            _result(content, MUTATION, finished, [finished, content["seconds"], content["summary"]]),
-        )
+        yield "result", _of_mutants(content, MUTATION)
         yield from (("mutant", _mutant(one)) for one in content["mutants"])
+    elif "power" in content:
+        yield "result", _of_mutants(content, POWER)
+        for of in content["power"]:
+            yield from _power(of)
     else:
-        raise ValueError("it has neither `regression`, `parts` nor `mutants`")
+        raise ValueError("it has neither `regression`, `parts`, `mutants` nor `power`")
     yield from (("problem", {"said": problem}) for problem in content["problems"])
     yield from (("exception", {"said": line}) for line in content.get("exceptions", ()))
 
@@ -227,10 +235,25 @@ def _covered(kind: str, place: str, item: str, hit: int, total: int) -> Content:
     return {"kind": kind, "place": place, "item": item, "hit": hit, "total": total}
 
 
+def _of_mutants(content: Content, kind: str) -> Content:
+    finished = content["finished"]
+    return _result(content, kind, finished, [finished, content["seconds"], content["summary"]])
+
+
 def _mutant(one: Content) -> Content:
     file, _, line = one["place"].rpartition(":")
     kept = ("id", "original", "changed", "fate", "by", "test", "target")
     return {**{name: one[name] for name in kept}, "file": file, "line": int(line)}
+
+
+def _power(of: Content) -> Iterator[tuple[str, Content]]:
+    model, mutants = of["model"], of["mutants"]
+    for test, row in of["tests"].items():
+        noticed = sum(test in tests for tests in mutants.values())
+        yield "power", {"model": model, "test": test, "tried": len(mutants), "noticed": noticed, **row}
+    for mutant, tests in mutants.items():
+        for test in tests or (None,):
+            yield "noticed", {"model": model, "mutant": mutant, "test": test}
 
 
 def export_parquet(folder: Path, path: Path = DATABASE) -> list[Path]:

@@ -183,6 +183,10 @@ _FILES = """
 SELECT file, count(*) AS mutants, sum(fate = 'killed') AS killed, sum(fate = 'equivalent') AS equivalent
 FROM mutant WHERE result = ? GROUP BY file
 """
+_MET = """
+SELECT model, mutant, count(test) AS tests, coalesce(group_concat(test, ', '), '') AS names
+FROM noticed WHERE result = ? GROUP BY model, mutant ORDER BY tests, model, mutant
+"""
 _OTHER_OUTCOMES = """
 SELECT b.test, b.config, b.agent, b.seed, b.passed AS after, b.said, b.replay
 FROM run AS a JOIN run AS b USING (replay)
@@ -245,7 +249,8 @@ def _result(connection: sqlite3.Connection, number: int) -> str | None:
             for point in of_it("testpoint")
         ],
         covered=of_it("covered", "hit = total, kind DESC, place"), kills=_rows(connection, _KILLS, number),
-        files=_rows(connection, _FILES, number), source_page=source_page,
+        files=_rows(connection, _FILES, number), power=of_it("power"), met=_rows(connection, _MET, number),
+        source_page=source_page,
         sources=_mutated_files(connection, number) if number == _mutation(connection) else [],
     )  # fmt: skip
 

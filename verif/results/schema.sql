@@ -1,12 +1,13 @@
 -- The database of results, build/history/results.sqlite: one row of `result` for each file of evidence, and
 -- below it what the file holds. Whatever reads SQLite may read it; what was not measured is NULL, never 0.
--- Times are UTC, ISO 8601; `passed`, `flaky` and `silent` are 0 or 1. A change of it is another PRAGMA user_version.
+-- Times are UTC, ISO 8601; `passed`, `flaky` and `silent` are 0 or 1. Another PRAGMA user_version adds
+-- to the one before; what is there stays as it is.
 
 CREATE TABLE result (
   id INTEGER PRIMARY KEY,
   -- What tells it from every other: the hash of what is in a file that no repetition would write again.
   key TEXT NOT NULL UNIQUE,
-  -- smoke, nightly (or another regression's name, and how many times its seeds), sign-off, mutation.
+  -- smoke, nightly (or another regression's name, and how many times its seeds), sign-off, mutation, power.
   kind TEXT NOT NULL,
   finished TEXT NOT NULL,
   command TEXT NOT NULL,
@@ -96,10 +97,30 @@ CREATE TABLE mutant (
   target TEXT
 );
 
+-- A sample of mutants that met every short test of a model: of each test how many it noticed of those `tried`,
+-- how many no other did, whether it is among the fewest that notice all; and which test noticed which.
+CREATE TABLE power (
+  result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
+  model TEXT NOT NULL,
+  test TEXT NOT NULL,
+  tried INTEGER NOT NULL,
+  noticed INTEGER NOT NULL,
+  alone INTEGER NOT NULL,
+  in_fewest INTEGER NOT NULL
+);
+CREATE TABLE noticed (
+  result INTEGER NOT NULL REFERENCES result (id) ON DELETE CASCADE,
+  model TEXT NOT NULL,
+  mutant TEXT NOT NULL,
+  -- NULL: no test of this model.
+  test TEXT
+);
+
 CREATE INDEX run_of ON run (result);
 CREATE INDEX run_by ON run (test, config, agent);
 CREATE INDEX covered_of ON covered (result);
 CREATE INDEX mutant_of ON mutant (result);
+CREATE INDEX noticed_of ON noticed (result);
 
 -- Each test in each configuration: how it fared, and what it took.
 CREATE VIEW test AS

@@ -94,6 +94,21 @@ def signed(folder):
     return write_evidence(folder / "signoff.json", good_content(), SIGNED)
 
 
+def power(folder, number):
+    """Write what tests noticed of two mutants, one of them nothing."""
+    content = {
+        "passed": True, "problems": [], "summary": "one noticed", "seconds": 1.0, "seed": 1, "one_in": 10,
+        "command": "triaxis prove power", "finished": f"2026-03-{number:02}T02:00:00+00:00",
+        "power": [{
+            "model": "w8_m8", "tests": {
+                "RandomTest": {"alone": 0, "in_fewest": True}, "TinyTest": {"alone": 0, "in_fewest": False},
+            },
+            "mutants": {"triaxis_sum/minus/1": ["RandomTest", "TinyTest"], "triaxis_sum/plus/2": []},
+        }],
+    }  # fmt: skip
+    return write_evidence(folder / f"power-{number}.json", content, SOURCES)
+
+
 def rows(path, query):
     with opened(path) as connection:
         return [tuple(row) for row in connection.execute(query)]
@@ -133,6 +148,18 @@ def test_of_one_state_the_newest_mutants_are_kept_whenever_they_are_added(databa
     assert rows(database, "SELECT test FROM mutant") == [("VolumeTest",)]
     assert rows(database, "SELECT count(*) FROM result WHERE kind = 'mutation'") == [(3,)]
     assert "They are not kept of both" in (page("compare-4-5.html", database) or "")
+
+
+def test_of_each_mutant_the_page_says_which_tests_notice_it(database, tmp_path):
+    for number in (1, 2):
+        add_evidence(power(tmp_path, number), database)
+    of_last = "FROM noticed WHERE result = (SELECT max(id) FROM result)"
+    assert rows(database, f"SELECT count(*) {of_last}") == rows(database, "SELECT count(*) FROM noticed")
+    assert rows(database, "SELECT test, tried, noticed, in_fewest FROM power LIMIT 2") == [
+        ("RandomTest", 2, 1, 1), ("TinyTest", 2, 1, 0),
+    ]  # fmt: skip
+    text = page("result-6.html", database) or ""
+    assert "RandomTest, TinyTest" in text and "none of these tests" in text
 
 
 def test_a_run_that_was_killed_says_nothing_of_its_seed(database, tmp_path):
@@ -293,7 +320,7 @@ def test_tables_are_exported_as_they_are(database, tmp_path):
     with opened(database) as connection:
         for name, found in written.items():
             assert found == [dict(row) for row in connection.execute(f"SELECT * FROM {name}")]
-    assert len(written["run"]) == 6 and len(written) == 8
+    assert len(written["run"]) == 6 and len(written) == 10
 
 
 def test_the_command_adds_compares_and_says_where(tmp_path, monkeypatch, capsys):
@@ -407,6 +434,17 @@ def test_a_database_of_another_version_is_refused(database):
         connection.execute("PRAGMA user_version = 99")
     with pytest.raises(InputError, match=r"results.sqlite: is of another version: move it away"):
         page(INDEX, database)
+
+
+def test_a_database_of_the_version_before_keeps_what_it_holds(database, tmp_path):
+    with sqlite3.connect(database) as connection:
+        connection.execute("DROP TABLE power")
+        connection.execute("DROP TABLE noticed")
+        connection.execute("PRAGMA user_version = 1")
+    before = rows(database, "SELECT * FROM result")
+    assert add_evidence(power(tmp_path, 1), database)
+    assert rows(database, "SELECT * FROM result")[:-1] == before
+    assert rows(database, "SELECT count(*) FROM power") == [(2,)]
 
 
 def test_many_may_open_and_add_at_a_time(tmp_path):
