@@ -13,6 +13,7 @@ from pathlib import Path
 
 from triaxis.fpga.gowin_timing import HARNESS as TIMING_HARNESS
 from triaxis.fpga.gowin_timing import TOP as TIMING_TOP
+from triaxis.fpga.register_block import REGISTERS_RTL, SOC_RTL
 from triaxis.golden.errors import InputError
 from triaxis.sim.board_parameters import BoardParameters
 from triaxis.sim.configuration import Configuration
@@ -45,6 +46,7 @@ _BOARD_BUILDS = (
     BoardParameters(13, 1, depth=128, group=16, lanes=4),
     BoardParameters(8, 0),
 )
+_SOC_BUILDS = ({"W": 16}, {"W": 32, "M": 0, "Depth": 32768}, {"W": 8, "M": 1, "Depth": 64, "Certify": 0})
 
 
 # A finding of Verilator, or of verible, which names the place first; what else they print explains it.
@@ -86,7 +88,9 @@ def rtl_linters() -> dict[str, list[str]]:
 
 def _systemverilog() -> list[str]:
     folders = (DUT, VERIF, ROOT / "fpga")
-    return [str(path) for folder in folders for path in sorted(folder.rglob("*.sv"))]
+    found = [path for folder in folders for path in sorted(folder.rglob("*.sv"))]
+    # What PeakRDL makes has its own style.
+    return [str(path) for path in found if path not in REGISTERS_RTL]
 
 
 def _verible_format() -> list[str]:
@@ -115,6 +119,9 @@ def _elaborations() -> Iterator[tuple[str, dict[str, int], list[Path], str]]:
         yield "triaxis_mesh", engine.parameters, mesh_sources(), engine.name
     for board in _BOARD_BUILDS:
         yield "nexys4ddr_top", board.rtl, [*mesh_sources(), *board_sources()], board.name
+    for parameters in _SOC_BUILDS:
+        name = "_".join(f"{key.lower()}{value}" for key, value in parameters.items())
+        yield "triaxis_soc", parameters, [*mesh_sources(), *SOC_RTL], name
     yield TIMING_TOP, {"W": 16}, [TIMING_HARNESS], ""
     yield "CollisionDetector", {"W": 16}, [], ""
 

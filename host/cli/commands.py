@@ -193,6 +193,10 @@ COMMANDS = {
         "write a block as a component: IP-XACT, and for Vivado's catalogue", "verif.commands.fpga",
         ("written",),
     ),
+    "fpga registers": Command(
+        "make the registers of the AXI4-Lite top anew: RTL, C header, text", "verif.commands.fpga",
+        ("made",),
+    ),
     "fpga gate": Command(
         "say whether the stored sign-off allows a bitstream of this RTL", "verif.commands.fpga",
         ("allowed", "refused"),
@@ -211,7 +215,7 @@ GROUPS = {
     "coverage": "the testplan, code coverage, coverage for other tools",
     "bench": "accuracy and speed, also of other packages",
     "tritest": "pairs of triangles with proofs, to score any library on",
-    "fpga": "resources, timing, activity, components; the gate before a bitstream",
+    "fpga": "resources, timing, activity, components, registers; the gate before a bitstream",
 }
 
 _SECTIONS = {

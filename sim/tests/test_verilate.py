@@ -171,8 +171,9 @@ def test_arithmetic_is_that_of_verilator(rng, tmp_path):
 @pytest.mark.parametrize("package", ["triaxis.core", "Bender.yml"])
 def test_packages_list_the_files_of_each_block(package):
     text = (DUT.parent / package).read_text()
-    files = [path for block in ("core", "mesh", "board") for path in listed(next((DUT / block).glob("*.f")))]
-    assert re.findall(r"^ *- (dut/\S+\.sv)$", text, re.MULTILINE) == [
+    folders = [*(DUT / block for block in ("core", "mesh", "board")), DUT.parent / "fpga" / "soc"]
+    files = [path for folder in folders for path in listed(next(folder.glob("*.f")))]
+    assert re.findall(r"^ *- ((?:dut|fpga)/\S+\.sv)$", text, re.MULTILINE) == [
         str(path.relative_to(DUT.parent)) for path in files
     ]
 
@@ -220,7 +221,7 @@ def test_the_first_pair_in_cocotb(tmp_path, monkeypatch):
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("target", ["lint", "lint_mesh", "lint_board", "sim"])
+@pytest.mark.parametrize("target", ["lint", "lint_mesh", "lint_board", "lint_soc", "sim"])
 def test_fusesoc(tmp_path, target):
     fusesoc = executable("fusesoc")
     if not fusesoc.exists():
@@ -237,7 +238,9 @@ def test_fusesoc(tmp_path, target):
 
 @pytest.mark.regress
 @pytest.mark.skipif(shutil.which("bender") is None, reason="bender is not installed: cargo install bender")
-@pytest.mark.parametrize(("target", "top"), [("rtl", "triaxis_core"), ("board", "nexys4ddr_top")])
+@pytest.mark.parametrize(
+    ("target", "top"), [("rtl", "triaxis_core"), ("board", "nexys4ddr_top"), ("soc", "triaxis_soc")]
+)
 def test_bender(tmp_path, target, top):
     tool = toolchain.verilator()
     made = subprocess.run(

@@ -36,6 +36,7 @@ from triaxis.fpga.gowin_timing import (
     write_timing,
 )
 from triaxis.fpga.logic_depth import LogicDepth, logic_depth
+from triaxis.fpga.register_block import write_register_model, write_registers
 from triaxis.fpga.resources import BUILDS, TOP, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
@@ -214,6 +215,24 @@ def _ip(options: argparse.Namespace) -> int:
     print(f"written to {written}; a package of Vivado of it:")
     options_file = written.with_name("options.txt")
     print(f"  vivado -mode batch -notrace -source {ip_xact.PACKAGE_SCRIPT} -tclargs {options_file}")
+    return DONE
+
+
+def add_registers(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fpga registers``."""
+    parser.description = (
+        "Make what fpga/soc/triaxis_soc.rdl describes: the RTL of its registers, docs/triaxis_soc.h, "
+        "docs/registers.md. Needs PeakRDL, which `make regress` installs."
+    )
+    parser.add_argument(
+        "--pyuvm", type=Path, metavar="FOLDER", help="only a register model for pyuvm, into this folder"
+    )
+    parser.set_defaults(run=_registers)
+
+
+def _registers(options: argparse.Namespace) -> int:
+    written = [write_register_model(options.pyuvm)] if options.pyuvm else write_registers()
+    print(f"written to {', '.join(map(str, written))}")
     return DONE
 
 

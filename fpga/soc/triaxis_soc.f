@@ -1,0 +1,3 @@
+triaxis_soc_regs_pkg.sv
+triaxis_soc_regs.sv
+triaxis_soc.sv

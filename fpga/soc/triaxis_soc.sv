@@ -1,0 +1,230 @@
+// Copyright Triaxis contributors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Computes: what the registers of triaxis_soc.rdl say, from the mesh engine: AXI4-Lite around triaxis_mesh, for
+// systems with a processor. Decides nothing about triangles.
+// A write to LOAD or RUN is answered when the engine has taken it. During a run, which may be long, it is answered
+// at once and refused: the bus is never held up for longer than the engine takes to settle.
+// Widths: registers have 32 bits. A coordinate has at most 32, a move at most 33, of which the register gives 32:
+// with W = 32 moves beyond 2^31 - 1 cannot be asked for. Counts of pairs have 2 log2(Depth) + 1 bits, at most 31
+// with Depth <= 32768.
+// Latency: a read is answered two clocks after its address, NEAR_PAIR one more.
+
+module triaxis_soc
+  import triaxis_mesh_pkg::*;
+  import triaxis_soc_regs_pkg::*;
+#(
+    parameter int unsigned W = 16,  // as in triaxis_mesh, as are all but:
+    parameter int unsigned M = 16,
+    parameter int unsigned Depth = 1024,  // 16..32768
+    parameter int unsigned Group = 8,
+    parameter int unsigned Lanes = 8,
+    parameter bit EdgeBox = 1'b1,
+    parameter bit Gating = 1'b1,
+    parameter bit Certify = 1'b1
+) (
+    input logic clk_i,
+    input logic rst_ni,
+
+    input logic s_axil_awvalid_i,
+    output logic s_axil_awready_o,
+    input logic [6:0] s_axil_awaddr_i,
+    input logic [2:0] s_axil_awprot_i,
+    input logic s_axil_wvalid_i,
+    output logic s_axil_wready_o,
+    input logic [31:0] s_axil_wdata_i,
+    input logic [3:0] s_axil_wstrb_i,
+    output logic s_axil_bvalid_o,
+    input logic s_axil_bready_i,
+    output logic [1:0] s_axil_bresp_o,
+    input logic s_axil_arvalid_i,
+    output logic s_axil_arready_o,
+    input logic [6:0] s_axil_araddr_i,
+    input logic [2:0] s_axil_arprot_i,
+    output logic s_axil_rvalid_o,
+    input logic s_axil_rready_i,
+    output logic [31:0] s_axil_rdata_o,
+    output logic [1:0] s_axil_rresp_o,
+
+    output logic irq_o
+);
+
+  localparam int unsigned IndexWidth = $clog2(Depth);
+  localparam int unsigned MoveWidth = move_width(W);
+  localparam int unsigned UserWidth = $bits(trial_t) + M + 2;
+
+  if (Depth < 16 || Depth > 32768) begin : g_bad_depth
+    $fatal(1, "Depth must be 16..32768");
+  end
+
+  triaxis_soc_regs__in_t  to_bus;
+  triaxis_soc_regs__out_t from_bus;
+
+  // --- Writes that wait for the engine --------------------------------------------------------------------
+
+  typedef struct packed {
+    logic load;
+    logic run;
+  } which_t;
+
+  which_t asked, wanted_d, wanted_q, taken;
+  logic refused, busy, load_ready, run_ready;
+  logic [1:0] load_q, mode_q;
+  logic [$bits(trial_t)-1:0] trial_q;
+
+  assign asked.load = from_bus.LOAD.req && from_bus.LOAD.req_is_wr;
+  assign asked.run = from_bus.RUN.req && from_bus.RUN.req_is_wr;
+  assign taken.load = wanted_q.load && load_ready;
+  assign taken.run = wanted_q.run && run_ready;
+  // The bus has one such write under way at most, so a run cannot begin between this and its answer.
+  assign refused = (asked.load || asked.run) && busy;
+  assign wanted_d = (asked & ~{2{busy}}) | (wanted_q & ~taken);
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) wanted_q <= '0;
+    else wanted_q <= wanted_d;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (asked.load) load_q <= {from_bus.LOAD.wr_data.clear, from_bus.LOAD.wr_data.mesh};
+    if (asked.run) {trial_q, mode_q} <= {from_bus.RUN.wr_data.trial, from_bus.RUN.wr_data.mode};
+  end
+
+  assign to_bus.LOAD.wr_ack = taken.load || (asked.load && busy);
+  assign to_bus.RUN.wr_ack  = taken.run || (asked.run && busy);
+
+  // --- The engine -----------------------------------------------------------------------------------------
+
+  logic [9*W-1:0] triangle;
+  logic [3*MoveWidth-1:0] move;
+  logic [UserWidth-1:0] run_user;
+  logic near_valid, near_ready, done, fault, fault_q;
+  logic [2*IndexWidth-1:0] near_pair;
+  logic [IndexWidth:0] count_a, count_b;
+  logic [1:0] overfull;
+  logic [2*$clog2(Depth/Group):0] groups_skipped, groups_opened;
+  logic [2*IndexWidth:0] skipped, tested, near;
+
+  for (genvar number = 0; number < 9; number++) begin : g_coordinate
+    assign triangle[number*W+:W] = W'(from_bus.VERTEX[number].value.value);
+  end
+  for (genvar axis = 0; axis < 3; axis++) begin : g_move
+    assign move[axis*MoveWidth+:MoveWidth] = MoveWidth'(signed'(from_bus.MOVE[axis].value.value));
+  end
+  if (M > 0) begin : g_margin
+    assign run_user = {trial_q, mode_q, M'(from_bus.MARGIN.value.value)};
+  end else begin : g_no_margin
+    assign run_user = {trial_q, mode_q};
+  end
+
+  triaxis_mesh #(
+      .W(W),
+      .M(M),
+      .Depth(Depth),
+      .Group(Group),
+      .Lanes(Lanes),
+      .EdgeBox(EdgeBox),
+      .Gating(Gating),
+      .Certify(Certify)
+  ) u_mesh (
+      .clk_i,
+      .rst_ni,
+      .s_axis_load_tvalid_i(wanted_q.load),
+      .s_axis_load_tready_o(load_ready),
+      .s_axis_load_tdata_i(triangle),
+      .s_axis_load_tuser_i(load_q),
+      .count_a_o(count_a),
+      .count_b_o(count_b),
+      .overfull_o(overfull),
+      .signature_a_o(to_bus.SIGNATURE_A.value.next),
+      .signature_b_o(to_bus.SIGNATURE_B.value.next),
+      .s_axis_run_tvalid_i(wanted_q.run),
+      .s_axis_run_tready_o(run_ready),
+      .s_axis_run_tdata_i(move),
+      .s_axis_run_tuser_i(run_user),
+      .abort_i(from_bus.CONTROL.abort.value),
+      .busy_o(busy),
+      .m_axis_near_tvalid_o(near_valid),
+      .m_axis_near_tready_i(near_ready),
+      .m_axis_near_tdata_o(near_pair),
+      .m_axis_done_tvalid_o(done),
+      .m_axis_done_tready_i(1'b1),
+      .status_o(to_bus.STATUS.result.next),
+      .cycles_o(to_bus.CYCLES.value.next),
+      .group_pairs_skipped_o(groups_skipped),
+      .group_pairs_opened_o(groups_opened),
+      .pairs_skipped_o(skipped),
+      .tested_o(tested),
+      .near_o(near),
+      .acknowledge_i(from_bus.CONTROL.acknowledge.value),
+      .fault_o(fault)
+  );
+
+  // --- What is read ---------------------------------------------------------------------------------------
+
+  logic near_asked_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) {near_asked_q, fault_q} <= '0;
+    else
+      {near_asked_q, fault_q} <= {from_bus.NEAR_PAIR.req && !from_bus.NEAR_PAIR.req_is_wr, fault};
+  end
+
+  assign near_ready = near_asked_q;
+  assign to_bus.NEAR_PAIR.rd_ack = near_asked_q;
+  assign to_bus.NEAR_PAIR.rd_data.a = near_valid ? 16'(near_pair[0+:IndexWidth]) : '1;
+  assign to_bus.NEAR_PAIR.rd_data.b = near_valid ? 16'(near_pair[IndexWidth+:IndexWidth]) : '1;
+
+  assign to_bus.CONFIGURATION.width.next = 6'(W);
+  assign to_bus.CONFIGURATION.margin.next = 6'(M);
+  assign to_bus.CONFIGURATION.log2_depth.next = 5'(IndexWidth);
+  assign to_bus.CONFIGURATION.certify.next = Certify;
+  assign to_bus.STATUS.busy.next = busy || wanted_q.run;
+  assign to_bus.STATUS.near_waits.next = near_valid;
+  assign to_bus.STATUS.fault.next = fault;
+  assign to_bus.STATUS.overfull_a.next = overfull[0];
+  assign to_bus.STATUS.overfull_b.next = overfull[1];
+  assign to_bus.COUNT_A.value.next = 32'(count_a);
+  assign to_bus.COUNT_B.value.next = 32'(count_b);
+  assign to_bus.NEAR.value.next = 32'(near);
+  assign to_bus.TESTED.value.next = 32'(tested);
+  assign to_bus.PAIRS_SKIPPED.value.next = 32'(skipped);
+  assign to_bus.GROUP_PAIRS_SKIPPED.value.next = 32'(groups_skipped);
+  assign to_bus.GROUP_PAIRS_OPENED.value.next = 32'(groups_opened);
+
+  assign to_bus.INTERRUPT.done.hwset = done;
+  assign to_bus.INTERRUPT.fault.hwset = fault && !fault_q;
+  assign to_bus.INTERRUPT.refused.hwset = refused;
+  assign irq_o = (from_bus.INTERRUPT.done.value && from_bus.INTERRUPT_ENABLE.done.value) ||
+      (from_bus.INTERRUPT.fault.value && from_bus.INTERRUPT_ENABLE.fault.value) ||
+      (from_bus.INTERRUPT.refused.value && from_bus.INTERRUPT_ENABLE.refused.value);
+
+  // --- The registers --------------------------------------------------------------------------------------
+
+  triaxis_soc_regs u_regs (
+      .clk(clk_i),
+      .arst_n(rst_ni),
+      .s_axil_awready(s_axil_awready_o),
+      .s_axil_awvalid(s_axil_awvalid_i),
+      .s_axil_awaddr(s_axil_awaddr_i),
+      .s_axil_awprot(s_axil_awprot_i),
+      .s_axil_wready(s_axil_wready_o),
+      .s_axil_wvalid(s_axil_wvalid_i),
+      .s_axil_wdata(s_axil_wdata_i),
+      .s_axil_wstrb(s_axil_wstrb_i),
+      .s_axil_bready(s_axil_bready_i),
+      .s_axil_bvalid(s_axil_bvalid_o),
+      .s_axil_bresp(s_axil_bresp_o),
+      .s_axil_arready(s_axil_arready_o),
+      .s_axil_arvalid(s_axil_arvalid_i),
+      .s_axil_araddr(s_axil_araddr_i),
+      .s_axil_arprot(s_axil_arprot_i),
+      .s_axil_rready(s_axil_rready_i),
+      .s_axil_rvalid(s_axil_rvalid_o),
+      .s_axil_rdata(s_axil_rdata_o),
+      .s_axil_rresp(s_axil_rresp_o),
+      .hwif_in(to_bus),
+      .hwif_out(from_bus)
+  );
+
+endmodule

@@ -1,0 +1,327 @@
+"""Tests of the AXI4-Lite top: through PeakRDL's register model of pyuvm, and the AXI master of cocotb-bus.
+
+Where the register model is, TRIAXIS_SOC_MODEL says; the parameters are those that the registers show.
+"""
+
+import importlib.util
+import os
+import zlib
+
+import cocotb
+import numpy as np
+import pyuvm
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, FallingEdge
+from cocotb_bus.drivers.amba import AXI4LiteMaster
+from pyuvm import (
+    uvm_access_e,
+    uvm_driver,
+    uvm_env,
+    uvm_reg_adapter,
+    uvm_reg_bus_op,
+    uvm_sequence_item,
+    uvm_sequencer,
+    uvm_status_e,
+    uvm_test,
+)
+
+from triaxis.golden.bulk import bulk_facts
+from triaxis.golden.pairs import coordinate_range
+
+COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(1, 8)
+MODE_FIRST, MODE_ALL, MODE_COUNT, MODE_NONE = range(4)
+DONE, FAULTED, REFUSED = 1, 2, 4
+A, B, CLEAR = 0, 1, 2
+# triaxis_mesh_pkg: kind 4, memory 4: triangles of A.
+TRY_MEMORY = 4 << 5 | 4
+
+
+class Axi(AXI4LiteMaster):
+    """The master of cocotb-bus on ports whose names say their direction."""
+
+    _signals = {  # noqa: RUF012
+        **{name: f"{name.lower()}_i" for name in ("AWVALID", "AWADDR", "WVALID", "WDATA", "WSTRB", "BREADY")},
+        **{name: f"{name.lower()}_i" for name in ("ARVALID", "ARADDR", "RREADY", "AWPROT", "ARPROT")},
+        **{name: f"{name.lower()}_o" for name in ("AWREADY", "WREADY", "BVALID", "BRESP", "ARREADY")},
+        **{name: f"{name.lower()}_o" for name in ("RVALID", "RRESP", "RDATA")},
+    }
+
+
+class Access(uvm_sequence_item):
+    """A read or a write of a register."""
+
+    def __init__(self, operation):
+        super().__init__("access")
+        self.operation = operation
+
+
+class Adapter(uvm_reg_adapter):
+    """Accesses as the register model knows them."""
+
+    def reg2bus(self, rw):
+        return Access(rw)
+
+    def bus2reg(self, bus_item, rw):
+        rw.data, rw.status = bus_item.operation.data, bus_item.operation.status
+
+
+class Driver(uvm_driver):
+    """Does what is asked, an access after the other."""
+
+    async def run_phase(self):
+        self.axi = Axi(cocotb.top, "s_axil", cocotb.top.clk_i)
+        while True:
+            item = await self.seq_item_port.get_next_item()
+            operation: uvm_reg_bus_op = item.operation
+            if operation.kind == uvm_access_e.UVM_WRITE:
+                await self.axi.write(operation.addr, operation.data)
+            else:
+                operation.data = int(await self.axi.read(operation.addr))
+            operation.status = uvm_status_e.UVM_IS_OK
+            self.seq_item_port.item_done()
+
+
+class Environment(uvm_env):
+    """A driver on the bus, and the register model above it."""
+
+    def build_phase(self):
+        self.sequencer = uvm_sequencer("sequencer", self)
+        self.driver = Driver("driver", self)
+        spec = importlib.util.spec_from_file_location("triaxis_soc_ral", os.environ["TRIAXIS_SOC_MODEL"])
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        self.registers = module.triaxis_soc_regs("registers")
+        self.registers.build()
+        self.registers.lock_model()
+
+    def connect_phase(self):
+        self.driver.seq_item_port.connect(self.sequencer.seq_item_export)
+        default = self.registers.get_default_map()
+        default.set_sequencer(self.sequencer, Adapter("adapter"))
+        default.set_auto_predict(True)
+
+
+class Registers(uvm_test):
+    """What the tests have in common: a clock, a reset, a few steps on the registers."""
+
+    def build_phase(self):
+        self.environment = Environment("environment", self)
+
+    async def run_phase(self):
+        self.raise_objection()
+        self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
+        top = cocotb.top
+        self.registers = self.environment.registers
+        cocotb.start_soon(Clock(top.clk_i, 10, "ns").start())
+        top.rst_ni.value = 0
+        await ClockCycles(top.clk_i, 4)
+        await FallingEdge(top.clk_i)
+        top.rst_ni.value = 1
+        self.registers.reset()
+        configuration = await self.read("CONFIGURATION")
+        self.width, self.margin_bits = configuration & 63, configuration >> 6 & 63
+        self.depth, self.certified = 1 << (configuration >> 12 & 31), configuration >> 17 & 1
+        await self.check()
+        self.drop_objection()
+
+    def register(self, name, index=None):
+        found = getattr(self.registers, name)
+        return found if index is None else found[index]
+
+    async def read(self, name, index=None):
+        status, value = await self.register(name, index).read()
+        assert status == uvm_status_e.UVM_IS_OK
+        return int(value)
+
+    async def write(self, value, name, index=None):
+        assert await self.register(name, index).write(int(value) & 0xFFFF_FFFF) == uvm_status_e.UVM_IS_OK
+
+    async def load(self, mesh, triangles):
+        await self.write(CLEAR | mesh, "LOAD")
+        for triangle in triangles:
+            for number, coordinate in enumerate(triangle.reshape(9)):
+                await self.write(coordinate, "VERTEX", number)
+            await self.write(mesh, "LOAD")
+
+    async def begin(self, mode, move=(0, 0, 0), margin=0, trial=0):
+        for axis, by in enumerate(move):
+            await self.write(by, "MOVE", axis)
+        await self.write(margin, "MARGIN")
+        await self.write(trial << 8 | mode, "RUN")
+
+    async def status(self):
+        """Return busy, whether a near pair waits, fault, overfull, result."""
+        found = await self.read("STATUS")
+        return found & 1, found >> 1 & 1, found >> 2 & 1, found >> 3 & 3, found >> 8 & 7
+
+    async def end(self):
+        """Read near pairs until the run has ended; return them and its result."""
+        found = []
+        while True:
+            busy, waits, *_, result = await self.status()
+            if waits:
+                pair = await self.read("NEAR_PAIR")
+                found.append((pair & 0xFFFF, pair >> 16))
+            elif not busy:
+                assert await self.read("NEAR_PAIR") == 0xFFFF_FFFF
+                return found, result
+
+    def triangles(self, count):
+        """Return triangles of a size at which some of two meshes are near each other."""
+        low, high = coordinate_range(self.width)
+        size = max(2, (high - low) // 6)
+        at = self.rng.integers(low // 2, high // 2, (count, 1, 3))
+        return np.clip(at + self.rng.integers(-size, size + 1, (count, 3, 3)), low, high)
+
+    def near(self, a, b, move, margin):
+        """Return the near pairs of two meshes."""
+        pairs = np.array([(one + move, other) for one in a for other in b], np.int64).reshape(-1, 2, 3, 3)
+        near = bulk_facts(pairs, np.full(len(pairs), margin)).separating == 0
+        return {divmod(int(number), len(b)) for number in np.flatnonzero(near)}
+
+    def signature(self, triangles):
+        size = -(-self.width // 8)
+        return zlib.crc32(
+            b"".join(int(c).to_bytes(size, "little", signed=True) for c in triangles.reshape(-1))
+        )
+
+    async def check(self):
+        raise NotImplementedError
+
+
+@pyuvm.test()
+class SocRegistersTest(Registers):
+    """Every register has the value and the access that its description says."""
+
+    async def check(self):
+        assert await self.read("IDENTITY") == 0x54524958
+        names = {register.get_name() for register in self.registers.get_registers()}
+        ours = {"CONFIGURATION", "STATUS", "NEAR_PAIR"}
+        for name in sorted(names - ours):
+            for register in np.atleast_1d(self.register(name)) if "[" not in name else ():
+                if register.get_rights() != "WO":
+                    status, value = await register.read()
+                    assert (status, value) == (uvm_status_e.UVM_IS_OK, register.get_reset()), name
+        kept = [("VERTEX", k) for k in range(9)] + [("MOVE", k) for k in range(3)] + [("MARGIN", None)]
+        values = {place: int(self.rng.integers(0, 1 << 32)) for place in kept}
+        for place, value in values.items():
+            await self.write(value, *place)
+        for place, value in values.items():
+            assert await self.read(*place) == value == int(self.register(*place).get_mirrored_value()), place
+        # What is read only stays as it is.
+        for name in ("IDENTITY", "CONFIGURATION", "COUNT_A", "CYCLES"):
+            before = await self.read(name)
+            # The model would refuse it.
+            await self.environment.driver.axi.write(self.register(name).get_address(), ~before & 0xFFFF_FFFF)
+            assert await self.read(name) == before
+        await self.write(0xFFFF_FFFF, "INTERRUPT_ENABLE")
+        assert await self.read("INTERRUPT_ENABLE") == 7
+
+
+@pyuvm.test()
+class SocScenesTest(Registers):
+    """Runs over random meshes find the near pairs that there are, in every mode, and say so."""
+
+    async def check(self):
+        seen = 0
+        for turn in range(6):
+            a, b = (
+                self.triangles(int(self.rng.integers(1, 17))),
+                self.triangles(int(self.rng.integers(0, 17))),
+            )
+            await self.load(A, a)
+            await self.load(B, b)
+            assert [await self.read(name) for name in ("COUNT_A", "COUNT_B")] == [len(a), len(b)]
+            signatures = [await self.read(name) for name in ("SIGNATURE_A", "SIGNATURE_B")]
+            assert signatures == [self.signature(a), self.signature(b)]
+            for mode in (MODE_ALL, MODE_FIRST, MODE_COUNT):
+                low, high = coordinate_range(self.width)
+                move = [
+                    int(self.rng.integers(low - a[..., k].min(), high - a[..., k].max() + 1))
+                    for k in range(3)
+                ]
+                move = [by // 8 for by in move] if turn % 2 else move
+                margin = int(self.rng.integers(0, 1 << self.margin_bits)) // 2
+                due = self.near(a, b, move, margin)
+                await self.write(DONE, "INTERRUPT")
+                await self.begin(mode, move, margin)
+                found, result = await self.end()
+                assert await self.read("INTERRUPT") & DONE
+                said = f"{turn}: mode {mode}, move {move}, margin {margin}"
+                if mode == MODE_FIRST and due:
+                    assert (result, len(found)) == (FIRST, 1) and set(found) <= due, said
+                    continue
+                assert result == COMPLETE and await self.read("NEAR") == len(due), said
+                assert sorted(found) == (sorted(due) if mode != MODE_COUNT else []), said
+                groups = await self.read("GROUP_PAIRS_SKIPPED") + await self.read("GROUP_PAIRS_OPENED")
+                assert await self.read("TESTED") + await self.read("PAIRS_SKIPPED") <= len(a) * len(b)
+                assert groups > 0 or not len(b)
+                assert await self.read("CYCLES") > 0
+                seen += len(due)
+        assert seen, "no near pair in any scene"
+
+
+@pyuvm.test()
+class SocRefusalsTest(Registers):
+    """What cannot be done is refused and told, and a run is not disturbed by it."""
+
+    async def check(self):
+        await self.write(DONE | FAULTED | REFUSED, "INTERRUPT_ENABLE")
+        await self.load(A, np.zeros((16, 3, 3), np.int64))
+        await self.load(B, np.zeros((16, 3, 3), np.int64))
+        signature = await self.read("SIGNATURE_A")
+        # All pairs are near: the run waits for its pairs to be read.
+        await self.begin(MODE_ALL)
+        assert not cocotb.top.irq_o.value
+        for register, value in (("LOAD", A), ("LOAD", CLEAR | B), ("RUN", MODE_COUNT)):
+            await self.write(REFUSED, "INTERRUPT")
+            assert not cocotb.top.irq_o.value
+            await self.write(value, register)
+            assert await self.read("INTERRUPT") == REFUSED and cocotb.top.irq_o.value
+        found, result = await self.end()
+        assert result == COMPLETE and len(found) == len(set(found)) == 256
+        assert (await self.read("COUNT_A"), await self.read("COUNT_B")) == (16, 16)
+        assert await self.read("SIGNATURE_A") == signature
+        assert await self.read("INTERRUPT") == REFUSED | DONE
+        await self.write(REFUSED, "INTERRUPT")
+        assert await self.read("INTERRUPT") == DONE and cocotb.top.irq_o.value
+        await self.write(0, "INTERRUPT_ENABLE")
+        assert not cocotb.top.irq_o.value
+        await self.begin(MODE_ALL)
+        await self.write(1, "CONTROL")
+        assert (await self.end())[1] == ABORTED
+        await self.begin(MODE_NONE)
+        assert await self.end() == ([], BAD_MODE)
+        low, high = coordinate_range(self.width)
+        for by in (low - 1, high + 1) if self.width < 32 else ():
+            await self.begin(MODE_ALL, (0, by, 0))
+            assert await self.end() == ([], OVERFLOW)
+        for by in (low, high):
+            await self.begin(MODE_COUNT, (0, 0, by))
+            assert await self.end() == ([], COMPLETE)
+            assert await self.read("NEAR") == 0
+        await self.load(A, np.zeros((self.depth + 1, 3, 3), np.int64))
+        assert (await self.status())[3] == 1
+        await self.begin(MODE_ALL)
+        assert await self.end() == ([], OVERFULL)
+
+
+@pyuvm.test()
+class SocFaultsTest(Registers):
+    """A check that fails ends runs until that was acknowledged."""
+
+    async def check(self):
+        await self.write(FAULTED, "INTERRUPT_ENABLE")
+        for mesh in (A, B):
+            await self.load(mesh, np.zeros((1, 3, 3), np.int64))
+        await self.begin(MODE_COUNT, trial=TRY_MEMORY)
+        assert await self.end() == ([], FAULT)
+        assert (await self.status())[2] and cocotb.top.irq_o.value
+        await self.begin(MODE_COUNT)
+        assert await self.end() == ([], FAULT)
+        await self.write(FAULTED, "INTERRUPT")
+        assert (await self.status())[2] and not cocotb.top.irq_o.value
+        await self.write(2, "CONTROL")
+        assert not (await self.status())[2]
+        await self.begin(MODE_COUNT)
+        assert await self.end() == ([], COMPLETE) and await self.read("NEAR") == 1
