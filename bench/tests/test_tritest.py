@@ -20,6 +20,7 @@ from triaxis.bench.tritest.scoring import KINDS, read_set, score
 from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
+from triaxis.host.tests.published import read_published
 
 # Two triangles, the second 1/2 above the first where they are closest.
 APART = [[[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[1, 1, 1], [1, 1, 5], [3, 2, 5]]]
@@ -108,7 +109,7 @@ def test_a_set_that_was_changed_is_noticed(made, tmp_path, capsys):
     numbers = lines[3].split()
     numbers[18] = str(int(numbers[18]) + int(numbers[19]))
     path.write_bytes(gzip.compress("\n".join([*lines[:3], " ".join(numbers), *lines[4:], ""]).encode()))
-    told = json.loads(manifest.read_text())
+    told = read_published(manifest, "triangles")
     told["families"][0]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
     manifest.write_text(json.dumps(told))
     assert main(["tritest", "recheck", str(tmp_path)]) == 1
@@ -151,7 +152,7 @@ def test_scores_of_programs(made, asked, capsys, tmp_path):
     ]
     assert main(words) == 1
     assert f"0 missed, {total - colliding:,} false alarms, 0 unanswered" in capsys.readouterr().out
-    told = json.loads(report.read_text())
+    told = read_published(report, "score")
     assert sum(map(len, told["false_alarms"].values())) == total - colliding and not told["passed"]
     name, numbers = next(iter(told["false_alarms"].items()))
     assert main(["tritest", "show", f"{name}:{numbers[0]}", str(made[0])]) == 0

@@ -1,6 +1,5 @@
 """Advice on the width of a core: what it rests on is exact, and the smallest that will do is advised."""
 
-import json
 from fractions import Fraction
 
 import numpy as np
@@ -25,6 +24,7 @@ from triaxis.host.quantise import NOWHERE, Steps, vector
 from triaxis.host.scene import distance_of
 from triaxis.host.scenes import box, tool, vise, write_stl
 from triaxis.host.stl import StlMesh
+from triaxis.host.tests.published import read_published
 from triaxis.sim.paths import ROOT
 
 BOARD = Board(dsps=240, depth=4096, group=8)
@@ -162,7 +162,7 @@ def test_the_command_advises(advise_files, tmp_path):
     written = tmp_path / "advice.json"
     words = ["--clearance", 0.5, "--move", 0, 0, 2, "--travel", "z", -4, 0, "--positions", 2]
     code, said, _ = advise_files(*words, "--json", written)
-    report = json.loads(written.read_text())
+    report = read_published(written, "advice")
     assert code == 0
     assert f"ADVICE: W = {report['chosen']}, " in said
     chosen = next(row for row in report["widths"] if row["width"] == report["chosen"])
@@ -184,7 +184,7 @@ def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
     written = tmp_path / "advice.json"
     words = ["--clearance", 0.5, "--band", "0.009", "--move", 10, 5, 0.25, "--margin-bits", 16]
     code, *_ = advise_files(*words, "--depth", 64, "--lanes", 8, "--engine", "rtl", "--json", written)
-    report = json.loads(written.read_text())
+    report = read_published(written, "advice")
     assert (code, report["chosen"]) == (0, 16)
     measured = next(row["measured"] for row in report["widths"] if row["width"] == 16)
     assert measured["parts"] == 6

@@ -11,6 +11,7 @@ from triaxis.fpga.board_build import BUILD_SCRIPT, bitstream_sources
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli.engine import checkout_id
+from triaxis.host.tests.published import read_published
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
 from triaxis.verif.commands import fpga
@@ -54,7 +55,7 @@ def test_bitstream_and_manifest(bench, capsys):
     assert run(bench) == 0
     bits = bench / "fpga" / "nexys4ddr.bit"
     assert bits.read_bytes() == b"bits"
-    manifest = json.loads(manifest_path(bits).read_text())
+    manifest = read_published(manifest_path(bits), "bitstream")
     assert manifest["rtl_hash"] == RTL
     assert manifest["parameters"]["BuildId"] == f"32'h{build_id(RTL, manifest['board_hash']):08x}"
     assert manifest["figures"]["wns_ns"] == 0.25

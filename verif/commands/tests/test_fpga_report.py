@@ -1,13 +1,12 @@
 """``triaxis fpga report``: every build is made of its own sources; one beyond its limit is an exit code."""
 
-import json
-
 import pytest
 
 from triaxis.fpga.board_build import TOP, Resources
 from triaxis.fpga.logic_depth import LogicDepth, LogicPath, Tightest
 from triaxis.fpga.resources import BUILDS, Synthesis
 from triaxis.host.cli import main
+from triaxis.host.tests.published import read_published
 from triaxis.verif.commands import fpga
 
 MEMORIES = {f"{TOP}.u_mesh.u_store_a.u_{name}.memory_q": "block" for name in ("triangles", "boxes")}
@@ -32,6 +31,6 @@ def test_command(tmp_path, monkeypatch, capsys, dsps, status):
     said = capsys.readouterr().out
     assert ("board_fine: EXCEEDED: dsps" in said) is bool(status) and "operand gating: " in said
     assert "200 MHz where each wire takes at most 1.75 ns; tightest: from_q to to_q, 1.50 ns" in said
-    builds = json.loads((tmp_path / "fpga" / "report.json").read_text())["builds"]
+    builds = read_published(tmp_path / "fpga" / "report.json", "resources")["builds"]
     assert len(builds) == len(BUILDS) and builds["board_fine"]["dsps"] == dsps
     assert builds["board_fine"]["within_limit"] is not bool(status)
