@@ -3,11 +3,12 @@
 //
 // Computes: what the registers of triaxis_soc.rdl say, from the mesh engine: AXI4-Lite around triaxis_mesh, for
 // systems with a processor. Decides nothing about triangles.
-// A write to LOAD or RUN is answered when the engine has taken it. During a run, which may be long, it is answered
-// at once and refused: the bus is never held up for longer than the engine takes to settle.
-// Widths: registers have 32 bits. A coordinate has at most 32, a move at most 33, of which the register gives 32:
-// with W = 32 moves beyond 2^31 - 1 cannot be asked for. Counts of pairs have 2 log2(Depth) + 1 bits, at most 31
-// with Depth <= 32768.
+// A write to LOAD or RUN is answered when the engine has taken it. It is answered at once and refused during a run,
+// which may be long, so that the bus is never held up for longer than the engine takes to settle; and where a
+// number does not fit the engine, which a cut off one would say clear of. The result of a run is void as soon as
+// something was loaded or refused after its begin: a result is always that of the meshes as they are.
+// Widths: registers have 32 bits. A coordinate has W of them, a margin M, a move W + 1: with W = 32 moves beyond
+// 2^31 - 1 cannot be asked for. Counts of pairs have 2 log2(Depth) + 1 bits, at most 31 with Depth <= 32768.
 // Latency: a read is answered two clocks after its address, NEAR_PAIR one more.
 
 module triaxis_soc
@@ -67,8 +68,8 @@ module triaxis_soc
     logic run;
   } which_t;
 
-  which_t asked, wanted_d, wanted_q, taken;
-  logic refused, busy, load_ready, run_ready;
+  which_t asked, refused, wanted_d, wanted_q, taken;
+  logic busy, load_ready, run_ready, triangle_fits, run_fits, void_d, void_q;
   logic [1:0] load_q, mode_q;
   logic [$bits(trial_t)-1:0] trial_q;
 
@@ -77,12 +78,14 @@ module triaxis_soc
   assign taken.load = wanted_q.load && load_ready;
   assign taken.run = wanted_q.run && run_ready;
   // The bus has one such write under way at most, so a run cannot begin between this and its answer.
-  assign refused = (asked.load || asked.run) && busy;
-  assign wanted_d = (asked & ~{2{busy}}) | (wanted_q & ~taken);
+  assign refused.load = asked.load && (busy || (!triangle_fits && !from_bus.LOAD.wr_data.clear));
+  assign refused.run = asked.run && (busy || !run_fits);
+  assign wanted_d = (asked & ~refused) | (wanted_q & ~taken);
+  assign void_d = refused != '0 || taken.load || (void_q && !taken.run);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) wanted_q <= '0;
-    else wanted_q <= wanted_d;
+    if (!rst_ni) {wanted_q, void_q} <= '0;
+    else {wanted_q, void_q} <= {wanted_d, void_d};
   end
 
   always_ff @(posedge clk_i) begin
@@ -90,8 +93,8 @@ module triaxis_soc
     if (asked.run) {trial_q, mode_q} <= {from_bus.RUN.wr_data.trial, from_bus.RUN.wr_data.mode};
   end
 
-  assign to_bus.LOAD.wr_ack = taken.load || (asked.load && busy);
-  assign to_bus.RUN.wr_ack  = taken.run || (asked.run && busy);
+  assign to_bus.LOAD.wr_ack = taken.load || refused.load;
+  assign to_bus.RUN.wr_ack  = taken.run || refused.run;
 
   // --- The engine -----------------------------------------------------------------------------------------
 
@@ -99,23 +102,34 @@ module triaxis_soc
   logic [3*MoveWidth-1:0] move;
   logic [UserWidth-1:0] run_user;
   logic near_valid, near_ready, done, fault, fault_q;
+  status_e status;
   logic [2*IndexWidth-1:0] near_pair;
   logic [IndexWidth:0] count_a, count_b;
   logic [1:0] overfull;
   logic [2*$clog2(Depth/Group):0] groups_skipped, groups_opened;
   logic [2*IndexWidth:0] skipped, tested, near;
 
+  logic [8:0] coordinates_fit;
+  logic [2:0] moves_fit;
+
   for (genvar number = 0; number < 9; number++) begin : g_coordinate
     assign triangle[number*W+:W] = W'(from_bus.VERTEX[number].value.value);
+    assign coordinates_fit[number] =
+        from_bus.VERTEX[number].value.value == 32'(signed'(triangle[number*W+:W]));
   end
   for (genvar axis = 0; axis < 3; axis++) begin : g_move
     assign move[axis*MoveWidth+:MoveWidth] = MoveWidth'(signed'(from_bus.MOVE[axis].value.value));
+    assign moves_fit[axis] =
+        from_bus.MOVE[axis].value.value == 32'(signed'(move[axis*MoveWidth+:MoveWidth]));
   end
   if (M > 0) begin : g_margin
     assign run_user = {trial_q, mode_q, M'(from_bus.MARGIN.value.value)};
+    assign run_fits = &moves_fit && from_bus.MARGIN.value.value == 32'(run_user[M-1:0]);
   end else begin : g_no_margin
     assign run_user = {trial_q, mode_q};
+    assign run_fits = &moves_fit && from_bus.MARGIN.value.value == '0;
   end
+  assign triangle_fits = &coordinates_fit;
 
   triaxis_mesh #(
       .W(W),
@@ -149,7 +163,7 @@ module triaxis_soc
       .m_axis_near_tdata_o(near_pair),
       .m_axis_done_tvalid_o(done),
       .m_axis_done_tready_i(1'b1),
-      .status_o(to_bus.STATUS.result.next),
+      .status_o(status),
       .cycles_o(to_bus.CYCLES.value.next),
       .group_pairs_skipped_o(groups_skipped),
       .group_pairs_opened_o(groups_opened),
@@ -182,6 +196,7 @@ module triaxis_soc
   assign to_bus.STATUS.busy.next = busy || wanted_q.run;
   assign to_bus.STATUS.near_waits.next = near_valid;
   assign to_bus.STATUS.fault.next = fault;
+  assign to_bus.STATUS.result.next = void_q ? StatusNone : status;
   assign to_bus.STATUS.overfull_a.next = overfull[0];
   assign to_bus.STATUS.overfull_b.next = overfull[1];
   assign to_bus.COUNT_A.value.next = 32'(count_a);
@@ -194,7 +209,7 @@ module triaxis_soc
 
   assign to_bus.INTERRUPT.done.hwset = done;
   assign to_bus.INTERRUPT.fault.hwset = fault && !fault_q;
-  assign to_bus.INTERRUPT.refused.hwset = refused;
+  assign to_bus.INTERRUPT.refused.hwset = refused != '0;
   assign irq_o = (from_bus.INTERRUPT.done.value && from_bus.INTERRUPT_ENABLE.done.value) ||
       (from_bus.INTERRUPT.fault.value && from_bus.INTERRUPT_ENABLE.fault.value) ||
       (from_bus.INTERRUPT.refused.value && from_bus.INTERRUPT_ENABLE.refused.value);

@@ -1,11 +1,11 @@
 """Tests of the AXI4-Lite top: through PeakRDL's register model of pyuvm, and the AXI master of cocotb-bus.
 
-Where the register model is, TRIAXIS_SOC_MODEL says; the parameters are those that the registers show.
+The register model is where Python looks for modules; the parameters are those that the registers show.
 """
 
-import importlib.util
-import os
 import zlib
+from importlib import import_module
+from typing import Any
 
 import cocotb
 import numpy as np
@@ -18,7 +18,6 @@ from pyuvm import (
     uvm_driver,
     uvm_env,
     uvm_reg_adapter,
-    uvm_reg_bus_op,
     uvm_sequence_item,
     uvm_sequencer,
     uvm_status_e,
@@ -28,7 +27,7 @@ from pyuvm import (
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.pairs import coordinate_range
 
-COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(1, 8)
+NONE, COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(8)
 MODE_FIRST, MODE_ALL, MODE_COUNT, MODE_NONE = range(4)
 DONE, FAULTED, REFUSED = 1, 2, 4
 A, B, CLEAR = 0, 1, 2
@@ -61,7 +60,7 @@ class Adapter(uvm_reg_adapter):
     def reg2bus(self, rw):
         return Access(rw)
 
-    def bus2reg(self, bus_item, rw):
+    def bus2reg(self, bus_item: Any, rw: Any):
         rw.data, rw.status = bus_item.operation.data, bus_item.operation.status
 
 
@@ -69,10 +68,11 @@ class Driver(uvm_driver):
     """Does what is asked, an access after the other."""
 
     async def run_phase(self):
-        self.axi = Axi(cocotb.top, "s_axil", cocotb.top.clk_i)
+        top: Any = cocotb.top
+        self.axi = Axi(top, "s_axil", top.clk_i)
         while True:
             item = await self.seq_item_port.get_next_item()
-            operation: uvm_reg_bus_op = item.operation
+            operation = item.operation
             if operation.kind == uvm_access_e.UVM_WRITE:
                 await self.axi.write(operation.addr, operation.data)
             else:
@@ -87,10 +87,7 @@ class Environment(uvm_env):
     def build_phase(self):
         self.sequencer = uvm_sequencer("sequencer", self)
         self.driver = Driver("driver", self)
-        spec = importlib.util.spec_from_file_location("triaxis_soc_ral", os.environ["TRIAXIS_SOC_MODEL"])
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        self.registers = module.triaxis_soc_regs("registers")
+        self.registers = import_module("triaxis_soc_ral").triaxis_soc_regs("registers")
         self.registers.build()
         self.registers.lock_model()
 
@@ -110,13 +107,13 @@ class Registers(uvm_test):
     async def run_phase(self):
         self.raise_objection()
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
-        top = cocotb.top
+        self.top: Any = cocotb.top
         self.registers = self.environment.registers
-        cocotb.start_soon(Clock(top.clk_i, 10, "ns").start())
-        top.rst_ni.value = 0
-        await ClockCycles(top.clk_i, 4)
-        await FallingEdge(top.clk_i)
-        top.rst_ni.value = 1
+        cocotb.start_soon(Clock(self.top.clk_i, 10, "ns").start())
+        self.top.rst_ni.value = 0
+        await ClockCycles(self.top.clk_i, 4)
+        await FallingEdge(self.top.clk_i)
+        self.top.rst_ni.value = 1
         self.registers.reset()
         configuration = await self.read("CONFIGURATION")
         self.width, self.margin_bits = configuration & 63, configuration >> 6 & 63
@@ -272,21 +269,22 @@ class SocRefusalsTest(Registers):
         signature = await self.read("SIGNATURE_A")
         # All pairs are near: the run waits for its pairs to be read.
         await self.begin(MODE_ALL)
-        assert not cocotb.top.irq_o.value
+        assert not self.top.irq_o.value
         for register, value in (("LOAD", A), ("LOAD", CLEAR | B), ("RUN", MODE_COUNT)):
             await self.write(REFUSED, "INTERRUPT")
-            assert not cocotb.top.irq_o.value
+            assert not self.top.irq_o.value
             await self.write(value, register)
-            assert await self.read("INTERRUPT") == REFUSED and cocotb.top.irq_o.value
+            assert await self.read("INTERRUPT") == REFUSED and self.top.irq_o.value
+        # Something that was wanted of it was not done, so its result is void.
         found, result = await self.end()
-        assert result == COMPLETE and len(found) == len(set(found)) == 256
+        assert result == NONE and len(found) == len(set(found)) == 256
         assert (await self.read("COUNT_A"), await self.read("COUNT_B")) == (16, 16)
         assert await self.read("SIGNATURE_A") == signature
         assert await self.read("INTERRUPT") == REFUSED | DONE
         await self.write(REFUSED, "INTERRUPT")
-        assert await self.read("INTERRUPT") == DONE and cocotb.top.irq_o.value
+        assert await self.read("INTERRUPT") == DONE and self.top.irq_o.value
         await self.write(0, "INTERRUPT_ENABLE")
-        assert not cocotb.top.irq_o.value
+        assert not self.top.irq_o.value
         await self.begin(MODE_ALL)
         await self.write(1, "CONTROL")
         assert (await self.end())[1] == ABORTED
@@ -300,6 +298,43 @@ class SocRefusalsTest(Registers):
             await self.begin(MODE_COUNT, (0, 0, by))
             assert await self.end() == ([], COMPLETE)
             assert await self.read("NEAR") == 0
+        # What is loaded is no part of that result; to load or ask for what does not fit ends it as well.
+        await self.write(B, "LOAD")
+        assert (await self.status())[4] == NONE and await self.read("COUNT_B") == 17
+        await self.begin(MODE_COUNT)
+        assert await self.end() == ([], COMPLETE)
+        largest = (1 << self.margin_bits) - 1
+        for place, right, wrong in [
+            *(
+                (("MOVE", axis), 0, by << sign)
+                for axis in range(3)
+                for by in (1, -1)
+                for sign in (self.width + 1,)
+            ),
+            *((("VERTEX", k), 0, by) for k in range(9) for by in (low - 1, high + 1)),
+            *((("MARGIN", None), 0, by) for by in (largest + 1, 1 << 31)),
+        ]:
+            if not -(1 << 31) <= wrong < (1 << 31) + (place[0] == "MARGIN"):
+                continue
+            await self.write(REFUSED, "INTERRUPT")
+            before = [await self.read(name) for name in ("COUNT_B", "SIGNATURE_B", "CYCLES")]
+            await self.write(wrong, *place)
+            await self.write(*((B, "LOAD") if place[0] == "VERTEX" else (MODE_COUNT, "RUN")))
+            assert await self.read("INTERRUPT") & REFUSED, (place, wrong)
+            assert (await self.status())[4] == NONE
+            assert [await self.read(name) for name in ("COUNT_B", "SIGNATURE_B", "CYCLES")] == before
+            await self.write(right, *place)
+            await self.begin(MODE_COUNT)
+            assert await self.end() == ([], COMPLETE)
+        await self.write(largest, "MARGIN")
+        await self.write(MODE_COUNT, "RUN")
+        assert await self.end() == ([], COMPLETE)
+        # A mesh is emptied whatever is in the registers.
+        await self.write(high + 1 if self.width < 32 else 0, "VERTEX", 0)
+        await self.write(REFUSED, "INTERRUPT")
+        await self.write(CLEAR | B, "LOAD")
+        assert not await self.read("INTERRUPT") & REFUSED and await self.read("COUNT_B") == 0
+        await self.load(B, np.zeros((1, 3, 3), np.int64))
         await self.load(A, np.zeros((self.depth + 1, 3, 3), np.int64))
         assert (await self.status())[3] == 1
         await self.begin(MODE_ALL)
@@ -316,11 +351,11 @@ class SocFaultsTest(Registers):
             await self.load(mesh, np.zeros((1, 3, 3), np.int64))
         await self.begin(MODE_COUNT, trial=TRY_MEMORY)
         assert await self.end() == ([], FAULT)
-        assert (await self.status())[2] and cocotb.top.irq_o.value
+        assert (await self.status())[2] and self.top.irq_o.value
         await self.begin(MODE_COUNT)
         assert await self.end() == ([], FAULT)
         await self.write(FAULTED, "INTERRUPT")
-        assert (await self.status())[2] and not cocotb.top.irq_o.value
+        assert (await self.status())[2] and not self.top.irq_o.value
         await self.write(2, "CONTROL")
         assert not (await self.status())[2]
         await self.begin(MODE_COUNT)

