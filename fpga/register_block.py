@@ -31,6 +31,7 @@ _NOTICE = f"""\
 """
 # Of what is made, which is sound: fields of one structure are written by a process each, and not all is used.
 _OFF = ("GENUNNAMED", "MULTIDRIVEN", "UNUSEDPARAM", "UNUSEDSIGNAL")
+_PACKED = "__attribute__ ((__packed__)) "
 
 
 def _root() -> Any:
@@ -88,7 +89,8 @@ def register_files() -> dict[Path, str]:
             make(root, folder)
         notes: dict[Path, Callable[[str], str]] = {
             **dict.fromkeys(REGISTERS_RTL, lambda made: f"{_NOTICE}{_lint('off')}\n{made}\n{_lint('on')}"),
-            HEADER: lambda made: f"{_NOTICE}\n{made}",
+            # All members are whole words; of what is packed compilers read and write bytes.
+            HEADER: lambda made: f"{_NOTICE}\n{made.replace(_PACKED, '')}",
             TEXT: lambda made: f"<!-- {_MADE} -->\n\n{made}",
         }
         return {path: note((folder / path.name).read_text()) for path, note in notes.items()}

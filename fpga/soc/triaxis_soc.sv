@@ -5,8 +5,9 @@
 // systems with a processor. Decides nothing about triangles.
 // A write to LOAD or RUN is answered when the engine has taken it. It is answered at once and refused during a run,
 // which may be long, so that the bus is never held up for longer than the engine takes to settle; and where a
-// number does not fit the engine, which a cut off one would say clear of. The result of a run is void as soon as
-// something was loaded or refused after its begin: a result is always that of the meshes as they are.
+// number does not fit the engine, as what is cut off could be clear. A result is always that of the meshes as they
+// are meant to be: it is void as soon as something was loaded or refused after its begin, or a check failed; and a
+// mesh that lacks what was refused, or met a fault, has to be emptied before the next run.
 // Widths: registers have 32 bits. A coordinate has W of them, a margin M, a move W + 1: with W = 32 moves beyond
 // 2^31 - 1 cannot be asked for. Counts of pairs have 2 log2(Depth) + 1 bits, at most 31 with Depth <= 32768.
 // Latency: a read is answered two clocks after its address, NEAR_PAIR one more.
@@ -69,23 +70,34 @@ module triaxis_soc
   } which_t;
 
   which_t asked, refused, wanted_d, wanted_q, taken;
-  logic busy, load_ready, run_ready, triangle_fits, run_fits, void_d, void_q;
-  logic [1:0] load_q, mode_q;
+  logic busy, load_ready, run_ready, triangle_fits, run_fits, void_d, void_q, fault;
+  logic [1:0] ignored, load_q, mode_q, incomplete_d, incomplete_q;
   logic [$bits(trial_t)-1:0] trial_q;
 
-  assign asked.load = from_bus.LOAD.req && from_bus.LOAD.req_is_wr;
-  assign asked.run = from_bus.RUN.req && from_bus.RUN.req_is_wr;
+  // Converters of buses write words of which no byte is meant.
+  assign ignored[0] = from_bus.LOAD.req && from_bus.LOAD.wr_biten == '0;
+  assign ignored[1] = from_bus.RUN.req && from_bus.RUN.wr_biten == '0;
+  assign asked.load = from_bus.LOAD.req && from_bus.LOAD.req_is_wr && !ignored[0];
+  assign asked.run = from_bus.RUN.req && from_bus.RUN.req_is_wr && !ignored[1];
   assign taken.load = wanted_q.load && load_ready;
   assign taken.run = wanted_q.run && run_ready;
   // The bus has one such write under way at most, so a run cannot begin between this and its answer.
-  assign refused.load = asked.load && (busy || (!triangle_fits && !from_bus.LOAD.wr_data.clear));
-  assign refused.run = asked.run && (busy || !run_fits);
+  assign refused.load = asked.load && (busy || !(&from_bus.LOAD.wr_biten) ||
+      (!triangle_fits && !from_bus.LOAD.wr_data.clear));
+  assign refused.run = asked.run &&
+      (busy || !(&from_bus.RUN.wr_biten) || !run_fits || incomplete_q != '0);
   assign wanted_d = (asked & ~refused) | (wanted_q & ~taken);
-  assign void_d = refused != '0 || taken.load || (void_q && !taken.run);
+  assign void_d = refused != '0 || taken.load || fault || (void_q && !taken.run);
+  for (genvar mesh = 0; mesh < 2; mesh++) begin : g_mesh
+    // Of a part of a word it is not known which mesh was meant.
+    assign incomplete_d[mesh] = fault || (refused.load &&
+        (!(&from_bus.LOAD.wr_biten) || from_bus.LOAD.wr_data.mesh == 1'(mesh))) ||
+        (incomplete_q[mesh] && !(taken.load && load_q == {1'b1, 1'(mesh)}));
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) {wanted_q, void_q} <= '0;
-    else {wanted_q, void_q} <= {wanted_d, void_d};
+    if (!rst_ni) {wanted_q, void_q, incomplete_q} <= '0;
+    else {wanted_q, void_q, incomplete_q} <= {wanted_d, void_d, incomplete_d};
   end
 
   always_ff @(posedge clk_i) begin
@@ -93,15 +105,15 @@ module triaxis_soc
     if (asked.run) {trial_q, mode_q} <= {from_bus.RUN.wr_data.trial, from_bus.RUN.wr_data.mode};
   end
 
-  assign to_bus.LOAD.wr_ack = taken.load || refused.load;
-  assign to_bus.RUN.wr_ack  = taken.run || refused.run;
+  assign to_bus.LOAD.wr_ack = taken.load || refused.load || ignored[0];
+  assign to_bus.RUN.wr_ack  = taken.run || refused.run || ignored[1];
 
   // --- The engine -----------------------------------------------------------------------------------------
 
   logic [9*W-1:0] triangle;
   logic [3*MoveWidth-1:0] move;
   logic [UserWidth-1:0] run_user;
-  logic near_valid, near_ready, done, fault, fault_q;
+  logic near_valid, near_ready, done, fault_q, clear;
   status_e status;
   logic [2*IndexWidth-1:0] near_pair;
   logic [IndexWidth:0] count_a, count_b;
@@ -196,7 +208,12 @@ module triaxis_soc
   assign to_bus.STATUS.busy.next = busy || wanted_q.run;
   assign to_bus.STATUS.near_waits.next = near_valid;
   assign to_bus.STATUS.fault.next = fault;
-  assign to_bus.STATUS.result.next = void_q ? StatusNone : status;
+  assign to_bus.STATUS.incomplete_a.next = incomplete_q[0];
+  assign to_bus.STATUS.incomplete_b.next = incomplete_q[1];
+  assign clear = status == StatusComplete && near == '0 && !void_q && !fault && !busy &&
+      !wanted_q.run;
+  assign to_bus.STATUS.clear.next = clear;
+  assign to_bus.STATUS.result.next = fault ? StatusFault : (void_q ? StatusNone : status);
   assign to_bus.STATUS.overfull_a.next = overfull[0];
   assign to_bus.STATUS.overfull_b.next = overfull[1];
   assign to_bus.COUNT_A.value.next = 32'(count_a);
@@ -210,9 +227,11 @@ module triaxis_soc
   assign to_bus.INTERRUPT.done.hwset = done;
   assign to_bus.INTERRUPT.fault.hwset = fault && !fault_q;
   assign to_bus.INTERRUPT.refused.hwset = refused != '0;
+  assign to_bus.INTERRUPT.near_waits.hwset = near_valid;
   assign irq_o = (from_bus.INTERRUPT.done.value && from_bus.INTERRUPT_ENABLE.done.value) ||
       (from_bus.INTERRUPT.fault.value && from_bus.INTERRUPT_ENABLE.fault.value) ||
-      (from_bus.INTERRUPT.refused.value && from_bus.INTERRUPT_ENABLE.refused.value);
+      (from_bus.INTERRUPT.refused.value && from_bus.INTERRUPT_ENABLE.refused.value) ||
+      (from_bus.INTERRUPT.near_waits.value && from_bus.INTERRUPT_ENABLE.near_waits.value);
 
   // --- The registers --------------------------------------------------------------------------------------
 

@@ -349,6 +349,10 @@ module triaxis_soc_regs (
                 logic next;
                 logic load_next;
             } refused;
+            struct {
+                logic next;
+                logic load_next;
+            } near_waits;
         } INTERRUPT;
         struct {
             struct {
@@ -363,6 +367,10 @@ module triaxis_soc_regs (
                 logic next;
                 logic load_next;
             } refused;
+            struct {
+                logic next;
+                logic load_next;
+            } near_waits;
         } INTERRUPT_ENABLE;
         struct {
             struct {
@@ -406,6 +414,9 @@ module triaxis_soc_regs (
             struct {
                 logic value;
             } refused;
+            struct {
+                logic value;
+            } near_waits;
         } INTERRUPT;
         struct {
             struct {
@@ -417,6 +428,9 @@ module triaxis_soc_regs (
             struct {
                 logic value;
             } refused;
+            struct {
+                logic value;
+            } near_waits;
         } INTERRUPT_ENABLE;
         struct {
             struct {
@@ -450,11 +464,11 @@ module triaxis_soc_regs (
         automatic logic load_next_c;
         next_c = field_storage.INTERRUPT.done.value;
         load_next_c = '0;
-        if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
-            next_c = field_storage.INTERRUPT.done.value & ~(decoded_wr_data[0:0] & decoded_wr_biten[0:0]);
-            load_next_c = '1;
-        end else if(hwif_in.INTERRUPT.done.hwset) begin // HW Set
+        if(hwif_in.INTERRUPT.done.hwset) begin // HW Set
             next_c = '1;
+            load_next_c = '1;
+        end else if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.INTERRUPT.done.value & ~(decoded_wr_data[0:0] & decoded_wr_biten[0:0]);
             load_next_c = '1;
         end
         field_combo.INTERRUPT.done.next = next_c;
@@ -476,11 +490,11 @@ module triaxis_soc_regs (
         automatic logic load_next_c;
         next_c = field_storage.INTERRUPT.fault.value;
         load_next_c = '0;
-        if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
-            next_c = field_storage.INTERRUPT.fault.value & ~(decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
-            load_next_c = '1;
-        end else if(hwif_in.INTERRUPT.fault.hwset) begin // HW Set
+        if(hwif_in.INTERRUPT.fault.hwset) begin // HW Set
             next_c = '1;
+            load_next_c = '1;
+        end else if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.INTERRUPT.fault.value & ~(decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
             load_next_c = '1;
         end
         field_combo.INTERRUPT.fault.next = next_c;
@@ -502,11 +516,11 @@ module triaxis_soc_regs (
         automatic logic load_next_c;
         next_c = field_storage.INTERRUPT.refused.value;
         load_next_c = '0;
-        if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
-            next_c = field_storage.INTERRUPT.refused.value & ~(decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
-            load_next_c = '1;
-        end else if(hwif_in.INTERRUPT.refused.hwset) begin // HW Set
+        if(hwif_in.INTERRUPT.refused.hwset) begin // HW Set
             next_c = '1;
+            load_next_c = '1;
+        end else if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.INTERRUPT.refused.value & ~(decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
             load_next_c = '1;
         end
         field_combo.INTERRUPT.refused.next = next_c;
@@ -522,6 +536,32 @@ module triaxis_soc_regs (
         end
     end
     assign hwif_out.INTERRUPT.refused.value = field_storage.INTERRUPT.refused.value;
+    // Field: triaxis_soc_regs.INTERRUPT.near_waits
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.INTERRUPT.near_waits.value;
+        load_next_c = '0;
+        if(hwif_in.INTERRUPT.near_waits.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end else if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.INTERRUPT.near_waits.value & ~(decoded_wr_data[3:3] & decoded_wr_biten[3:3]);
+            load_next_c = '1;
+        end
+        field_combo.INTERRUPT.near_waits.next = next_c;
+        field_combo.INTERRUPT.near_waits.load_next = load_next_c;
+    end
+    always_ff @(posedge clk or negedge arst_n) begin
+        if(~arst_n) begin
+            field_storage.INTERRUPT.near_waits.value <= 1'h0;
+        end else begin
+            if(field_combo.INTERRUPT.near_waits.load_next) begin
+                field_storage.INTERRUPT.near_waits.value <= field_combo.INTERRUPT.near_waits.next;
+            end
+        end
+    end
+    assign hwif_out.INTERRUPT.near_waits.value = field_storage.INTERRUPT.near_waits.value;
     // Field: triaxis_soc_regs.INTERRUPT_ENABLE.done
     always_comb begin
         automatic logic [0:0] next_c;
@@ -591,6 +631,29 @@ module triaxis_soc_regs (
         end
     end
     assign hwif_out.INTERRUPT_ENABLE.refused.value = field_storage.INTERRUPT_ENABLE.refused.value;
+    // Field: triaxis_soc_regs.INTERRUPT_ENABLE.near_waits
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.INTERRUPT_ENABLE.near_waits.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.INTERRUPT_ENABLE && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.INTERRUPT_ENABLE.near_waits.value & ~decoded_wr_biten[3:3]) | (decoded_wr_data[3:3] & decoded_wr_biten[3:3]);
+            load_next_c = '1;
+        end
+        field_combo.INTERRUPT_ENABLE.near_waits.next = next_c;
+        field_combo.INTERRUPT_ENABLE.near_waits.load_next = load_next_c;
+    end
+    always_ff @(posedge clk or negedge arst_n) begin
+        if(~arst_n) begin
+            field_storage.INTERRUPT_ENABLE.near_waits.value <= 1'h0;
+        end else begin
+            if(field_combo.INTERRUPT_ENABLE.near_waits.load_next) begin
+                field_storage.INTERRUPT_ENABLE.near_waits.value <= field_combo.INTERRUPT_ENABLE.near_waits.next;
+            end
+        end
+    end
+    assign hwif_out.INTERRUPT_ENABLE.near_waits.value = field_storage.INTERRUPT_ENABLE.near_waits.value;
     // Field: triaxis_soc_regs.CONTROL.abort
     always_comb begin
         automatic logic [0:0] next_c;
@@ -795,17 +858,22 @@ module triaxis_soc_regs (
             readback_data_var[2] = hwif_in.STATUS.fault.next;
             readback_data_var[3] = hwif_in.STATUS.overfull_a.next;
             readback_data_var[4] = hwif_in.STATUS.overfull_b.next;
+            readback_data_var[5] = hwif_in.STATUS.incomplete_a.next;
+            readback_data_var[6] = hwif_in.STATUS.incomplete_b.next;
+            readback_data_var[7] = hwif_in.STATUS.clear.next;
             readback_data_var[10:8] = hwif_in.STATUS.result.next;
         end
         if(rd_mux_addr == 7'hc) begin
             readback_data_var[0] = field_storage.INTERRUPT.done.value;
             readback_data_var[1] = field_storage.INTERRUPT.fault.value;
             readback_data_var[2] = field_storage.INTERRUPT.refused.value;
+            readback_data_var[3] = field_storage.INTERRUPT.near_waits.value;
         end
         if(rd_mux_addr == 7'h10) begin
             readback_data_var[0] = field_storage.INTERRUPT_ENABLE.done.value;
             readback_data_var[1] = field_storage.INTERRUPT_ENABLE.fault.value;
             readback_data_var[2] = field_storage.INTERRUPT_ENABLE.refused.value;
+            readback_data_var[3] = field_storage.INTERRUPT_ENABLE.near_waits.value;
         end
         for(int i0=0; i0<9; i0++) begin
             if(rd_mux_addr == 7'h20 + (7)'(i0) * 7'h4) begin

@@ -60,6 +60,18 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__STATUS__overfull_b__in_t;
 
     typedef struct {
+        logic next;
+    } triaxis_soc_regs__STATUS__incomplete_a__in_t;
+
+    typedef struct {
+        logic next;
+    } triaxis_soc_regs__STATUS__incomplete_b__in_t;
+
+    typedef struct {
+        logic next;
+    } triaxis_soc_regs__STATUS__clear__in_t;
+
+    typedef struct {
         logic [2:0] next;
     } triaxis_soc_regs__STATUS__result__in_t;
 
@@ -69,6 +81,9 @@ package triaxis_soc_regs_pkg;
         triaxis_soc_regs__STATUS__fault__in_t fault;
         triaxis_soc_regs__STATUS__overfull_a__in_t overfull_a;
         triaxis_soc_regs__STATUS__overfull_b__in_t overfull_b;
+        triaxis_soc_regs__STATUS__incomplete_a__in_t incomplete_a;
+        triaxis_soc_regs__STATUS__incomplete_b__in_t incomplete_b;
+        triaxis_soc_regs__STATUS__clear__in_t clear;
         triaxis_soc_regs__STATUS__result__in_t result;
     } triaxis_soc_regs__STATUS__in_t;
 
@@ -85,9 +100,14 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__INTERRUPT__refused__in_t;
 
     typedef struct {
+        logic hwset;
+    } triaxis_soc_regs__INTERRUPT__near_waits__in_t;
+
+    typedef struct {
         triaxis_soc_regs__INTERRUPT__done__in_t done;
         triaxis_soc_regs__INTERRUPT__fault__in_t fault;
         triaxis_soc_regs__INTERRUPT__refused__in_t refused;
+        triaxis_soc_regs__INTERRUPT__near_waits__in_t near_waits;
     } triaxis_soc_regs__INTERRUPT__in_t;
 
     typedef struct {
@@ -220,9 +240,14 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__INTERRUPT__refused__out_t;
 
     typedef struct {
+        logic value;
+    } triaxis_soc_regs__INTERRUPT__near_waits__out_t;
+
+    typedef struct {
         triaxis_soc_regs__INTERRUPT__done__out_t done;
         triaxis_soc_regs__INTERRUPT__fault__out_t fault;
         triaxis_soc_regs__INTERRUPT__refused__out_t refused;
+        triaxis_soc_regs__INTERRUPT__near_waits__out_t near_waits;
     } triaxis_soc_regs__INTERRUPT__out_t;
 
     typedef struct {
@@ -238,9 +263,14 @@ package triaxis_soc_regs_pkg;
     } triaxis_soc_regs__INTERRUPT_ENABLE__refused__out_t;
 
     typedef struct {
+        logic value;
+    } triaxis_soc_regs__INTERRUPT_ENABLE__near_waits__out_t;
+
+    typedef struct {
         triaxis_soc_regs__INTERRUPT_ENABLE__done__out_t done;
         triaxis_soc_regs__INTERRUPT_ENABLE__fault__out_t fault;
         triaxis_soc_regs__INTERRUPT_ENABLE__refused__out_t refused;
+        triaxis_soc_regs__INTERRUPT_ENABLE__near_waits__out_t near_waits;
     } triaxis_soc_regs__INTERRUPT_ENABLE__out_t;
 
     typedef struct {

@@ -29,10 +29,10 @@ from triaxis.golden.pairs import coordinate_range
 
 NONE, COMPLETE, FIRST, ABORTED, OVERFLOW, OVERFULL, BAD_MODE, FAULT = range(8)
 MODE_FIRST, MODE_ALL, MODE_COUNT, MODE_NONE = range(4)
-DONE, FAULTED, REFUSED = 1, 2, 4
+DONE, FAULTED, REFUSED, NEAR_WAITS = 1, 2, 4, 8
 A, B, CLEAR = 0, 1, 2
-# triaxis_mesh_pkg: kind 4, memory 4: triangles of A.
-TRY_MEMORY = 4 << 5 | 4
+# triaxis_mesh_pkg: kind 4: the triangles of A where a run uses them; the CRC of the scrub after a run.
+TRY_MEMORY, TRY_SCRUB = 4 << 5 | 4, 4 << 5 | 16
 
 
 class Axi(AXI4LiteMaster):
@@ -98,6 +98,19 @@ class Environment(uvm_env):
         default.set_auto_predict(True)
 
 
+class Status:
+    """STATUS, field by field."""
+
+    def __init__(self, word):
+        self.busy, self.near_waits, self.fault = (word >> bit & 1 for bit in range(3))
+        self.overfull, self.incomplete, self.clear, self.result = (
+            word >> 3 & 3,
+            word >> 5 & 3,
+            word >> 7 & 1,
+            word >> 8,
+        )
+
+
 class Registers(uvm_test):
     """What the tests have in common: a clock, a reset, a few steps on the registers."""
 
@@ -147,21 +160,27 @@ class Registers(uvm_test):
         await self.write(trial << 8 | mode, "RUN")
 
     async def status(self):
-        """Return busy, whether a near pair waits, fault, overfull, result."""
-        found = await self.read("STATUS")
-        return found & 1, found >> 1 & 1, found >> 2 & 1, found >> 3 & 3, found >> 8 & 7
+        """Return the fields of STATUS."""
+        return Status(await self.read("STATUS"))
 
     async def end(self):
         """Read near pairs until the run has ended; return them and its result."""
         found = []
         while True:
-            busy, waits, *_, result = await self.status()
-            if waits:
+            status = await self.status()
+            assert not (status.clear and (status.busy or found))
+            if status.near_waits:
                 pair = await self.read("NEAR_PAIR")
                 found.append((pair & 0xFFFF, pair >> 16))
-            elif not busy:
+            elif not status.busy:
                 assert await self.read("NEAR_PAIR") == 0xFFFF_FFFF
-                return found, result
+                assert not status.clear or await self.read("NEAR") == 0
+                return found, status.result
+
+    async def partly(self, address, value, strobes):
+        """Write some bytes of a word."""
+        axi, named = self.environment.driver.axi, self.register(address).get_address()
+        await axi.write(named, value, byte_enable=strobes)
 
     def triangles(self, count):
         """Return triangles of a size at which some of two meshes are near each other."""
@@ -212,7 +231,7 @@ class SocRegistersTest(Registers):
             await self.environment.driver.axi.write(self.register(name).get_address(), ~before & 0xFFFF_FFFF)
             assert await self.read(name) == before
         await self.write(0xFFFF_FFFF, "INTERRUPT_ENABLE")
-        assert await self.read("INTERRUPT_ENABLE") == 7
+        assert await self.read("INTERRUPT_ENABLE") == 15
 
 
 @pyuvm.test()
@@ -249,6 +268,7 @@ class SocScenesTest(Registers):
                     assert (result, len(found)) == (FIRST, 1) and set(found) <= due, said
                     continue
                 assert result == COMPLETE and await self.read("NEAR") == len(due), said
+                assert (await self.status()).clear == (not due), said
                 assert sorted(found) == (sorted(due) if mode != MODE_COUNT else []), said
                 groups = await self.read("GROUP_PAIRS_SKIPPED") + await self.read("GROUP_PAIRS_OPENED")
                 assert await self.read("TESTED") + await self.read("PAIRS_SKIPPED") <= len(a) * len(b)
@@ -270,17 +290,32 @@ class SocRefusalsTest(Registers):
         # All pairs are near: the run waits for its pairs to be read.
         await self.begin(MODE_ALL)
         assert not self.top.irq_o.value
+        await self.write(NEAR_WAITS, "INTERRUPT_ENABLE")
+        while not (await self.status()).near_waits:
+            pass
+        assert self.top.irq_o.value
+        await self.write(NEAR_WAITS, "INTERRUPT")
+        assert self.top.irq_o.value, "as long as a pair waits"
+        await self.write(DONE | FAULTED | REFUSED, "INTERRUPT_ENABLE")
         for register, value in (("LOAD", A), ("LOAD", CLEAR | B), ("RUN", MODE_COUNT)):
             await self.write(REFUSED, "INTERRUPT")
             assert not self.top.irq_o.value
             await self.write(value, register)
-            assert await self.read("INTERRUPT") == REFUSED and self.top.irq_o.value
+            assert await self.read("INTERRUPT") == REFUSED | NEAR_WAITS and self.top.irq_o.value
         # Something that was wanted of it was not done, so its result is void.
         found, result = await self.end()
         assert result == NONE and len(found) == len(set(found)) == 256
         assert (await self.read("COUNT_A"), await self.read("COUNT_B")) == (16, 16)
         assert await self.read("SIGNATURE_A") == signature
-        assert await self.read("INTERRUPT") == REFUSED | DONE
+        assert await self.read("INTERRUPT") == REFUSED | DONE | NEAR_WAITS
+        # What they lack is missed by no run: they have to be emptied.
+        assert (await self.status()).incomplete == 3
+        await self.write(REFUSED | NEAR_WAITS, "INTERRUPT")
+        await self.load(A, np.zeros((16, 3, 3), np.int64))
+        assert (await self.status()).incomplete == 2
+        await self.begin(MODE_COUNT)
+        assert await self.end() == ([], NONE) and await self.read("INTERRUPT") == REFUSED | DONE
+        await self.load(B, np.zeros((16, 3, 3), np.int64))
         await self.write(REFUSED, "INTERRUPT")
         assert await self.read("INTERRUPT") == DONE and self.top.irq_o.value
         await self.write(0, "INTERRUPT_ENABLE")
@@ -300,7 +335,9 @@ class SocRefusalsTest(Registers):
             assert await self.read("NEAR") == 0
         # What is loaded is no part of that result; to load or ask for what does not fit ends it as well.
         await self.write(B, "LOAD")
-        assert (await self.status())[4] == NONE and await self.read("COUNT_B") == 17
+        status = await self.status()
+        assert (status.result, status.clear, status.incomplete) == (NONE, 0, 0)
+        assert await self.read("COUNT_B") == 17
         await self.begin(MODE_COUNT)
         assert await self.end() == ([], COMPLETE)
         largest = (1 << self.margin_bits) - 1
@@ -321,9 +358,13 @@ class SocRefusalsTest(Registers):
             await self.write(wrong, *place)
             await self.write(*((B, "LOAD") if place[0] == "VERTEX" else (MODE_COUNT, "RUN")))
             assert await self.read("INTERRUPT") & REFUSED, (place, wrong)
-            assert (await self.status())[4] == NONE
+            status = await self.status()
+            assert (status.result, status.clear) == (NONE, 0)
+            assert status.incomplete == (2 if place[0] == "VERTEX" else 0)
             assert [await self.read(name) for name in ("COUNT_B", "SIGNATURE_B", "CYCLES")] == before
             await self.write(right, *place)
+            if place[0] == "VERTEX":
+                await self.load(B, np.zeros((2, 3, 3), np.int64))
             await self.begin(MODE_COUNT)
             assert await self.end() == ([], COMPLETE)
         await self.write(largest, "MARGIN")
@@ -336,7 +377,7 @@ class SocRefusalsTest(Registers):
         assert not await self.read("INTERRUPT") & REFUSED and await self.read("COUNT_B") == 0
         await self.load(B, np.zeros((1, 3, 3), np.int64))
         await self.load(A, np.zeros((self.depth + 1, 3, 3), np.int64))
-        assert (await self.status())[3] == 1
+        assert (await self.status()).overfull == 1
         await self.begin(MODE_ALL)
         assert await self.end() == ([], OVERFULL)
 
@@ -351,12 +392,78 @@ class SocFaultsTest(Registers):
             await self.load(mesh, np.zeros((1, 3, 3), np.int64))
         await self.begin(MODE_COUNT, trial=TRY_MEMORY)
         assert await self.end() == ([], FAULT)
-        assert (await self.status())[2] and self.top.irq_o.value
-        await self.begin(MODE_COUNT)
-        assert await self.end() == ([], FAULT)
+        assert (await self.status()).fault and self.top.irq_o.value
         await self.write(FAULTED, "INTERRUPT")
-        assert (await self.status())[2] and not self.top.irq_o.value
-        await self.write(2, "CONTROL")
-        assert not (await self.status())[2]
+        assert (await self.status()).fault and not self.top.irq_o.value
+        await self.acknowledged()
         await self.begin(MODE_COUNT)
         assert await self.end() == ([], COMPLETE) and await self.read("NEAR") == 1
+        # Apart, and clear, until the scrub that follows finds a mesh that is not as it was loaded.
+        far = self.depth
+        await self.begin(MODE_COUNT, (far, 0, 0), 0, TRY_SCRUB)
+        for _ in range(20 + self.depth):
+            status = await self.status()
+            if status.fault:
+                break
+        assert status.fault and (status.result, status.clear) == (FAULT, 0)
+        await self.acknowledged()
+        await self.begin(MODE_COUNT, (far, 0, 0))
+        assert await self.end() == ([], COMPLETE) and (await self.status()).clear
+
+    async def acknowledged(self):
+        """Acknowledge a fault: no run begins before both meshes were loaded anew."""
+        await self.write(2, "CONTROL")
+        status = await self.status()
+        assert (status.fault, status.result, status.clear, status.incomplete) == (0, NONE, 0, 3)
+        for mesh in (A, B):
+            await self.write(REFUSED, "INTERRUPT")
+            await self.begin(MODE_COUNT)
+            assert (await self.end())[1] == NONE and await self.read("INTERRUPT") & REFUSED
+            await self.load(mesh, np.zeros((1, 3, 3), np.int64))
+
+
+@pyuvm.test()
+class SocBytesTest(Registers):
+    """Parts of words do nothing by halves; what happens while INTERRUPT is written is not lost."""
+
+    async def check(self):
+        for mesh in (A, B):
+            await self.load(mesh, np.zeros((1, 3, 3), np.int64))
+        await self.begin(MODE_COUNT)
+        assert await self.end() == ([], COMPLETE)
+        # Of no byte: converters of buses do that.
+        for name, value in (("LOAD", CLEAR | A), ("LOAD", A), ("RUN", MODE_NONE)):
+            await self.partly(name, value, 0)
+            status = await self.status()
+            assert (status.result, status.incomplete, await self.read("INTERRUPT") & REFUSED) == (
+                COMPLETE,
+                0,
+                0,
+            )
+        assert [await self.read(name) for name in ("COUNT_A", "COUNT_B", "NEAR")] == [1, 1, 1]
+        for strobes in (1, 2, 7, 14):
+            for name in ("LOAD", "RUN"):
+                await self.write(REFUSED, "INTERRUPT")
+                await self.partly(name, A, strobes)
+                status = await self.status()
+                assert (status.result, status.incomplete) == (NONE, 3 if name == "LOAD" else 0)
+                assert await self.read("INTERRUPT") & REFUSED and await self.read("COUNT_A") == 1
+                for mesh in (A, B):
+                    await self.load(mesh, np.zeros((1, 3, 3), np.int64))
+                await self.begin(MODE_COUNT)
+                assert await self.end() == ([], COMPLETE)
+        await self.partly("MARGIN", 0, 15)
+        for offset in range(100):
+            trial = TRY_MEMORY if offset % 2 else 0
+            await self.write(DONE | FAULTED, "INTERRUPT")
+            await self.write(trial << 8 | MODE_COUNT, "RUN")
+            await ClockCycles(self.top.clk_i, offset // 2 + 1)
+            await self.write(REFUSED, "INTERRUPT")
+            while (await self.status()).busy:
+                pass
+            due = DONE | FAULTED if trial else DONE
+            assert await self.read("INTERRUPT") & (DONE | FAULTED) == due, offset
+            if trial:
+                await self.write(2, "CONTROL")
+                for mesh in (A, B):
+                    await self.load(mesh, np.zeros((1, 3, 3), np.int64))

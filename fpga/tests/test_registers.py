@@ -1,23 +1,32 @@
 """The AXI4-Lite top: what is kept is what its description makes; its tests pass in simulation."""
 
+import subprocess
 from pathlib import Path
 
 import pytest
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
-from triaxis.fpga.register_block import SOC_RTL, register_files
+from triaxis.fpga.register_block import HEADER, SOC_RTL, register_files
+from triaxis.golden.native import cxx
 from triaxis.host.cli import DONE, main
 from triaxis.sim import toolchain
 from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
 
-TESTS = 4
+TESTS = 5
 
 
 def test_what_is_kept_is_what_the_description_makes():
     pytest.importorskip("peakrdl_regblock", reason="PeakRDL is not installed: `make regress` installs it")
     for path, text in register_files().items():
         assert path.read_text() == text, f"{path}: run `triaxis fpga registers`"
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_the_header_compiles_and_makes_accesses_of_whole_words(language):
+    command = [cxx(), "-x", language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", str(HEADER)]
+    assert subprocess.run(command, check=False).returncode == 0
+    assert "packed" not in HEADER.read_text()
 
 
 @pytest.mark.regress
