@@ -81,6 +81,10 @@ PRESSED = (
 )
 
 
+# Those that take a minute, which each sign-off runs.
+SLOW = ("BoardFullTest", "BoardTrialsTest")
+
+
 def rtl_of(module):
     return "board/nexys4ddr_top.sv" if module == "top" else f"board/triaxis_{module}.sv"
 
@@ -89,7 +93,13 @@ def simulated(folder, test, seed):
     return run(run_settings(test, BOARD, seed, 60, folder=folder, agent=BURST))
 
 
-@pytest.mark.parametrize("test", names_of(Block.BOARD))
+@pytest.mark.parametrize(
+    "test",
+    [
+        pytest.param(name, marks=pytest.mark.regress) if name in SLOW else name
+        for name in names_of(Block.BOARD)
+    ],
+)
 def test_passes(tmp_path, seed, test):
     result = simulated(tmp_path / "run", test, seed)
     assert result.passed and result.counts, result.explain()
