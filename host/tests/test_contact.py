@@ -280,7 +280,8 @@ def crash(moves, parts, points):
     return None
 
 
-def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
+@pytest.mark.parametrize("programs", [40, pytest.param(150, marks=pytest.mark.regress)])
+def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs):
     """Random programs and tools against a stock of points, of which feeds take away what they meet."""
     low, high = (-12.0, -12.0, -12.0), (12.0, 12.0, 0.0)
     stock = tmp_path / "stock.stl"
@@ -288,7 +289,7 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
     scenes.write_stl(tmp_path / "work.stl", TABLE)
     told = {"clear": 0, "near, and a crash": 0, "near": 0}
     rapids = 0
-    for _ in range(150):
+    for _ in range(programs):
         parts = [
             (rng.choice([2, 4, 6]), rng.choice([2, 4, 8]), k == 0 or rng.random() < 0.3) for k in (0, 1, 2)
         ]
@@ -347,7 +348,8 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path):
             assert said["near"]["move"] <= first, (lines, parts, first)
         told["clear" if status == 0 else "near" if first is None else "near, and a crash"] += 1
         rapids += sum(move.rapid and move.start[2] < 0 for move in moves) * (status == 0)
-    assert told["clear"] > 20 and told["near, and a crash"] > 20 and rapids > 20, (told, rapids)
+    least = 2 * programs // 15
+    assert min(told["clear"], told["near, and a crash"], rapids) > least, (told, rapids)
 
 
 def test_rapids_that_need_no_look(tmp_path):
