@@ -280,8 +280,10 @@ def crash(moves, parts, points):
     return None
 
 
-@pytest.mark.parametrize(("programs", "least"), [(75, 9), pytest.param(150, 20, marks=pytest.mark.regress)])
-def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, least):
+@pytest.mark.parametrize(
+    ("programs", "least_rapids"), [(75, 4), pytest.param(150, 20, marks=pytest.mark.regress)]
+)
+def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, least_rapids):
     """Random programs and tools against a stock of points, of which feeds take away what they meet."""
     low, high = (-12.0, -12.0, -12.0), (12.0, 12.0, 0.0)
     stock = tmp_path / "stock.stl"
@@ -348,7 +350,7 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, lea
             assert said["near"]["move"] <= first, (lines, parts, first)
         told["clear" if status == 0 else "near" if first is None else "near, and a crash"] += 1
         rapids += sum(move.rapid and move.start[2] < 0 for move in moves) * (status == 0)
-    assert min(told["clear"], told["near, and a crash"], rapids) > least, (told, rapids)
+    assert min(told["clear"], told["near, and a crash"]) > 20 and rapids > least_rapids, (told, rapids)
 
 
 def test_rapids_that_need_no_look(tmp_path):
