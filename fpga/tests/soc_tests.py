@@ -177,10 +177,10 @@ class Registers(uvm_test):
                 assert not status.clear or await self.read("NEAR") == 0
                 return found, status.result
 
-    async def partly(self, address, value, strobes):
+    async def partly(self, name, value, strobes):
         """Write some bytes of a word."""
-        axi, named = self.environment.driver.axi, self.register(address).get_address()
-        await axi.write(named, value, byte_enable=strobes)
+        address = self.register(name).get_address()
+        await self.environment.driver.axi.write(address, value, byte_enable=strobes)
 
     def triangles(self, count):
         """Return triangles of a size at which some of two meshes are near each other."""
