@@ -401,10 +401,9 @@ class SocFaultsTest(Registers):
         # Apart, and clear, until the scrub that follows finds a mesh that is not as it was loaded.
         far = self.depth
         await self.begin(MODE_COUNT, (far, 0, 0), 0, TRY_SCRUB)
-        for _ in range(20 + self.depth):
-            status = await self.status()
-            if status.fault:
-                break
+        status, tries = await self.status(), 0
+        while not status.fault and tries < 20 + self.depth:
+            status, tries = await self.status(), tries + 1
         assert status.fault and (status.result, status.clear) == (FAULT, 0)
         await self.acknowledged()
         await self.begin(MODE_COUNT, (far, 0, 0))
