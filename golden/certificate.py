@@ -38,10 +38,14 @@ def witness_proves_near(
 
 def axis_proves_clear(a: Triangle, b: Triangle, margin: Scalar, axis: Sequence[Scalar]) -> bool:
     """Return whether the axis separates A and B, in either order, by more than the margin."""
+    return axis_gap(a, b, axis) > margin * sum(abs(component) for component in axis)
+
+
+def axis_gap(a: Triangle, b: Triangle, axis: Sequence[Scalar]) -> Scalar:
+    """Return by how much A and B are apart on an axis, in either order; negative where they overlap there."""
     on_a = [dot(axis, vertex) for vertex in a]
     on_b = [dot(axis, vertex) for vertex in b]
-    gap = max(min(on_b) - max(on_a), min(on_a) - max(on_b))
-    return gap > margin * sum(abs(component) for component in axis)
+    return max(min(on_b) - max(on_a), min(on_a) - max(on_b))
 
 
 @cache

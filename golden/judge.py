@@ -1,26 +1,25 @@
 """Exact verdicts on pairs: the reference that everything else is compared with."""
 
-import signal
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.axes import first_separating
-from triaxis.golden.certificate import axis_proves_clear, witness_proves_near
+from triaxis.golden.certificate import axis_gap, axis_proves_clear, witness_proves_near
 from triaxis.golden.errors import ToldError
 from triaxis.golden.exact import Rational, Scalar, Triangle, coplanar, triangle_rank
+from triaxis.golden.game_solver import GameSolver
 from triaxis.golden.pairs import NO_AXIS, VERDICT, Pairs, Verdicts
 from triaxis.golden.processes import in_processes
 from triaxis.golden.solver import BestAxis, DistanceSolver, NearestPoints
 
 # Pairs a worker process takes at a time: large enough to hide the cost of handing them over.
 _CHUNK = 2000
-_OURS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Used where no other is named.
+SOLVER: DistanceSolver = GameSolver()
 
 
 @dataclass(frozen=True)
@@ -40,28 +39,15 @@ class CertificateError(ToldError, AssertionError):
     """The solver's answer does not prove itself. Never seen; it would be a fault of the solver."""
 
 
-@cache
-def default_solver() -> DistanceSolver:
-    """Return the solver used where none is named."""
-    handlers = {number: signal.getsignal(number) for number in _OURS}
-    from triaxis.golden.ppl_solver import PplSolver
-
-    # PPL's loader takes signals over; with its handler a hang-up ends the process with exit code 0.
-    if threading.current_thread() is threading.main_thread():
-        for number, handler in handlers.items():
-            if handler is not None:
-                signal.signal(number, handler)
-    return PplSolver()
-
-
-def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver | None = None) -> Judgement:
+def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver = SOLVER) -> Judgement:
     """Decide near(A, B, margin) exactly, for integers or fractions of any size.
 
-    Raises CertificateError where the solver's certificate fails the checker, or where the program
-    and its dual disagree.
+    Raises CertificateError where the solver's certificate fails the checker, or does not show the distance:
+    the axis that it is no less, and of near pairs the points that it is no more.
     """
-    solver = solver or default_solver()
     best = solver.best_axis(a, b)
+    if axis_gap(a, b, best.axis) < best.distance or sum(map(abs, best.axis)) > 1:
+        raise CertificateError(f"axis {best.axis} does not show {a} and {b} apart by {best.distance}")
     if best.distance > margin:
         if not axis_proves_clear(a, b, margin, best.axis):
             raise CertificateError(f"axis {best.axis} does not separate {a} and {b} by {margin}")
@@ -69,8 +55,8 @@ def judge(a: Triangle, b: Triangle, margin: Scalar, solver: DistanceSolver | Non
     nearest = solver.nearest_points(a, b)
     if nearest.distance != best.distance:
         raise CertificateError(f"{a} and {b}: distance {nearest.distance}, dual {best.distance}")
-    if not witness_proves_near(a, b, margin, nearest.weights_a, nearest.weights_b):
-        raise CertificateError(f"{nearest} does not show {a} and {b} within {margin}")
+    if not witness_proves_near(a, b, nearest.distance, nearest.weights_a, nearest.weights_b):
+        raise CertificateError(f"{nearest} does not show how near {a} and {b} are")
     return Judgement(True, _fraction(nearest.distance), nearest, None)
 
 
@@ -115,5 +101,5 @@ def judge_in_parallel(
         for start in range(0, len(pairs), _CHUNK)
     ]
     report = progress or (lambda _: None)
-    results = in_processes(_judge_chunk, chunks, lambda result: report(len(result)), default_solver)
+    results = in_processes(_judge_chunk, chunks, lambda result: report(len(result)))
     return np.concatenate(results) if results else np.zeros(0, VERDICT)

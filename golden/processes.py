@@ -12,26 +12,21 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def _nothing() -> None:
-    """Prepare nothing: a function of a module, as processes need it."""
-
-
 def results_in_processes(
     work: Callable[[Item], Result],
     items: Sequence[Item],
-    prepare: Callable[[], object] = _nothing,
     workers: int | None = None,
 ) -> Generator[Result]:
     """Yield what ``work`` makes of each item, in order; all are begun with the first, unless this is closed.
 
-    ``work`` and ``prepare``, which each process calls first, must be functions of modules; a single item, or
-    a single one of ``workers``, as many as there are processors, is worked on here.
+    ``work`` must be a function of a module; a single item, or a single one of ``workers``, as many as there
+    are processors, is worked on here.
     """
     workers = min(workers or os.cpu_count() or 1, len(items))
     if workers < 2:
         yield from map(work, items)
         return
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start, initargs=(prepare,))
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start)
     try:
         # Workers start here, and inherit the blocked signal: an interrupt is for this process.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -48,18 +43,16 @@ def in_processes(
     work: Callable[[Item], Result],
     items: Sequence[Item],
     done: Callable[[Result], None] = lambda _: None,
-    prepare: Callable[[], object] = _nothing,
 ) -> list[Result]:
     """Return all of `results_in_processes`; ``done`` is told of each."""
     found: list[Result] = []
-    with closing(results_in_processes(work, items, prepare)) as results:
+    with closing(results_in_processes(work, items)) as results:
         for result in results:
             done(result)
             found.append(result)
     return found
 
 
-def _start(prepare: Callable[[], object]) -> None:
-    """Let a worker finish what it has; PPL's loader, among others, unblocks the signal and handles it."""
-    prepare()
+def _start() -> None:
+    """Let a worker finish what it has; whatever it loaded by then may handle the signal."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from triaxis.bench import harness
 from triaxis.golden.exact import Rational, Triangle
-from triaxis.golden.judge import default_solver, judge
+from triaxis.golden.judge import judge
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.processes import in_processes
 from triaxis.sim.build import content_hash
@@ -26,7 +26,7 @@ from triaxis.sim.paths import ROOT
 # (N, 3, 3): triangle, vertex, coordinate.
 Triangles = npt.NDArray[np.float32]
 
-_MODEL = ("certificate.py", "exact.py", "judge.py", "ppl_solver.py", "solver.py")
+_MODEL = ("certificate.py", "exact.py", "game_solver.py", "judge.py", "solver.py")
 # Pairs that a process takes at a time.
 _CHUNK = 500
 
@@ -62,7 +62,7 @@ def exact_truth(a: Triangles, b: Triangles, folder: Path | None = None) -> Truth
     if len(known) == len(a):
         return Truth(known)
     chunks = [(a[start : start + _CHUNK], b[start : start + _CHUNK]) for start in range(0, len(a), _CHUNK)]
-    solved = in_processes(_solve, chunks, lambda _: None, default_solver)
+    solved = in_processes(_solve, chunks)
     found = tuple(distance for chunk in solved for distance in chunk)
     write_whole(path, json.dumps([str(distance) for distance in found]) + "\n")
     return Truth(found)

@@ -24,7 +24,7 @@ from triaxis.bench.harness import Progress
 from triaxis.bench.stress.families import FAMILIES, Family
 from triaxis.bench.stress.orders import METHODS, Answers, Mask, OrderErrors, errors, method_errors
 from triaxis.golden.bulk import bulk_facts
-from triaxis.golden.judge import default_solver, judge
+from triaxis.golden.judge import judge
 from triaxis.golden.processes import in_processes
 from triaxis.host.quantise import (
     Grid,
@@ -275,6 +275,6 @@ def run_stress(seed: int, pairs: int, progress: Progress) -> StressResult:
         progress(1)
     places = [(f, s) for f, family in enumerate(FAMILIES) for s in range(len(family.settings))]
     work = partial(measure_setting, seed=seed, pairs=pairs)
-    measured = iter(in_processes(work, places, lambda _: progress(1), default_solver))
+    measured = iter(in_processes(work, places, lambda _: progress(1)))
     families = (FamilyResult(tuple(next(measured) for _ in family.settings), family) for family in FAMILIES)
     return StressResult(seed, pairs, tuple(families))

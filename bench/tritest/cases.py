@@ -21,7 +21,7 @@ from triaxis.bench.stress.families import Family as Knobs
 from triaxis.bench.tritest.recheck import FORMAT, Family, case_of, fault_of
 from triaxis.golden.errors import ToldError
 from triaxis.golden.exact import Rational
-from triaxis.golden.judge import default_solver
+from triaxis.golden.judge import SOLVER
 from triaxis.golden.outputs import write_whole
 from triaxis.golden.processes import in_processes
 from triaxis.verif.core.stimulus.families import FAMILIES
@@ -65,10 +65,9 @@ def _slug(name: str) -> str:
 def line_of(pair: Sequence[Sequence[Sequence[int]]]) -> str:
     """Return the line of a set for a pair (2, 3, 3); raise ProofError where there is no proof."""
     a, b = pair
-    solver = default_solver()
-    nearest = solver.nearest_points(a, b)
+    nearest = SOLVER.nearest_points(a, b)
     distance = nearest.distance
-    axis = _integers(solver.best_axis(a, b).axis) if distance else [0, 0, 0]
+    axis = _integers(SOLVER.best_axis(a, b).axis) if distance else [0, 0, 0]
     numbers = [
         *(x for triangle in pair for vertex in triangle for x in vertex),
         int(distance.numerator), int(distance.denominator),
@@ -105,7 +104,7 @@ def write_set(folder: Path, count: int, seed: int, progress: Callable[[int], Non
     for name, make in makers().items():
         pairs = make(np.random.default_rng([seed, *name.encode()]), count)
         chunks = [pairs[start : start + _CHUNK] for start in range(0, len(pairs), _CHUNK)]
-        proven = in_processes(_lines, chunks, lambda lines: progress(len(lines)), default_solver)
+        proven = in_processes(_lines, chunks, lambda lines: progress(len(lines)))
         text = f"# TriTest {FORMAT}: {name}, seed {seed}\n" + "".join(
             f"{line}\n" for part in proven for line in part
         )

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from triaxis.golden.axes import first_separating
+from triaxis.golden.game_solver import GameSolver
 from triaxis.golden.judge import CertificateError, judge, judge_in_parallel, judge_pairs
 from triaxis.golden.pairs import NO_AXIS
-from triaxis.golden.ppl_solver import PplSolver
 
 FLAT = [[0, 0, 0], [10, 0, 0], [0, 10, 0]]
 
@@ -62,10 +62,11 @@ LIES = {
 }
 
 
-class LyingSolver(PplSolver):
+class LyingSolver(GameSolver):
     """Wrong in one respect."""
 
     def __init__(self, lie):
+        super().__init__()
         self.lie = lie
 
     def best_axis(self, a, b):

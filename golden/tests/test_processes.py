@@ -1,4 +1,4 @@
-"""Work in processes: results in the order of the items, with nothing to prepare or something."""
+"""Work in processes: results in the order of the items."""
 
 from math import sqrt
 from operator import neg

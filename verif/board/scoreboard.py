@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from pyuvm import uvm_analysis_port
 
-from triaxis.golden.judge import default_solver
 from triaxis.sim.simulated_board import BEAT, BEGIN, LIT, PINS, RESET, RX, RX_BROKEN, TX, TX_BROKEN
 from triaxis.verif.board.line_agent import Seen
 from triaxis.verif.board.reference import REPLIED, BoardReference
@@ -37,7 +36,6 @@ class BoardScoreboard(CountingScoreboard):
         """Make the exports, the port for what was checked, the reference."""
         self.settings = settings_of(self)
         self.checked_port = uvm_analysis_port("checked_port", self)
-        default_solver()
         self.reference = BoardReference(
             self.settings.board_parameters, self.fail, lambda *happened: self.checked_port.write(happened)
         )

@@ -89,7 +89,8 @@ def _print_simulation(console: Console, evidence: Evidence) -> None:
     detector = evidence["detector"]
     print(
         f"CollisionDetector: {detector['seed_vectors_clear']} of {SEED_VECTORS} seed vectors clear; "
-        f"{detector['wrong']} of {detector['pairs']} random pairs wrong"
+        f"{detector['wrong']} of {detector['pairs']} random pairs wrong; golden model: PPL differs on "
+        f"{evidence['solvers']['different']} of {evidence['solvers']['pairs']} pairs"
     )
     for failed in (r for r in evidence["runs"] if not r["passed"]):
         print("\n".join(failed["explanation"]))

@@ -16,7 +16,7 @@ from triaxis.golden.axes import axis_name
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.certificate import claims_prove_clear
 from triaxis.golden.facts import Facts
-from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
+from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.pairs import NO_AXIS
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.result import claimed_axes, decode
@@ -83,8 +83,6 @@ class Checker:
         # Pairs up to and including the first that failed; None: none did.
         self.until_failure: int | None = None
         self.sample = GoldenSample(share, seed)
-        # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
-        default_solver()
         self._on_checked = on_checked
         self._before: tuple[Integers, Integers] | None = None
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from triaxis.golden.bulk import bulk_facts
 from triaxis.golden.errors import InputError
-from triaxis.golden.judge import default_solver
 from triaxis.golden.processes import results_in_processes
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.core_engine import LockstepEngine, RtlEngine
@@ -112,7 +111,7 @@ def _run_rest(
     last = len(grid.classes)
     tasks = [(identity, start, min(start + step, last)) for start in range(state.done, last, step)]
     start, saved = time.monotonic() - state.seconds, time.monotonic()
-    with closing(results_in_processes(_check_classes, tasks, default_solver, workers)) as results:
+    with closing(results_in_processes(_check_classes, tasks, workers)) as results:
         for result in results:
             state.result = _sum([state.result, result])
             state.seconds = time.monotonic() - start

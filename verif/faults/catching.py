@@ -9,7 +9,6 @@ from pathlib import Path
 
 from filelock import FileLock
 
-from triaxis.golden.judge import default_solver
 from triaxis.golden.outputs import make_folder
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.paths import DUT
@@ -62,8 +61,6 @@ def _catch_all(
     chosen = _signed_off() if faults is None else tuple(faults)
     before = rtl_hash(dut)
     folders = [faulty_rtl(fault, dut) if fault.patch else dut for fault in chosen]
-    # The solver must be loaded by the main thread.
-    default_solver()
     outcomes: list[Outcome] = []
     with ThreadPoolExecutor(_JOBS) as pool:
         tries = [pool.submit(_tried, *each, seed) for each in zip(chosen, folders, strict=True)]

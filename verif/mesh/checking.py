@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from triaxis.coverage.mesh_sample import UNKNOWN, Before, MeshRow
-from triaxis.golden.judge import CertificateError, default_solver, judge_pairs
+from triaxis.golden.judge import CertificateError, judge_pairs
 from triaxis.golden.scene import SceneAnswer, scene_answer
 from triaxis.sim.mesh_configuration import MeshConfiguration
 from triaxis.sim.mesh_engine import Mode, Status
@@ -84,8 +84,6 @@ class SceneChecker:
         # What the run before tried, where that is found by scrubbing: time enough has been for it.
         self._scrubbed = UNKNOWN
         self._known: tuple[Integers, Integers, int, SceneAnswer | None] = _NO_MESH, _NO_MESH, 0, None
-        # Loaded here, in the main thread: elsewhere the solver's signal handling refuses.
-        default_solver()
 
     def check(self, run: ObservedRun, summary: Summary) -> None:
         """Check a run that has ended."""

@@ -19,6 +19,7 @@ from triaxis.sim.models import core_build
 from triaxis.sim.validity import Sources, Validity, validity
 from triaxis.sim.verilate import library
 from triaxis.verif.core.detector_check import SEED_VECTORS, DetectorResult, check_detector
+from triaxis.verif.core.solver_check import SolverResult, check_solvers
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.regress.definition import in_checkout
@@ -39,6 +40,7 @@ class SimulationResult:
     scenes: list[SceneResult]
     real_meshes: list[SceneResult] | None
     detector: DetectorResult
+    solvers: SolverResult
     coverage: list[ModelReport]
     least_pairs: int
     valid_for: Validity
@@ -118,6 +120,10 @@ class SimulationResult:
             found.append(f"{self.detector.seed_vectors_clear} of {SEED_VECTORS} seed vectors clear")
         if self.detector.wrong or not self.detector.pairs:
             found.append(f"CollisionDetector: {self.detector.wrong} of {self.detector.pairs} pairs wrong")
+        if self.solvers.different or not self.solvers.pairs:
+            found.append(
+                f"golden model: PPL differs on {self.solvers.different} of {self.solvers.pairs} pairs"
+            )
         found += [problem for model in self.coverage for problem in model.problems]
         found += self.unjudged
         if not self.coverage:
@@ -161,6 +167,7 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
         "scenes": [asdict(s) for s in result.scenes],
         "real_meshes": None if result.real_meshes is None else [asdict(s) for s in result.real_meshes],
         "detector": asdict(result.detector),
+        "solvers": asdict(result.solvers),
         "exclusions": exclusion_records(result.coverage),
         "coverage": {
             model.model: {
@@ -175,8 +182,8 @@ def as_evidence(result: SimulationResult, seed: int, volume: int) -> dict[str, A
 Answer = TypeVar("Answer")
 
 _JOBS = min(2, os.cpu_count() or 1)
-# Scenes, real meshes, the wrapper.
-_CHECKS = 3
+# Scenes, real meshes, the wrapper, the golden model's solver.
+_CHECKS = 4
 
 
 def step_count(seed: int, volume: int) -> int:
@@ -201,10 +208,11 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
         built = [pool.submit(counted, build) for build in builds]
         results = [pool.submit(counted, partial(run_and_explain, settings)) for settings in runs]
         try:
-            # Here, in the main thread: the solver's handler of interrupts works in no other.
+            # Here, in the main thread: the handler of interrupts that PPL brings works in no other.
             made = counted(partial(check_scenes, FOLDER / "scenes"))
             real = counted(partial(check_real_meshes, FOLDER / "scenes"))
             detector = counted(partial(check_detector, seed))
+            solvers = counted(partial(check_solvers, seed))
             for future in (*built, *results):
                 future.result()
         except BaseException:
@@ -219,6 +227,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
         made,
         real,
         detector,
+        solvers,
         merge_coverage(FOLDER, (r.settings.config for r in ran), passed),
         max(volume, VOLUME),
         before,

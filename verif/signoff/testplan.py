@@ -28,8 +28,9 @@ from triaxis.verif.testbench.assertions import assertion_names
 from triaxis.verif.testbench.table import planned_tests, table
 
 # Runs that check and are no UVM tests: the wrapper, whole meshes, the small grid in full, code coverage.
-DETECTOR, SCENES, EXHAUSTIVE, CODE_COVERAGE = "detector", "scenes", "exhaustive", "code_coverage"
-CHECKS = (DETECTOR, SCENES, EXHAUSTIVE, CODE_COVERAGE)
+DETECTOR, SOLVERS, SCENES = "detector", "solvers", "scenes"
+EXHAUSTIVE, CODE_COVERAGE = "exhaustive", "code_coverage"
+CHECKS = (DETECTOR, SOLVERS, SCENES, EXHAUSTIVE, CODE_COVERAGE)
 
 
 @cache
@@ -143,6 +144,8 @@ def _checks(found: Mapping[str, Evidence | None]) -> dict[str, bool]:
         detector = simulation["detector"]
         right = detector["seed_vectors_clear"] == SEED_VECTORS and not detector["wrong"]
         checks[DETECTOR] = right and detector["pairs"] > 0
+        solvers = simulation["solvers"]
+        checks[SOLVERS] = solvers["pairs"] > 0 and not solvers["different"]
         scenes = simulation["scenes"] + (simulation["real_meshes"] or [])
         agree = all(scene["agrees"] and scene["found"] == scene["expected"] for scene in scenes)
         checks[SCENES] = bool(scenes) and agree

@@ -112,8 +112,9 @@ def _contradictions(parts: dict[str, Any], whole: bool) -> Iterator[str]:
     if simulation["pairs_checked"] > sum(run["counts"]["checked"] for run in simulation["runs"]):
         yield "simulation: more pairs are said to be checked than the runs checked"
     scenes = simulation["scenes"] + (simulation["real_meshes"] or [])
-    if simulation["detector"]["wrong"] or not all(scene["agrees"] is True for scene in scenes):
-        yield "simulation: the wrapper is wrong, or a scene"
+    wrong = simulation["detector"]["wrong"] or simulation["solvers"]["different"]
+    if wrong or not all(scene["agrees"] is True for scene in scenes):
+        yield "simulation: the wrapper is wrong, a solver, or a scene"
     for proof in parts["proofs"]["proofs"]:
         absent = not whole and (proof["name"], proof["result"]) == MAY_BE
         if not absent and (proof["result"] != PROVED or proof["passed"] is not True):

@@ -319,8 +319,6 @@ def _simulate(settings: RunSettings, program: Path, environment: dict[str, str],
                 ),
                 # What the environment asserts is never left out.
                 "PYTHONOPTIMIZE": "",
-                # A crash must end the process: the solver's loader would fork a debugger, which hangs.
-                "CYSIGNALS_CRASH_NDEBUG": "1",
                 # For a quick start: no rewriting of assert statements, no threads for linear algebra.
                 "COCOTB_REWRITE_ASSERTION_FILES": "",
                 "OPENBLAS_NUM_THREADS": "1",

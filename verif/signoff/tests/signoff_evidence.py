@@ -34,6 +34,7 @@ def _simulation():
     return evidence(
         pairs_checked=100_000_000, mismatches=0, runs=[run], scenes=[scene], real_meshes=None,
         detector={"seed_vectors_clear": 15, "pairs": 3000, "wrong": 0},
+        solvers={"pairs": 4000, "different": 0},
         coverage={"core_w16_m0": {"claim": {"hit": 33, "total": 33, "meaning": "the claim"}}},
     )  # fmt: skip
 

@@ -12,6 +12,7 @@ from triaxis.golden.errors import InputError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.validity import validity
 from triaxis.verif.core.detector_check import DetectorResult
+from triaxis.verif.core.solver_check import SolverResult
 from triaxis.verif.regress.coverage_models import merge_coverage
 from triaxis.verif.signoff.plan import VOLUME, plan
 from triaxis.verif.signoff.scene_checks import SceneResult
@@ -61,6 +62,7 @@ GOOD = SimulationResult(
     [SCENE],
     None,
     DetectorResult(15, 3000, 0),
+    SolverResult(4000, 0),
     covered()["coverage"],
     200_000,
     HERE,
@@ -87,6 +89,8 @@ GOOD = SimulationResult(
         ({"real_meshes": [OTHER_SCENE]}, "expected near"),
         ({"detector": DetectorResult(14, 3000, 0)}, "14 of 15 seed vectors"),
         ({"detector": DetectorResult(15, 3000, 1)}, "1 of 3000 pairs wrong"),
+        ({"solvers": SolverResult(4000, 1)}, "PPL differs on 1 of 4000 pairs"),
+        ({"solvers": SolverResult(0, 0)}, "PPL differs on 0 of 0 pairs"),
         (covered(hit=32, missing=("near",)), "32 of 33 bins"),
         (covered(illegal_hits=(ILLEGAL,)), "illegal bin flags hit"),
         ({"coverage": []}, "no coverage"),
