@@ -237,7 +237,7 @@ def _mutate(options: argparse.Namespace) -> int:
     with progress_bar("mutants", len(found.mutants)) as progress:
         result = mutate(
             options.seed, jobs=options.jobs, fresh=options.fresh, progress=progress, chosen=found,
-            sample=options.sample,
+            sample=options.sample, all_evidence=options.record,
         )  # fmt: skip
     _print_mutants(result)
     if not restricted:
@@ -250,11 +250,9 @@ def _mutate(options: argparse.Namespace) -> int:
     if options.record and CHANGED not in result.problems and states(DUT) == before:
         equivalent = {fate.id for fate in result.fates if fate.fate == mutation_result.EQUIVALENT}
         kills = mutation_result.kills(result.fates)
-        record, proved = read_record(), result.evidence_hash
-        # Where all evidence was checked, now or then; and none of it fails now.
-        if result.evidence_holds and (not restricted or record.states.get(EVIDENCE) == proved):
-            before[EVIDENCE] = proved
-        now = recorded(record, everything.mutants, kills, equivalent, before)
+        if result.evidence_holds:
+            before[EVIDENCE] = result.evidence_hash
+        now = recorded(read_record(), everything.mutants, kills, equivalent, before)
         blocks = ", ".join(now.states) or "no block"
         print(f"written to {write_record(now)}: {blocks} as a whole")
     elif options.record:

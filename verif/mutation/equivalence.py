@@ -427,16 +427,17 @@ def check_equivalents(
     ]
     wanted = [(entry, [mutants[name] for name in entry.mutants if name in mutants]) for entry in entries]
     wanted = [(entry, chosen) for entry, chosen in wanted if chosen]
-    checked = list[tuple[Equivalent, list[Mutant]]]()
+    checked = list[tuple[Equivalent, list[Mutant], Path]]()
+    provers = PROVERS.hash()
     for entry, chosen in wanted:
-        mark = _mark(entry, chosen, dut)
+        mark = _mark(entry, chosen, dut, provers)
         if sample is None or sample(entry.mutants[0]) or _failed(mark).exists():
-            checked.append((entry, chosen))
+            checked.append((entry, chosen, mark))
             if sample:
                 mark.unlink(missing_ok=True)
     with ThreadPoolExecutor(jobs) as pool:
-        answers = list(pool.map(lambda item: _kept(item[0], item[1], dut, ended), checked))
-    of_checked = {entry.mutants[0]: answer for (entry, _), answer in zip(checked, answers, strict=True)}
+        answers = list(pool.map(lambda item: _kept(*item, dut, ended), checked))
+    of_checked = {entry.mutants[0]: answer for (entry, *_), answer in zip(checked, answers, strict=True)}
     held: dict[str, Equivalent] = {}
     for entry, chosen in wanted:
         answer = of_checked.get(entry.mutants[0])
@@ -447,16 +448,17 @@ def check_equivalents(
     return Evidence(held, tuple(problems), len(wanted), len(wanted) - len(checked))
 
 
-def _kept(entry: Equivalent, mutants: Sequence[Mutant], dut: Path, ended: Event | None = None) -> str | None:
-    """Prove an entry, or find that it was proved before."""
+def _kept(
+    entry: Equivalent, mutants: Sequence[Mutant], mark: Path, dut: Path, ended: Event | None = None
+) -> str | None:
+    """Prove an entry, or find by its mark that it was proved before."""
     if ended and ended.is_set():
         return f"{entry.mutants[0]}: its evidence was not checked: the run had ended"
-    mark = _mark(entry, mutants, dut)
     if mark.exists():
         return None
     answer = _CHECKS[entry.evidence](entry, mutants, dut)
     # What changed meanwhile may not have been proved.
-    if mark == _mark(entry, mutants, dut):
+    if mark == _mark(entry, mutants, dut, PROVERS.hash()):
         mark.parent.mkdir(parents=True, exist_ok=True)
         (_failed(mark) if answer else mark).touch()
         if answer is None:
@@ -469,15 +471,15 @@ def _failed(mark: Path) -> Path:
     return mark.with_suffix(".failed")
 
 
-def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path) -> Path:
-    """Return the file that says of an entry, as everything is, that it was proved."""
+def _mark(entry: Equivalent, mutants: Sequence[Mutant], dut: Path, provers: str) -> Path:
+    """Return the file that says of an entry that it was proved, by provers of this hash."""
     edits = [f"{m.file} {m.edit.start} {m.edit.end} {m.edit.text}" for m in mutants]
     solver = _solvers() if entry.evidence in (PROOF, REGISTERS, TWINS, CONTRACT, NOTICED) else ""
     # The board, which changes more often, is part of few.
     of_board = any(mutant.file.startswith("board/") for mutant in mutants)
     files = rtl_files(dut) if of_board else mesh_files(dut)
     key = content_hash(
-        files, PROVERS.hash(), str(verilator()), solver, entry.evidence, entry.module,
+        files, provers, str(verilator()), solver, entry.evidence, entry.module,
         str(sorted(entry.parameters.items())), *edits,
     )  # fmt: skip
     return FOLDER / "proofs" / key[:24]

@@ -117,7 +117,7 @@ def judge(
     InputError where the RTL without a mutant does not pass, or does not build.
     """
     store = Store(catalogue, dut, seed, fresh)
-    known = {*store.killed, *store.surviving, *settled}
+    known = {*store.killed, *store.surviving, *(store.excused & excused), *settled}
     todo = [one for one in catalogue.mutants if one.id not in known]
     progress(len(catalogue.mutants) - len(todo))
     left = catalogue.only({one.id for one in todo})
@@ -136,7 +136,9 @@ def judge(
             _remaining(hunt, wanted, of_core, with_volume)
         if with_volume:
             # Those that are excused were tried by one test alone.
-            store.surviving |= {one.id for one in todo} - store.killed.keys() - excused
+            survived = {one.id for one in todo} - store.killed.keys()
+            store.surviving |= survived - excused
+            store.excused |= survived & excused
     finally:
         store.save()
     progress(sum(one.id not in store.killed for one in todo))

@@ -42,7 +42,9 @@ class Outcome:
 
 
 class Store:
-    """What is known already: how mutants were killed, and which survive everything; a file for each block."""
+    """What is known already, a file for each block: how mutants were killed; which survive everything;
+    which, listed as equivalent, survive the one test that such get.
+    """
 
     def __init__(self, catalogue: Catalogue, dut: Path, seed: int, fresh: bool) -> None:
         """Read what earlier runs with the same RTL, tests and seed left; nothing where ``fresh``.
@@ -56,6 +58,7 @@ class Store:
         self._state = states(dut)
         self.killed: dict[str, Killed] = {}
         self.surviving: set[str] = set()
+        self.excused: set[str] = set()
         self._paths = {
             block: FOLDER / f"outcomes-{block}-{content_hash((), state, str(seed))[:12]}.json"
             for block, state in self._state.items()
@@ -65,7 +68,9 @@ class Store:
                 known = json.loads(path.read_text())
                 self.killed |= {name: Killed(**how) for name, how in known["killed"].items()}
                 self.surviving |= set(known["surviving"])
-                self._block |= dict.fromkeys([*known["killed"], *known["surviving"]], block)
+                self.excused |= set(known["excused"])
+                names = [*known["killed"], *known["surviving"], *known["excused"]]
+                self._block |= dict.fromkeys(names, block)
 
     def save(self) -> None:
         """Write all to build/, but what depends on something that has changed since; remove old files."""
@@ -79,10 +84,13 @@ class Store:
         killed = {
             name: asdict(how) for name, how in dict(self.killed).items() if self._block.get(name) == block
         }
-        surviving = sorted(name for name in self.surviving if self._block.get(name) == block)
-        if not killed and not surviving:
+        surviving, excused = (
+            sorted(name for name in names if self._block.get(name) == block)
+            for names in (self.surviving, self.excused)
+        )
+        if not killed and not surviving and not excused:
             return
-        write_whole(path, json.dumps({"killed": killed, "surviving": surviving}))
+        write_whole(path, json.dumps({"killed": killed, "surviving": surviving, "excused": excused}))
         found = FOLDER.glob(f"outcomes-{block}-*.json")
         others = {other: other.stat().st_mtime for other in found if other != path}
         for other in sorted(others, key=lambda one: -others[one])[_EARLIER:]:

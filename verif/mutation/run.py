@@ -50,12 +50,13 @@ def mutate(
     progress: Callable[[int], None] = lambda _: None,
     chosen: Catalogue | None = None,
     sample: int | None = None,
+    all_evidence: bool = False,
 ) -> MutationResult:
     """Return what becomes of the mutants of dut/, or of those whose file and name match.
 
     ``fresh``: do everything again, whatever is known from earlier runs. ``sample``: take what is recorded,
-    but for those mutants, and entries of equivalent ones, that this seed draws. Raises InputError where the
-    RTL without mutants fails.
+    but for those mutants, and entries of equivalent ones, that this seed draws. ``all_evidence``: of all
+    mutants that are listed, whichever are played. Raises InputError where the RTL without mutants fails.
     """
     start, begun, timeline = time.perf_counter(), time.time(), Timeline()
     rtl, killers, proofs_of = rtl_hash(dut), killers_hash(), evidence_hash(dut)
@@ -80,7 +81,7 @@ def mutate(
     def prove() -> Evidence:
         with timeline.span("evidence of equivalence"):
             return check_equivalents(
-                entries, found.by_id, everything.by_id, jobs, dut, ended,
+                entries, (everything if all_evidence else found).by_id, everything.by_id, jobs, dut, ended,
                 None if again is None else again.__contains__,
             )  # fmt: skip
 
@@ -158,6 +159,7 @@ def _settled(
     for name in sampled:
         store.killed.pop(name, None)
         store.surviving.discard(name)
+        store.excused.discard(name)
     store.save()
     return {name: how for name, how in recorded.items() if name not in sampled | store.surviving}
 
