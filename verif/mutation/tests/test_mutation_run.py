@@ -337,18 +337,34 @@ def test_a_sample_is_of_one_at_least(seed):
 
 
 @pytest.mark.parametrize("holds", [True, False])
-@pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize("words", [(), ("--file", "core/*")])
-def test_evidence_is_recorded_where_all_was_checked_and_holds(tmp_path, monkeypatch, holds, known, words):
-    monkeypatch.setattr(inject, "mutate", lambda *_, **__: replace(EMPTY, evidence_holds=holds))
+def test_a_run_that_records_checks_all_evidence_and_records_where_it_holds(
+    tmp_path, monkeypatch, holds, words
+):
+    asked: list[bool] = []
+
+    def mutate(*_, all_evidence, **__):
+        asked.append(all_evidence)
+        return replace(EMPTY, evidence_holds=holds)
+
+    monkeypatch.setattr(inject, "mutate", mutate)
     monkeypatch.setattr(inject, "keep", lambda _: None)
     monkeypatch.setattr(inject.mutation_result, "write_result", lambda *_: tmp_path)
-    before = record.Record({run_module.EVIDENCE: "state"} if known else {}, {})
-    monkeypatch.setattr(inject, "read_record", lambda: before)
+    monkeypatch.setattr(inject, "read_record", lambda: record.Record({}, {}))
     written: list[record.Record] = []
     monkeypatch.setattr(inject, "write_record", lambda now: written.append(now) or tmp_path)
     main(["prove", "mutate", "--record", *words])
-    assert (run_module.EVIDENCE in written[0].states) is (holds and (known or not words))
+    assert (run_module.EVIDENCE in written[0].states) is holds and asked == [True]
+
+
+def test_all_evidence_is_that_of_mutants_that_are_not_played_too(tmp_path, monkeypatch):
+    checked: list[str] = []
+    monkeypatch.setitem(equivalence._CHECKS, PROOF, lambda entry, *_: checked.append(entry.mutants[0]))
+    one, other = [mutant for mutant in catalogue().mutants if mutant.block == "core"][:2]
+    judging(monkeypatch)
+    for everything, due in ((False, []), (True, [other.id])):
+        mutate(record.SEED, chosen=few(one), equivalents=listed(tmp_path, other.id), all_evidence=everything)
+        assert checked == due
 
 
 def test_a_record_that_is_wrong_is_told(tmp_path, seed, monkeypatch, recorded):
@@ -427,6 +443,32 @@ def test_where_a_mutant_was_noticed_is_where_it_is_tried_first(tmp_path, seed, m
     once = ["MixedTest", *(test for test in tests if test != "MixedTest")]
     assert of[vain.id] == [*once, *tests, "VolumeTest"]
     assert {one.mutant.id: one.killed.trial for one in judged if one.killed} == {late.id: 1}
+
+
+def test_what_is_listed_as_equivalent_and_was_tried_once_is_known(tmp_path, seed, monkeypatch):
+    tried: list[str] = []
+
+    def simulate(trials):
+        for test, models in trials.turns:
+            tried.extend(model.name for model in models)
+            with trials.results.open("a") as told:
+                for model in models:
+                    told.write(json.dumps(asdict(Verdict(model.name, test.test, "", 1))) + "\n")
+
+    monkeypatch.setattr(killing, "run_trials", simulate)
+    monkeypatch.setattr(Hunt, "_library", lambda *_: tmp_path)
+    monkeypatch.setattr(Hunt, "built", lambda *_: None)
+    monkeypatch.setattr("triaxis.verif.mutation.judging._FEW", 0)
+    one, other = [m for m in catalogue().mutants if m.module == "triaxis_box"][:2]
+    ask = partial(judge, few(one, other), seed, 1, Timeline(), targets=(MAIN,))
+    ask(frozenset({one.id}))
+    assert {one.id, other.id} <= set(tried)
+    tried.clear()
+    ask(frozenset({one.id}))
+    assert not {one.id, other.id} & set(tried)
+    # Listed no more: it is tried by all.
+    ask()
+    assert one.id in tried and other.id not in tried
 
 
 TWICE = '{"states": {}, "noticed": {"a": {"T": {"run": ["0123abcd"]}}, "b": {"T": {"run": ["0123abcd"]}}}}'
