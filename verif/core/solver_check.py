@@ -1,5 +1,6 @@
 """The golden model's solver against another, PPL's: the same distance of pairs of every family."""
 
+import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from triaxis.verif.core.stimulus.families import mixed
 
 _WIDTHS = (8, 16, 24, 32)
 _PAIRS = 4000
+_OURS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @dataclass(frozen=True)
@@ -23,11 +25,15 @@ class SolverResult:
 
 
 def other_solver() -> DistanceSolver:
-    """Return PPL's; raise InputError where it is not installed."""
+    """Return PPL's, to be asked by the main thread; raise InputError where it is not installed."""
+    handlers = {number: signal.getsignal(number) for number in _OURS}
     try:
         from triaxis.golden.ppl_solver import PplSolver
     except ImportError as error:
         raise InputError(f"pplpy: not installed ({error}): pip install pplpy, or make setup") from error
+    # PPL's loader takes signals over; with its handler a hang-up ends the process with exit code 0.
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
     return PplSolver()
 
 

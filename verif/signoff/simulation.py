@@ -208,7 +208,7 @@ def simulate(seed: int, progress: Callable[[int], None], volume: int = VOLUME) -
         built = [pool.submit(counted, build) for build in builds]
         results = [pool.submit(counted, partial(run_and_explain, settings)) for settings in runs]
         try:
-            # Here, in the main thread: the handler of interrupts that PPL brings works in no other.
+            # Here, in the main thread: PPL handles interrupts, which works in no other.
             made = counted(partial(check_scenes, FOLDER / "scenes"))
             real = counted(partial(check_real_meshes, FOLDER / "scenes"))
             detector = counted(partial(check_detector, seed))

@@ -198,7 +198,7 @@ class EnvironmentTest(uvm_test):
         """Run the test."""
         self.raise_objection()
         model = next_model(type(self).__name__, Model("", library_from_environment()))
-        # The solver's handler of interrupts would jump out of the worker's thread, or of the simulator.
+        # An interrupt ends this process at once: Python's handler would wait for the simulator.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         # Whatever else happens, no run computes for ever: where it was is said, then it is killed.
         limit = int(self.settings.time_limit)
