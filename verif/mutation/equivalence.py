@@ -435,8 +435,12 @@ def check_equivalents(
             checked.append((entry, chosen, mark))
             if sample:
                 mark.unlink(missing_ok=True)
+
+    def prove(item: tuple[Equivalent, list[Mutant], Path]) -> str | None:
+        return _kept(*item, dut, ended)
+
     with ThreadPoolExecutor(jobs) as pool:
-        answers = list(pool.map(lambda item: _kept(*item, dut, ended), checked))
+        answers = list(pool.map(prove, checked))
     of_checked = {entry.mutants[0]: answer for (entry, *_), answer in zip(checked, answers, strict=True)}
     held: dict[str, Equivalent] = {}
     for entry, chosen in wanted:
