@@ -97,7 +97,12 @@ def register_files() -> dict[Path, str]:
 
 
 def write_registers() -> list[Path]:
-    """Write these files; return them."""
+    """Write these files; return them. Raises InputError where there is no checkout that keeps them."""
+    if not (ROOT / "pyproject.toml").exists():
+        raise InputError(
+            f"registers: {ROOT} is an installed package, and these files are kept in a checkout: run it in "
+            "one, or make a register model in a folder of yours by --pyuvm"
+        )
     return [write_whole(path, text) for path, text in register_files().items()]
 
 

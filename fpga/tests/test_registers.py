@@ -9,7 +9,7 @@ from cocotb_tools.runner import get_runner
 
 from triaxis.fpga.register_block import HEADER, SOC_RTL, register_files
 from triaxis.golden.native import cxx
-from triaxis.host.cli import DONE, main
+from triaxis.host.cli import DONE, ERROR, main
 from triaxis.sim import toolchain
 from triaxis.sim.paths import DUT, mesh_sources, rtl_sources
 
@@ -20,6 +20,12 @@ def test_what_is_kept_is_what_the_description_makes():
     pytest.importorskip("peakrdl_regblock", reason="PeakRDL is not installed: `make regress` installs it")
     for path, text in register_files().items():
         assert path.read_text() == text, f"{path}: run `triaxis fpga registers`"
+
+
+def test_an_installed_package_is_not_written_to(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("triaxis.fpga.register_block.ROOT", tmp_path)
+    assert main(["fpga", "registers"]) == ERROR
+    assert "an installed package" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("language", ["c", "c++"])
