@@ -53,7 +53,12 @@ BROKEN = (
     ("GoEnds", "safety", "clear)) && !changed && !fault", "clear)) && !changed", "Go"),
     ("GoEndsWithARun", "safety", "!late && !done_i) ||", "!late) ||", "Hold"),
     ("GoEndsInTime", "safety", "left_q  <= hold_i;", "left_q  <= hold_i + hold_t'(1);", "Hold"),
-    ("GoEndsInTimeOfTheLast", "safety", "left_q  <= hold_i;", "left_q  <= hold_i + hold_t'(2);", "Hold"),
+    (
+        # A run that begins moves the deadline: at rest go is not late, which another rule would tell.
+        "GoEndsInTimeOfTheLast", "safety", "    end else if (last) begin\n",
+        "    end else if (run_i) begin\n      left_q <= left_q + hold_t'(2);\n    end else if (last) begin\n",
+        "Hold",
+    ),
     ("FaultEndsGo", "safety", " || !alive_i || fault_i", " || !alive_i", "Trials"),
     ("FaultStands", "top", " || (board_fault_q && !hello)", "", "Trials"),
     ("NoFalseAlarm", "frame_rx", "{^data_i, data_i}", "{|data_i, data_i}", "Smoke"),
