@@ -1,5 +1,6 @@
 """Where the tool is, by lines that a control writes."""
 
+import re
 import threading
 import time
 from fractions import Fraction
@@ -8,6 +9,9 @@ from typing import TextIO
 from triaxis.golden.errors import InputError
 from triaxis.host.motion.follow import Report
 from triaxis.host.quantise import Vector, vector
+
+# What a control prints; none of them takes long to read.
+_NUMBER = re.compile(r"[+-]?(\d{1,20}\.?\d{0,40}|\.\d{1,40})([eE][+-]?\d\d?)?", re.ASCII)
 
 
 class Positions:
@@ -68,10 +72,10 @@ class Positions:
 def _position(line: str) -> tuple[Vector, int | None]:
     words = line.split()
     try:
-        if len(words) not in (3, 4):
+        if len(words) not in (3, 4) or not all(map(_NUMBER.fullmatch, words)):
             raise ValueError
         return vector(map(Fraction, words[:3])), int(words[3]) if len(words) == 4 else None
-    except (ValueError, ZeroDivisionError) as error:
+    except ValueError as error:
         raise InputError(
             f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, or X Y Z and the tool's "
             "number: the machine is stopped"

@@ -363,6 +363,7 @@ def test_what_halsampler_writes_is_understood():
     [
         ("1 2 3\noverrun\n1 2 3\n", "position 'overrun': must be X Y Z in mm"),
         ("1 2 3 4 5\n", "must be X Y Z"), ("1 2 3 4.5\n", "must be X Y Z"),
+        ("1 2 1e999999999\n", "must be X Y Z"), ("1 2 1e400\n", "must be X Y Z"),
         ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
         ("1 2 \ufffd\n", "must be X Y Z"),
     ],
