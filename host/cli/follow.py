@@ -233,7 +233,7 @@ def _through(
             )
             report = tool_of.report
         else:
-            report = partial(_with_tool, positions, one.tool)
+            report = partial(_with_tool, positions, one.tool, len(operations) > 1)
             if not _come_to_start(board, positions, one.tool, follower if number else None):
                 return done, "ended", None
         ends = one is operations[-1]
@@ -305,10 +305,13 @@ def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follow
     return True
 
 
-def _with_tool(positions: Source, tool: Tool) -> Report:
-    """Return the last position; raise InputError where it is of another tool."""
+def _with_tool(positions: Source, tool: Tool, several: bool) -> Report:
+    """Return the last position; raise InputError where it is of another tool.
+
+    ``several``: the program uses more than one; of the only one number 0 may be that of no machine file.
+    """
     here = positions.report()
-    if here is not None and tool.number and positions.tool not in (None, tool.number):
+    if here is not None and (several or tool.number) and positions.tool not in (None, tool.number):
         raise InputError(
             f"tool {positions.tool} is in the spindle, and not {tool.number}; the machine is stopped: "
             "change it"

@@ -434,6 +434,10 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)
+        # Tool 0 is one as all others.
+        machine.write_text(TOOLS.replace("= 1\n", "= 0\n"))
+        found, said = run(["0 0 40 2"])
+        assert found == 2 and "tool 2 is in the spindle, and not 0" in said.err, said
     assert top.stop
 
 
