@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,6 @@ from triaxis.host.motion.follow import (
     Follower,
     Piece,
     Report,
-    Seen,
     SimulatedTool,
     StrayedError,
     follow,
@@ -46,6 +46,8 @@ from triaxis.host.report import write_report
 from triaxis.host.stl import Facets, read_stl
 
 _LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
+# What a tool is told to be in that is beyond none, or the first, of the zones asked for; else "free".
+_ZONES = ("slow", "warn")
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
 _LISTED, _ALIVE_SECONDS = 10, 0.03
 
@@ -69,6 +71,10 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         f"length of a piece, in mm, below which it is not cut further where it is near ({_LENGTH})",
         _LENGTH,
     )
+    slow = "width of the zone, in mm, in which the machine is to be slow: beyond it full speed is said"
+    add_numbers(parser, "--slow", "D", slow, None)
+    warn = "width of the zone around that one, in mm, of which people are told"
+    add_numbers(parser, "--warn", "D", warn, None)
     add_numbers(
         parser, "--lag", "MS",
         f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
@@ -112,6 +118,11 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"--{name}: must be more than 0: correct it")
     if options.braking < 0:
         raise InputError("--braking: must not be negative: correct it")
+    if options.warn is not None and options.slow is None:
+        raise InputError("--warn: is around the zone of --slow: give that, too")
+    widths = [options.clearance, *_widths(options)]
+    if sorted(set(widths)) != widths:
+        raise InputError("--clearance, --slow, --warn: each must be wider than the one before: correct them")
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
@@ -142,16 +153,36 @@ def run(options: argparse.Namespace) -> int:
             print(
                 f"note: the machine will be stopped before line {', '.join(map(str, lines[:_LISTED]))}: near"
             )
+        for width, entry in zip(_widths(options), _zones(options, operations), strict=True):
+            told = f", lines {', '.join(map(str, entry['lines'][:_LISTED]))}" if entry["pieces"] else ""
+            more = ", .." if len(entry["lines"]) > _LISTED else ""
+            print(f"within {float(width):g} mm, or nearly: {entry['pieces']} of {count} pieces{told}{more}")
         page = None if options.page is None else Page(options.page)
         if page is not None:
             print(f"page: {page.address}", flush=True)
         try:
-            done, verdict, names = _follow(options, board, operations, page)
+            done, verdict, names = _follow(options, board, operations, bool(machine.tools), page)
         except InputError as error:
             if page is not None:
                 page.tell(stopped=str(error))
             raise
-    return _told(options, done, count, verdict, names, self_tested(options))
+    more = self_tested(options) | {"zones": _zones(options, operations)}
+    return _told(options, done, count, verdict, names, more)
+
+
+def _widths(options: argparse.Namespace) -> list[Fraction]:
+    """Return how wide the zones are that are asked for, from the innermost."""
+    return [width for width in (options.slow, options.warn) if width is not None]
+
+
+def _zones(options: argparse.Namespace, operations: Sequence["_Operation"]) -> list[dict[str, Any]]:
+    """Return how many pieces are not shown to be beyond each zone, and the lines that they begin in."""
+    found = [piece for one in operations for piece in one.pieces]
+    entries = []
+    for number, width in enumerate(_widths(options)):
+        within = [piece.line for piece in found if piece.beyond <= number]
+        entries.append({"within": width, "pieces": len(within), "lines": sorted(set(within))})
+    return entries
 
 
 @dataclass(frozen=True)
@@ -190,30 +221,36 @@ def _operation(options: argparse.Namespace, board: Board, setup: Setup, program:
     scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wanted)
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     with progress_bar("pieces are cut", 1) as progress:
-        found = pieces(scene, engine, options.length, beside=partial(supervised.near_beside, scene))
+        around = [
+            (scene.within(width), partial(supervised.within(width).near_beside, scene))
+            for width in _widths(options)
+        ]
+        beside = partial(supervised.near_beside, scene)
+        found = pieces(scene, engine, options.length, beside=beside, zones=around)
         progress(1)
     return _Operation(setup.tool, supervised, scene, engine, found)
 
 
 def _follow(
-    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], page: Page | None
-) -> tuple[Followed, str, Names | None]:
+    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], numbered: bool,
+    page: Page | None,
+) -> tuple[Followed, str, Names | None]:  # fmt: skip
     """Follow the machine through one operation after the other.
 
     Returns how far it came, the verdict, and, where that is near, what is near.
     """
     if not options.hal:
         positions = None if options.simulate else Positions(options.positions)
-        return _through(options, board, operations, positions, page)
+        return _through(options, board, operations, numbered, positions, page)
     pins = HalPositions()
     try:
-        return _through(options, board, operations, pins, page)
+        return _through(options, board, operations, numbered, pins, page)
     finally:
         pins.close()
 
 
 def _through(
-    options: argparse.Namespace, board: Board, operations: Sequence[_Operation],
+    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], numbered: bool,
     positions: Source | None, page: Page | None,
 ) -> tuple[Followed, str, Names | None]:  # fmt: skip
     done = Followed()
@@ -233,12 +270,18 @@ def _through(
             )
             report = tool_of.report
         else:
-            report = partial(_with_tool, positions, one.tool, len(operations) > 1)
+            report = partial(_with_tool, positions, one.tool, numbered)
             if not _come_to_start(board, positions, one.tool, follower if number else None):
                 return done, "ended", None
         ends = one is operations[-1]
-        seen = _told_to(page, positions, scene, follower, done.asked)
-        done.add(follow(follower, on_board.permit, report, time.monotonic, options.hold, ends, seen))
+        display = _Display(follower, scene, len(_widths(options)), done.asked, positions, page)
+        try:
+            permit, hold = on_board.permit, options.hold
+            done.add(
+                follow(follower, permit, report, time.monotonic, hold, ends, display.seen, display.ahead)
+            )
+        finally:
+            display.nothing()
         if done.near:
             return done, "near", one.near_objects(done.near)
         if not follower.at_the_end:
@@ -260,24 +303,49 @@ def _millimetres(scene: PathScene, place: GridPoint) -> list[float]:
     return [float(c * scene.wanted.scale) for c in scene.path.position(place)]
 
 
-def _told_to(
-    page: Page | None, positions: Source | None, scene: PathScene, follower: Follower, asked: int
-) -> Seen:
-    """Return what tells a page, and a pin, of each answer; ``asked``: how many there were before."""
+class _Display:
+    """What shows how a machine is followed: a page, pins of HAL, and, of zones, the output."""
 
-    def seen(number: int, hold: int, clear: bool, lag: float) -> None:
-        nonlocal asked
-        asked += 1
-        if isinstance(positions, HalPositions):
-            positions.said(clear)
-        if page is not None:
-            page.tell(
-                position=_millimetres(scene, follower.place), line=follower.pieces[number].line, hold=hold,
-                verdict="clear" if clear else "near", lag=round(1000 * lag, 1), asked=asked,
-                permitted=follower.permitted,
+    def __init__(
+        self, follower: Follower, scene: PathScene, zones: int, asked: int, positions: Source | None,
+        page: Page | None,
+    ) -> None:  # fmt: skip
+        """Begin with a tool of which nothing is known. ``asked``: how many answers there were before."""
+        self._follower, self._scene, self._zones, self._asked = follower, scene, zones, asked
+        self._pins, self._page = positions if isinstance(positions, HalPositions) else None, page
+        self._beyond: int | None = None
+
+    def ahead(self, number: int, beyond: int) -> None:
+        """Show what zone the tool may be in, where that changes, before a piece is asked about."""
+        if not self._zones or beyond == self._beyond:
+            return
+        self._beyond = beyond
+        zone = _ZONES[beyond] if beyond < self._zones else "free"
+        if self._pins is not None:
+            self._pins.beyond(beyond)
+        print(f"zone: {zone}, line {self._follower.pieces[number].line}", flush=True)
+        if self._page is not None:
+            self._page.tell(zone=zone)
+
+    def seen(self, number: int, hold: int, clear: bool, lag: float) -> None:
+        """Show what an answer was."""
+        self._asked += 1
+        if self._pins is not None:
+            self._pins.said(clear)
+        if self._page is not None:
+            self._page.tell(
+                position=_millimetres(self._scene, self._follower.place),
+                line=self._follower.pieces[number].line, hold=hold, verdict="clear" if clear else "near",
+                lag=round(1000 * lag, 1), asked=self._asked, permitted=self._follower.permitted,
             )  # fmt: skip
 
-    return seen
+    def nothing(self) -> None:
+        """Show that from here on nothing is known."""
+        if self._pins is not None:
+            self._pins.said(False)
+            self._pins.beyond(0)
+        if self._page is not None and self._zones:
+            self._page.tell(zone=None)
 
 
 def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follower | None) -> bool:
@@ -305,13 +373,13 @@ def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follow
     return True
 
 
-def _with_tool(positions: Source, tool: Tool, several: bool) -> Report:
+def _with_tool(positions: Source, tool: Tool, numbered: bool) -> Report:
     """Return the last position; raise InputError where it is of another tool.
 
-    ``several``: the program uses more than one; of the only one number 0 may be that of no machine file.
+    ``numbered``: it is one of a machine file, and not that of an STL file, which may have any number.
     """
     here = positions.report()
-    if here is not None and (several or tool.number) and positions.tool not in (None, tool.number):
+    if here is not None and numbered and positions.tool not in (None, tool.number):
         raise InputError(
             f"tool {positions.tool} is in the spindle, and not {tool.number}; the machine is stopped: "
             "change it"
@@ -325,7 +393,7 @@ def _told(
     count: int,
     verdict: str,
     names: Names | None,
-    tested: dict[str, str] | None = None,
+    more: dict[str, Any] | None = None,
 ) -> int:
     """Print what came of it, and write the report."""
     if options.json is not None:
@@ -336,7 +404,7 @@ def _told(
                 "line": done.near.line if done.near else None,
                 "what": names[0] if names else None, "of": names[1] if names else None,
                 "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
-                **(tested or {}),
+                **(more or {}),
             },
         )  # fmt: skip
     one, other = names or ("", "")

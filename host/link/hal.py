@@ -7,6 +7,8 @@
     net tool <= iocontrol.0.tool-number => triaxis.tool          s32, in: which one is in the spindle
     net running <= halui.program.is-running => triaxis.running   bit, in: false after true is the end
     triaxis.go                      bit, out: what the last answer said, for people: no permission
+    triaxis.full-speed              bit, out: the tool is beyond the zone of --slow, wherever it may be
+    triaxis.quiet                   bit, out: and beyond that of --warn
 
 A pin that nothing writes reads 0: until x, y, z and running are netted, there is no position, and no go.
 """
@@ -28,6 +30,8 @@ _DEBIAN = "/usr/lib/python3/dist-packages"
 # Until a position is read whole: the machine goes on meanwhile.
 _READINGS = 1000
 _LOOK_SECONDS = 0.005
+# The pins that say that the tool is beyond one zone, and both.
+_BEYOND = ("full-speed", "quiet")
 
 
 def _hal() -> Any:
@@ -57,7 +61,8 @@ class HalPositions:
                 self._component.newpin(name, kinds.HAL_FLOAT, kinds.HAL_IN)
             self._component.newpin("tool", kinds.HAL_S32, kinds.HAL_IN)
             self._component.newpin("running", kinds.HAL_BIT, kinds.HAL_IN)
-            self._component.newpin("go", kinds.HAL_BIT, kinds.HAL_OUT)
+            for name in ("go", *_BEYOND):
+                self._component.newpin(name, kinds.HAL_BIT, kinds.HAL_OUT)
             self._component.ready()
         except Exception as error:
             raise InputError(
@@ -115,7 +120,13 @@ class HalPositions:
         """Show on the pin what the last answer was."""
         self._component["go"] = go
 
+    def beyond(self, zones: int) -> None:
+        """Show on the pins how many zones the tool is beyond."""
+        for number, name in enumerate(_BEYOND):
+            self._component[name] = zones > number
+
     def close(self) -> None:
         """Take the component away; nothing is permitted any more."""
         self.said(False)
+        self.beyond(0)
         self._component.exit()

@@ -12,6 +12,10 @@ position was the tool's to the end of the run that is asked for after it. A posi
 pieces: what was passed is at least what comes before the first of them, the way that is left is that from
 the last. A control may leave its path by the slack: each piece is shorter by twice that, or each of two
 straight lines, from the tool to the end of one of the pieces and from there to the end of the last.
+
+*Zones* are around what must not be touched, wider than the clearance, for a machine that is to be slow near
+it. When the pieces are cut it is seen, by poses too, how many zones each is beyond. A tool is beyond those
+that all pieces are to which it may come within the hold: that is told before it is given.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -26,6 +30,8 @@ from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment
 from triaxis.host.quantise import Vector
 
+# How often a piece of a rapid is halved, at most, to see which zones it is beyond.
+_HALVINGS = 8
 # Milliseconds that a hold can have; what is asked for where the tool cannot leave the program any more.
 LONGEST = 65_535
 
@@ -46,6 +52,7 @@ class Piece:
     far it goes in it at least. Of a ``rapid`` that takes an unknown way it may pass over pieces: they have
     its number, the start and the end of the whole, and no way but the last one's. ``near``: it is not found
     clear when it is cut. ``beside``: the objects, of those that the board is not asked about, that are not.
+    ``beyond``: how many of the zones, from the innermost on, it is shown to be outside of.
     """
 
     sample: Translation
@@ -60,6 +67,7 @@ class Piece:
     rapid: int | None = None
     near: bool = False
     beside: tuple[str, str] | None = None
+    beyond: int = 0
 
     def holds(self, place: GridPoint) -> bool:
         """Return whether a place is covered by its sample."""
@@ -70,22 +78,31 @@ def _apart(a: GridPoint, b: Sequence[Rational | int]) -> Rational:
     return max(abs(x - y) for x, y in zip(a, b, strict=True))
 
 
+# Of those that the board is not asked about, the objects that are not clear where the sample of a segment
+# covers it (`supervision`).
+NearBeside = Callable[[Segment], tuple[str, str] | None]
+# The scene, with the clearance that the zone is wide, and what is beside the board with it.
+Zone = tuple[PathScene, NearBeside]
+
+
 def pieces(
     scene: PathScene,
     engine: SceneEngine,
     shortest: Fraction,
     longest: Fraction | None = None,
-    beside: Callable[[Segment], tuple[str, str] | None] = lambda _: None,
+    beside: NearBeside = lambda _: None,
+    zones: Sequence[Zone] = (),
 ) -> tuple[Piece, ...]:
     """Return the pieces of a path in its order: as long as an engine finds them clear, short moves together.
 
-    ``shortest``: what is not clear is not cut further where it is no longer than that, in millimetres;
-    ``longest``: nor is anything longer than that; ``beside``: what else is not clear where the sample of a
-    segment covers it (`supervision`). Raises InputError where a margin does not fit the engine.
+    ``shortest``: what is not clear, or in a zone, is not cut further where it is no longer than that, in
+    millimetres; ``longest``: nor is anything longer than that; ``zones``: from the innermost on. A rapid that
+    takes an unknown way is not cut for zones: a piece of it is beyond those that all its parts are. Raises
+    InputError where a margin does not fit the engine.
     """
     step = scene.wanted.resolution
     longest_steps = Rational(longest / step) if longest else None
-    cut = _Cut(scene, engine, Rational(shortest / step), longest_steps, beside)
+    cut = _Cut(((scene, beside), *zones), engine, Rational(shortest / step), longest_steps)
     found = list[Piece]()
     moves = scene.program.moves
     first, together = 0, len(moves)
@@ -93,12 +110,13 @@ def pieces(
         together = min(together, len(moves) - first)
         if together > 1:
             group = scene.group(first, first + together)
-            if not cut.as_it_is(group):
+            if cut.beyond(group) != len(zones):
                 together //= 2
                 continue
             way = sum((_way(scene, number) for number in range(first, first + together)), Rational(0))
             ends = scene.place(moves[first].start), scene.place(moves[first + together - 1].end)
-            found.append(_piece(scene, group, ends, way, moves[first].line))
+            piece = _piece(scene, group, ends, way, moves[first].line)
+            found.append(replace(piece, beyond=len(zones)))
         else:
             found += cut.move(first)
         first, together = first + together, 2 * together
@@ -107,21 +125,34 @@ def pieces(
 
 @dataclass(frozen=True)
 class _Cut:
-    """How pieces are cut: see `pieces`; lengths in steps."""
+    """How pieces are cut: see `pieces`; ``around``: what is to be clear, then the zones; lengths in steps."""
 
-    scene: PathScene
+    around: Sequence[Zone]
     engine: SceneEngine
     shortest: Rational
     longest: Rational | None
-    beside: Callable[[Segment], tuple[str, str] | None]
 
-    def as_it_is(self, segment: Segment) -> bool:
-        """Return whether all of a segment is clear by one pose, and it is not too long."""
-        margin = self.scene.path.margin(segment)
-        if margin > self.scene.largest_margin or (self.longest and segment.length > self.longest):
+    @property
+    def scene(self) -> PathScene:
+        """Return the scene with the clearance of the board."""
+        return self.around[0][0]
+
+    def beyond(self, segment: Segment) -> int:
+        """Return how many zones all of a segment is beyond by one pose; -1 where it is near, or too long.
+
+        The outermost is asked first: far from everything one question answers all of them.
+        """
+        if self.longest and segment.length > self.longest:
+            return -1
+        numbers = range(len(self.around) - 1, -1, -1)
+        return next((number for number in numbers if self._shown(segment, *self.around[number])), -1)
+
+    def _shown(self, segment: Segment, scene: PathScene, beside: NearBeside) -> bool:
+        margin = scene.path.margin(segment)
+        if margin > scene.largest_margin:
             return False
         run = self.engine.run(segment.sample, margin, stop_at_first=True)
-        return not run.near_count and self.beside(segment) is None
+        return not run.near_count and beside(segment) is None
 
     def move(self, number: int) -> Iterator[Piece]:
         """Yield the pieces of one move, in the order in which the tool comes to them."""
@@ -130,8 +161,9 @@ class _Cut:
         pending = [whole]
         while pending:
             segment = pending.pop()
-            clear = self.as_it_is(segment)
-            if segment.length > self.shortest and not clear:
+            beyond = self.beyond(segment)
+            enough = len(self.around) - 1
+            if segment.length > self.shortest and beyond < (0 if whole.between else enough):
                 pending += reversed(segment.halves())
                 continue
             if not whole.between:
@@ -140,7 +172,24 @@ class _Cut:
             else:
                 way = Rational(0) if pending else _way(self.scene, number)
                 piece = _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
-            yield piece if clear else replace(piece, near=True, beside=self.beside(segment))
+            if beyond >= 0:
+                yield replace(piece, beyond=self._in_parts(segment) if beyond < enough else beyond)
+            else:
+                _, beside = self.around[0]
+                yield replace(piece, near=True, beside=beside(segment))
+
+    def _in_parts(self, whole: Segment) -> int:
+        """Return how many zones a segment that is clear is beyond, seen part by part."""
+        pending, least = [whole], len(self.around) - 1
+        while pending and least > 0:
+            part = pending.pop()
+            beyond = self.beyond(part)
+            if beyond < least:
+                if part.length > self.shortest and part.level < whole.level + _HALVINGS:
+                    pending += part.halves()
+                else:
+                    least = max(beyond, 0)
+        return least
 
 
 def _way(scene: PathScene, number: int) -> Rational:
@@ -242,6 +291,14 @@ class Follower:
         wanted = min(enough + int(1000 * self.lag * together), LONGEST)
         return last if self.hold(last) >= wanted else last + 1
 
+    def beyond(self, number: int, hold: int) -> int:
+        """Return how many zones the tool is beyond until a piece is permitted, and a hold from then on."""
+        upto = max(self.permitted, number + 1)
+        if len(zones := {one.beyond for one in self.pieces[self._first : upto]}) == 1:
+            return zones.pop()
+        reached = next((one for one in range(self._last, upto) if self.hold(one) >= hold), upto - 1)
+        return min(one.beyond for one in self.pieces[self._first : reached + 1])
+
     def permit(self, number: int) -> None:
         """Take that a piece was found clear, and go is said."""
         self.permitted = max(self.permitted, number + 1)
@@ -307,6 +364,8 @@ class Followed:
 
 # Of an answer: the number of its piece, the hold in milliseconds, whether it is clear, the lag in seconds.
 Seen = Callable[[int, int, bool, float], None]
+# Before a question: the number of its piece, and how many zones the tool is beyond until the next.
+Ahead = Callable[[int, int], None]
 # Where the tool is, in millimetres, and at which second of `now` it was so; None: the machine has ended.
 Report = tuple[Vector, float] | None
 # So many times the hold that is aimed at is permitted ahead.
@@ -323,15 +382,16 @@ def follow(
     longest: int,
     ends: bool = True,
     seen: Seen = lambda *_: None,
+    ahead: Ahead = lambda *_: None,
 ) -> Followed:
     """Have a machine permitted piece by piece, until it ends or a piece is near.
 
     Where it does not end here, as another part of the program follows, until it is at the end of this one.
 
     ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
-    aimed at, in milliseconds, and never exceeded; ``seen`` is told of each answer. Raises StrayedError, and
-    LateError where an answer takes, or could take, longer than the tool may stay, or longer than go is said
-    for certain.
+    aimed at, in milliseconds, and never exceeded; ``ahead`` is told of zones before the board is asked,
+    ``seen`` of each answer. Raises StrayedError, and LateError where an answer takes, or could
+    take, longer than the tool may stay, or longer than go is said for certain.
     """
     done = Followed()
     # Until when the last answer counts at least.
@@ -363,6 +423,7 @@ def follow(
             seen(number, hold, False, now() - since)
             done.permitted, done.near = follower.permitted, piece
             return done
+        ahead(number, follower.beyond(number, hold))
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)
         lag = now() - since

@@ -234,6 +234,13 @@ class PathScene:
         """Return the largest margin of the engine."""
         return (1 << self.grid.width) - 1
 
+    def within(self, clearance: Fraction) -> "PathScene":
+        """Return the same with another clearance, in millimetres; raise InputError where it does not fit."""
+        path = replace(self.path, clearance=clearance / self.wanted.scale)
+        scene = replace(self, path=path, wanted=replace(self.wanted, clearance=clearance))
+        _check_margin(scene)
+        return scene
+
     def in_files(self, position: Vector) -> Vector:
         """Return a position in millimetres in the unit of the files."""
         return vector(c / self.wanted.scale for c in position)

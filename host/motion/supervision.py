@@ -13,7 +13,7 @@ Nothing turns: the board would have to be loaded anew on the way.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -143,6 +143,10 @@ class Supervision:
         ]
         one, other = (Joined(side, setup.scale) for side in sides)
         return Supervision(one, other, [_beside(rule, wanted) for rule in rules])
+
+    def within(self, clearance: Fraction) -> "Supervision":
+        """Return the same with another clearance, in millimetres; raise InputError where it does not fit."""
+        return replace(self, beside=[replace(one, scene=one.scene.within(clearance)) for one in self.beside])
 
     def near_beside(self, scene: PathScene, segment: Segment) -> Names | None:
         """Return two objects beside the board that are not shown clear where a segment's sample covers it."""

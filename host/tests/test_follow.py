@@ -7,9 +7,10 @@ import subprocess
 import tempfile
 import threading
 import time
+from copy import copy
 from fractions import Fraction
 from functools import partial
-from itertools import count, pairwise
+from itertools import count, pairwise, product
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ import pytest
 from filelock import FileLock
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.exact import Rational
 from triaxis.host import scenes
 from triaxis.host.cli import follow as follow_module
 from triaxis.host.cli import main
@@ -42,6 +44,7 @@ from triaxis.host.motion.follow import (
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import vector
+from triaxis.host.scene import distance_of
 from triaxis.host.stl import StlMesh
 from triaxis.host.tests.published import read_published
 from triaxis.sim.board_parameters import BoardParameters
@@ -174,6 +177,65 @@ def test_a_tool_cannot_leave_what_is_permitted_within_lag_and_hold(program, rng)
                     assert hold <= max(1000 * (left - SLACK_STEPS) / (100 * SPEED), 0) - 1000 * LAG
                     exact += 1
     assert checked > 1000 and exact > 20
+
+
+# Millimetres, from the innermost.
+ZONES = Fraction(2), Fraction(6)
+
+
+def cut_for_zones(scene, shortest=4):
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    zones = [(scene.within(width), lambda _: None) for width in ZONES]
+    return pieces(scene, engine, Fraction(shortest), Fraction(20), zones=zones)
+
+
+def apart(scene, position):
+    """Return the exact distance of tool and workpiece."""
+    meshes = scene.tool, scene.work
+    pairs = product(*(range(len(mesh.facets)) for mesh in meshes))
+    return min(distance_of(scene.tool, i, scene.work, j, position) for i, j in pairs)
+
+
+def test_what_is_beyond_a_zone_is_so_at_every_place_and_what_is_not_is_within_nearly(program, rng):
+    scene = scene_of(program, np.concatenate([FLOOR, POST]))
+    found = cut_for_zones(scene)
+    assert {piece.beyond for piece in found if not piece.near} == {0, 1, 2}
+    assert all(piece.beyond == 0 for piece in found if piece.near)
+    # The path between them is the same, and so is what is near.
+    assert [piece.line for piece in found if piece.near] == [piece.line for piece in cut(scene) if piece.near]
+    band = 4 * scene.wanted.resolution
+    for piece in found:
+        for _ in range(12):
+            ends = zip(piece.low, piece.high, strict=True)
+            place = vector(a + (b - a) * Rational(int(rng.integers(9)), 8) for a, b in ends)
+            away = apart(scene, scene.path.position(place))
+            assert all(away > width for width in ZONES[: piece.beyond]), (piece, place)
+        away = apart(scene, scene.path.position(vector(map(Rational, piece.sample))))
+        for width in ZONES[piece.beyond :] if not piece.near and piece.rapid is None else ():
+            assert away <= width + Fraction(str(piece.reach)) * scene.wanted.resolution + band
+
+
+def test_a_zone_is_told_before_the_tool_can_be_there_and_until_it_has_left(program):
+    # By the post, which is 1.9 mm away, and up at the end.
+    program.write_text(PROGRAM.replace("G0 X0 Y0 Z40", "G1 Z40"))
+    scene = scene_of(program, np.concatenate([FLOOR, POST + np.array([0, 3.1, 0], np.float32)]))
+    found = cut_for_zones(scene, 1)
+    assert not any(piece.near for piece in found)
+    follower, clock = Follower(scene, found, SPEED, LAG), Clock(*[0.01] * 10_000)
+    tool = SimulatedTool(scene.program, SPEED, clock.now, lambda: follower.permitted > 0)
+    told = list[int]()
+
+    def permit(translation, margin, hold):
+        # Wherever it is while that is said: until the hold ends, after which it is told again or stops.
+        for part in range(9):
+            later = copy(tool)
+            later._now = partial(float, clock.time + hold * part / 8000)
+            here = later.report()
+            assert here is None or all(apart(scene, here[0]) > width for width in ZONES[: told[-1]])
+        return clock.permit(translation, margin, hold)
+
+    follow(follower, permit, tool.report, clock.now, 200, ahead=lambda _, beyond: told.append(beyond))
+    assert set(told) == {0, 1, 2} and told[0] == told[-1] == 2
 
 
 def test_slack_shortens_ways_and_widens_boxes(program):
@@ -436,8 +498,10 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             assert found == status and what in said.out + said.err, (lines, said)
         # Tool 0 is one as all others.
         machine.write_text(TOOLS.replace("= 1\n", "= 0\n"))
-        found, said = run(["0 0 40 2"])
-        assert found == 2 and "tool 2 is in the spindle, and not 0" in said.err, said
+        for lines in (program.read_text(), "G21 G90 G61\nG0 X10\n"):
+            program.write_text(lines)
+            found, said = run(["0 0 40 2"])
+            assert found == 2 and "tool 2 is in the spindle, and not 0" in said.err, said
     assert top.stop
 
 
@@ -486,12 +550,12 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
     monkeypatch.setattr(follow_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
     with ServedBoard(top, Wire()) as served:
 
-        def run(lines, text=OBJECTS):
+        def run(lines, text=OBJECTS, words=()):
             machine.write_text(text)
             program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
             arguments = [str(machine), str(work), str(program), "--port", served.path, "--simulate"]
             arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
-            status = main(["board", "follow", *arguments, "--json", str(report), "--skip-self-test"])
+            status = main(["board", "follow", *arguments, *words, "--json", str(report), "--skip-self-test"])
             found = read_published(report, "follow")
             return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
 
@@ -508,6 +572,12 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
             assert (
                 f"NEAR: line {near[0]}: the machine was stopped before it, where {near[1]} comes" in said.out
             )
+        # The bed and the table are 2 mm apart at X-8, 5 at X-5, which is a piece by itself.
+        for lines, within in (("G0 Z90\nG1 X-5\nX-8", [4]), ("G0 Z90\nG1 X-5", [])):
+            status, _, said = run(lines, words=["--slow", "3"])
+            (zone,) = read_published(report, "follow")["zones"]
+            assert (status, zone["within"], zone["lines"]) == (0, 3, within), said
+            assert zone["pieces"] == len(within) == said.out.count("zone: slow, line 4")
         touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
         assert "may_touch: head and workpiece: the board is asked" in run("G0 Z60", touching)[2].err
         turning = OBJECTS.replace('axis = "-Y"', 'axis = "-Y"\n[[objects]]\nname = "c"\non = "saddle"\n')
@@ -594,6 +664,20 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
         assert ends[0].tolist() == [0, 0, 40] and all(one["verdict"] == "clear" for one in told)
         assert [one["asked"] for one in told] == [*range(1, len(told) + 1)]
         assert told[-1]["permitted"] == len(ends) - 1 and told[-1]["position"] == pytest.approx([0, 0, 40])
+        # It comes down to 10 mm above the floor.
+        shown.clear()
+        zones = ["--slow", "12", "--warn", "17", "--hold", "60", "--lag", "20"]
+        status, said = run("--simulate", "--surfaces-only", "--page", "0", *zones)
+        assert (status, said.err) == (0, "") and "within 12 mm, or nearly: " in said.out
+        told = [one["zone"] for one in shown[1:] if "zone" in one]
+        assert told == ["free", "warn", "slow", None], told
+        assert [line.split()[1] for line in said.out.splitlines() if line.startswith("zone: ")] == [
+            "free,",
+            "warn,",
+            "slow,",
+        ]
+        slow, warn = read_published(report, "follow")["zones"]
+        assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
         positions.write_text("0 0 40\n0 0\n")
         shown.clear()
         run("--positions", str(positions), "--surfaces-only", "--page", "0")
@@ -617,6 +701,8 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
             ("--speed", "say how fast"),
             ("--lag", "must be more than 0"),
             ("--length", "more than 0"),
+            ("--slow", "each must be wider"),
+            ("--warn", "give that, too"),
         ):
             assert what in run(option, "0")[1].err
     assert top.stop
@@ -691,6 +777,9 @@ def test_positions_are_those_of_the_pins(machine):
         assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
         pins.said(True)
         assert machine.hal.get_value("triaxis.go") is True
+        for zones, expected in ((2, [True, True]), (0, [False, False]), (1, [True, False])):
+            pins.beyond(zones)
+            assert [machine.hal.get_value(f"triaxis.{name}") for name in ("full-speed", "quiet")] == expected
         machine.pins["running"] = True
         assert pins.report()
         machine.pins["running"] = False
