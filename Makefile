@@ -24,7 +24,7 @@ WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist results gate evidence test unit lint format
-.PHONY: upsets sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
+.PHONY: upsets test-long sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
 .PHONY: fpga-timing activity bitstream cold docs package lock clean
 
 help: ## list the targets
@@ -70,7 +70,7 @@ $(VENV)/.ready-peers: requirements-peers.lock $(READY)
 signoff: $(READY) $(YOSYS) ## lint, simulate, measure, prove, try every mutant: verdict and report in build/signoff/
 	@$(BIN)/triaxis signoff --seed $(SEED) $(if $(WHOLE),--whole)
 
-regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least once, on dvsim, and the tests too long for `make test`
+regress: $(READY) $(DVSIM) $(YOSYS) ## every test and configuration at least once, on dvsim, and the tests too long for the others
 	@$(BIN)/triaxis regress run smoke --launcher $(LAUNCHER)
 	@$(BIN)/pytest -n 2 -m regress
 
@@ -111,11 +111,16 @@ evidence: $(READY) ## one archive of the sign-off, its sources and a million wit
 	@$(BIN)/triaxis tritest make build/evidence --pairs 32300
 	@$(BIN)/triaxis evidence build/evidence --out dist/triaxis-evidence.tar.gz
 
-test: $(READY) $(YOSYS) $(DVSIM) lint ## lint, then the tests of every part
-	@$(BIN)/pytest -n 2 -m "not regress" --durations 20 --durations-min 10
+# What `make test` leaves to `make test-long`.
+LONG := long or prover or synthesiser
+test: $(READY) $(DVSIM) lint ## lint, then the tests of every part that are quick
+	@$(BIN)/pytest -n 2 -m "not ($(LONG) or regress)" --durations 20 --durations-min 5
+
+test-long: $(READY) $(YOSYS) $(DVSIM) ## those that take longer: what needs yosys, whole environments: a quarter of an hour
+	@$(BIN)/pytest -n 2 -m "($(LONG)) and not regress" --durations 20 --durations-min 20
 
 unit: $(READY) ## the tests that need no simulator, prover or synthesiser: about a minute
-	@$(BIN)/pytest -n 2 -m "not (simulator or prover or synthesiser or regress)"
+	@$(BIN)/pytest -n 2 -m "not (simulator or $(LONG) or regress)"
 
 # What `make cold` runs, and whether all cores are kept busy meanwhile.
 COLD_TARGETS ?= signoff test

@@ -4,6 +4,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
+import pytest
 
 from triaxis.bench.paths import report as paths
 from triaxis.bench.peers.peer import Peer, Question
@@ -11,6 +12,7 @@ from triaxis.golden.judge import judge
 from triaxis.host.broadphase import candidates
 
 
+@pytest.mark.long
 def test_a_small_program_is_clear_and_what_is_planted_is_found(tmp_path):
     ours = paths.measured(tmp_path, 400, 30, 4, lambda _: None)
     assert (ours.clear, ours.missed, ours.moves, ours.facets) == (True, 0, 402, 1800)

@@ -24,6 +24,7 @@ def block(rng, count, place, size=300):
     return rng.integers(-2000, 2001, (count, 1, 3)) + rng.integers(-size, size + 1, (count, 3, 3)) + place
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_a_scene_in_hardware_and_software(rng):
     # Of several meetings, the sums.
@@ -38,6 +39,7 @@ def test_a_scene_in_hardware_and_software(rng):
     assert "costs more" in replace(row, at={0: slow}).problems[0]
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 @pytest.mark.parametrize("lost", ["near", "tested", "broad phase"])
 def test_what_skips_too_much_is_seen(monkeypatch, lost):

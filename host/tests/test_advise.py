@@ -178,6 +178,7 @@ def test_the_command_advises(advise_files, tmp_path):
     assert "change: accept false alarms up to" in said
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_the_simulated_engine_keeps_within_the_bounds(advise_files, tmp_path):
     """The width that other tests have built, and meshes in parts."""

@@ -93,7 +93,10 @@ def test_the_scenes_through_the_serial_port(board_check, tmp_path, report):
         assert said["status"]["near"] == len(said["near"]) and (said["near"] != []) == scene.near
 
 
-@pytest.mark.parametrize(("facets", "status", "state"), [(12, 1, "inside"), (11, 2, "undecided")])
+@pytest.mark.parametrize(
+    ("facets", "status", "state"),
+    [(12, 1, "inside"), pytest.param(11, 2, "undecided", marks=pytest.mark.long)],
+)
 def test_a_board_is_not_asked_where_one_mesh_may_be_inside_the_other(
     facets, status, state, top, board_check, boxes, path_on, tmp_path, report
 ):
@@ -236,7 +239,9 @@ def test_a_run_that_is_interrupted_is_aborted(top, rng):
     assert board.status().end == RunEnd.ABORTED
 
 
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize(
+    "number", [*range(2), *(pytest.param(n, marks=pytest.mark.long) for n in range(2, 8))]
+)
 def test_a_bad_line_costs_the_verdict_and_never_makes_one(number, top, rng):
     faults = [LineFaults(rng, 0), LineFaults(rng, 0)]
     wire = SimulatedWire(top, CLOCKS_PER_SECOND, Wire(*faults))
@@ -269,6 +274,7 @@ def test_a_stale_clear_is_not_believed(top, rng):
     assert near_of(board_on(top, wire), a, b) == [list(pair)]
 
 
+@pytest.mark.long
 def test_a_frame_of_long_ago_is_not_taken_for_the_next(top, rng):
     """A line that keeps frames back delivers one with the low bits of the number that is due."""
     sent, ago, replaying = [], 256, False
@@ -419,6 +425,7 @@ def test_a_second_master_is_refused_while_the_first_lives(top, rng):
     assert near_of(second, a, b) == []
 
 
+@pytest.mark.long
 def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(
     top, board_check, boxes, report, monkeypatch, capsys
 ):

@@ -206,7 +206,7 @@ def test_a_probe_touches_nothing(checked):
     assert checked("G0 Z2\nG1 Z0", probe).near == (3, "the tool's body", "the stock")
 
 
-@pytest.mark.parametrize("stop", ["near the surface", "open"])
+@pytest.mark.parametrize("stop", ["near the surface", pytest.param("open", marks=pytest.mark.long)])
 def test_a_board_is_asked_for_insides_wherever_it_is_clear(tmp_path, stop):
     """Insides are asked first. Where the start looks near then, and is shown clear after all, they count."""
     (tmp_path / "m.toml").write_text(f"[[tools]]\nnumber = 1\nparts = [{BLADE}]\n")
@@ -281,7 +281,8 @@ def crash(moves, parts, points):
 
 
 @pytest.mark.parametrize(
-    ("programs", "least_rapids"), [(75, 2), pytest.param(150, 20, marks=pytest.mark.regress)]
+    ("programs", "least_rapids"),
+    [pytest.param(75, 2, marks=pytest.mark.long), pytest.param(150, 20, marks=pytest.mark.regress)],
 )
 def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, least_rapids):
     """Random programs and tools against a stock of points, of which feeds take away what they meet."""

@@ -456,6 +456,7 @@ parts = [{ diameter = 4, length = 9 }]
 """
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypatch):
     machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
@@ -537,6 +538,7 @@ on = "table"
 """
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, monkeypatch):
     machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))

@@ -313,13 +313,17 @@ def written(tmp_path, rng, turning=True):
     return machine, things, meshes, base, straight
 
 
+# As many each time; all of them take minutes.
+MADE_UP = [*range(4), *(pytest.param(number, marks=pytest.mark.long) for number in range(4, 24))]
+
+
 def near_by(things, meshes, one, other, pose, distance):
     """Return whether two objects are within a distance at a pose of the machine."""
     (a, mesh), (b, other_mesh) = meshes[one], meshes[other]
     return within(moved(things, a, mesh, pose), moved(things, b, other_mesh, pose), distance)
 
 
-@pytest.mark.parametrize("number", range(24))
+@pytest.mark.parametrize("number", MADE_UP)
 def test_machines_made_up(checked, tmp_path, rng, number):
     machine, things, meshes, base, straight = written(tmp_path, rng)
     letters = {thing.axis[-1] for thing in things.values() if thing.axis and thing.axis[-1] in "ABC"}
@@ -367,7 +371,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
                 assert not near(one, other, pose + base, 0.3 - 1e-5), (one, other, pose, machine, lines)
 
 
-@pytest.mark.parametrize("number", range(24))
+@pytest.mark.parametrize("number", MADE_UP)
 def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, rng, number):
     """And where one does not, two are near at some place of it, but for the band of false alarms."""
     text, things, meshes, base, _ = written(tmp_path, rng, turning=False)

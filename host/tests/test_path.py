@@ -175,6 +175,7 @@ def test_the_bound_is_tight(monkeypatch):
     assert checked(tight_scene()).near is None, "a smaller bound would do"
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_engines_agree():
     # Down beside a jaw with half a millimetre to spare, along it, closer, and into it.
@@ -188,6 +189,7 @@ def test_engines_agree():
     assert (rtl.effort.cycles or 0) >= (rtl.effort.most_cycles or 0) > 0
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_meshes_larger_than_the_engine_run_part_by_part(rng):
     a, b = (rng.integers(-60, 60, (n, 1, 3)) + rng.integers(-25, 25, (n, 3, 3)) for n in (150, 70))
@@ -266,6 +268,7 @@ def test_rapids_are_covered_any_way_unless_the_machine_says_how(path, tmp_path):
     assert path(program, *start, meshes=(machine, work))[0] == 1
 
 
+@pytest.mark.long
 def test_a_corner_is_not_near_by_euclid(path, tmp_path):
     """Past the edge of a box, diagonally: within 0.5 in each coordinate, 0.57 away."""
     tool, work = tmp_path / "pin.stl", tmp_path / "block.stl"

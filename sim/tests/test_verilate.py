@@ -188,6 +188,7 @@ def _answers(said: str) -> list[str]:
     return [" ".join(line.split()) for line in said.splitlines() if line.startswith("margin")]
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_the_first_pair(tmp_path):
     """The integrator's example, compiled from the list of files alone."""
@@ -203,6 +204,7 @@ def test_the_first_pair(tmp_path):
     assert _answers(done.stdout) == ANSWERS
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_the_first_pair_in_cocotb(tmp_path, monkeypatch):
     """The same in cocotb, by its own runner, which makes all signals public."""

@@ -88,6 +88,7 @@ def test_counters_of_two_builds_are_not_added(tmp_path: Path) -> None:
         add_files([tmp_path / "a", tmp_path / "c"], tmp_path / "total")
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_the_models_elaborate_every_generate_block() -> None:
     found = {
@@ -173,6 +174,7 @@ int main() {
 """
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_bits_above_a_signals_width_are_no_bits_of_the_next_one(tmp_path: Path) -> None:
     source = tmp_path / "counting.cpp"

@@ -24,6 +24,7 @@ pytestmark = pytest.mark.simulator
 
 # One build for each agent serves all of them; that for the pins is the one of verif/faults.
 CONFIG, PINS = "w8_m8", "w16_m0"
+OTHERS = (REPLAY, "SeedVectorsTest", "CertificatesTest")
 ON_PINS = ("RandomTest", "StallsTest", "ResetsTest")
 
 
@@ -34,7 +35,9 @@ def burst(test, seed, pairs, folder, **options):
 @pytest.mark.parametrize(
     ("test", "agent"),
     [
-        *((name, BURST) for name in names_of(Block.CORE) if name not in (REPLAY, "SeedVectorsTest")),
+        *((name, BURST) for name in names_of(Block.CORE) if name not in OTHERS),
+        # With a build of its own.
+        pytest.param("CertificatesTest", BURST, marks=pytest.mark.long),
         *((name, PIN) for name in ON_PINS),
     ],
 )

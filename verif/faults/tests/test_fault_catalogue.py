@@ -202,6 +202,7 @@ def test_only_what_the_design_does_counts_against_it(tmp_path, failures, line, a
         )
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_a_fault_of_the_engine_is_caught(seed):
     """One that only the order of loading and running shows, and nothing where there is none."""
@@ -222,6 +223,7 @@ def test_a_fault_of_the_board_is_caught(seed):
 # --- Faults of a testbench ---------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_faults_of_a_testbench_are_caught_and_an_environment_that_lets_them_pass_is_not(seed, monkeypatch):
     caught = catch(fault_of("F10-late"), seed).catch

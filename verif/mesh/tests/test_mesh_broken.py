@@ -51,6 +51,7 @@ FACETS = np.arange(81).reshape(9, 3, 3)
 ENGINE = MeshConfiguration(16, 16, 64, 8, 8)
 
 
+@pytest.mark.long
 def test_an_engine_that_loses_triangles_or_groups_is_not_believed(monkeypatch):
     load, run_scene = MeshEngine.load_unchecked, MeshEngine.run
 

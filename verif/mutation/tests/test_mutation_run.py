@@ -19,14 +19,14 @@ import pytest
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import main
 from triaxis.sim import programs, verilate
-from triaxis.sim.build import content_hash
+from triaxis.sim.build import content_hash, rtl_files
 from triaxis.sim.evidence import Timeline
 from triaxis.sim.paths import DUT, ROOT
 from triaxis.sim.player import ASSERTION
 from triaxis.verif.commands import inject
 from triaxis.verif.mutation import builds, equivalence, killers, killing, outcomes, record, result, targets
 from triaxis.verif.mutation import run as run_module
-from triaxis.verif.mutation.catalogue import catalogue
+from triaxis.verif.mutation.catalogue import catalogue as parsed
 from triaxis.verif.mutation.equivalence import (
     CONTRACT,
     CORNERS,
@@ -59,9 +59,20 @@ pytestmark = pytest.mark.prover
 EXTENT = {"W": 3, "Comb": 1}
 
 
+@cache
+def _parsed(dut, _contents):
+    return parsed(dut)
+
+
+def catalogue(dut=DUT):
+    """Return all mutants; it takes seconds, so once for sources that are the same."""
+    return _parsed(dut, content_hash(rtl_files(dut)))
+
+
 @pytest.fixture(autouse=True)
 def nothing_known(tmp_path, monkeypatch):
     """Let these runs know nothing that the checkout's own runs found out or recorded, nor add to it."""
+    monkeypatch.setattr(run_module, "catalogue", catalogue)
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path / "known")
     monkeypatch.setattr(equivalence, "FOLDER", tmp_path / "known")
     monkeypatch.setattr("triaxis.verif.mutation.run.read_record", lambda: record.Record({}, {}))

@@ -75,6 +75,7 @@ def test_mutants_are_drawn_by_seed_and_none_is_equivalent():
         measure_power([MAIN], files="core/nothing*")
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_each_mutant_meets_every_test(monkeypatch, capsys):
     monkeypatch.setattr(power, "MODELS", {"core": SMALLEST})

@@ -447,6 +447,7 @@ def test_a_database_of_the_version_before_keeps_what_it_holds(database, tmp_path
     assert rows(database, "SELECT count(*) FROM power") == [(2,)]
 
 
+@pytest.mark.long
 def test_many_may_open_and_add_at_a_time(tmp_path):
     path = tmp_path / "results.sqlite"
     files = [regression(tmp_path, number) for number in range(1, 13)]
