@@ -3,8 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -18,8 +17,7 @@ from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
 from triaxis.host.cli.path import add_program, read_moves
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.enclosure import Enclosure, State
-from triaxis.host.engines import BULK, SceneEngine, scene_engine
+from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.hal import HalPositions
@@ -29,19 +27,16 @@ from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
     Follower,
-    Piece,
     Report,
     SimulatedTool,
     StrayedError,
     follow,
-    pieces,
 )
-from triaxis.host.motion.machine import Tool
-from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import insides_at
-from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted, prepare_path
-from triaxis.host.motion.supervision import Names, Supervision
+from triaxis.host.motion.operations import Operation, near_turn, operation
+from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted
+from triaxis.host.motion.supervision import Names, stands_and_turns
 from triaxis.host.page import Page
+from triaxis.host.quantise import NOWHERE, Vector
 from triaxis.host.report import write_report
 from triaxis.host.stl import Facets, read_stl
 
@@ -59,8 +54,9 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         "path, the next is checked on the board, whose output says go from one to the next. It says stop "
         "where a piece is near, where the tool is not where it may be, and where an answer or a position is "
         "late. The control says where the tool is, in lines of three numbers in millimetres: X Y Z; their "
-        "end is the end of the machining. It says stop while a tool is changed, until that is where the next "
-        "part of the program begins. What is cut is not known: give what must not be touched."
+        "end is the end of the machining. It says stop while a tool is changed, or A, B, C turn, until the "
+        "machine is where the next part of the program begins. What is cut is not known: give what must not "
+        "be touched."
     )
     add_program(parser, Fraction(1, 100))
     add_numbers(parser, "--speed", "V", "the fastest that any axis moves, in mm/s", None)
@@ -126,19 +122,32 @@ def run(options: argparse.Namespace) -> int:
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
-    if machine.rotary:
+    if machine.rotary and machine.turn_tolerance is None:
         raise InputError(
-            f"{options.tool}: {', '.join(sorted(machine.rotary))}: the board holds meshes as they stand: "
-            "check what turns with path"
+            f"{options.tool}: turn_tolerance: say by how many degrees {', '.join(sorted(machine.rotary))} "
+            "may be off: it decides whether they are where the program has them"
         )
-    work, parts = read_stl(options.work), program.stretches
-    tools = [given or machine.tools[part.moves[0].tool] for part in parts]
+    work = read_stl(options.work)
     with board_of(options) as board:
         assert board
-        operations = [
-            _operation(options, board, Setup(tool, (work, options.work), None, machine, options.scale), part)
-            for tool, part in zip(tools, parts, strict=True)
-        ]
+        wanted = Wanted(
+            options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
+        )
+        operations, widths = list[Operation](), _widths(options)
+        with progress_bar("parts are cut", len(program.stretches)) as progress:
+            for stretch in program.stretches:
+                tool = given or machine.tools[stretch.moves[0].tool]
+                setup = Setup(tool, (work, options.work), None, machine, options.scale)
+                for part in stands_and_turns(stretch, machine.turn_tolerance or Fraction(0)):
+                    if not part.moves[0].turning:
+                        operations.append(operation(setup, part, wanted, widths))
+                    elif near := near_turn(setup, part, wanted):
+                        if not operations:
+                            return _told(options, Followed(), 0, "near", near.names, {"line": near.line})
+                        operations[-1] = operations[-1].stopped_before(near)
+                progress(1)
+        if not operations:
+            raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
         count = sum(len(one.pieces) for one in operations)
         for one in operations if not options.surfaces_only else ():
             for insides, files, names in one.insides():
@@ -161,7 +170,7 @@ def run(options: argparse.Namespace) -> int:
         if page is not None:
             print(f"page: {page.address}", flush=True)
         try:
-            done, verdict, names = _follow(options, board, operations, bool(machine.tools), page)
+            done, verdict, names = _follow(options, board, operations, page)
         except InputError as error:
             if page is not None:
                 page.tell(stopped=str(error))
@@ -175,7 +184,7 @@ def _widths(options: argparse.Namespace) -> list[Fraction]:
     return [width for width in (options.slow, options.warn) if width is not None]
 
 
-def _zones(options: argparse.Namespace, operations: Sequence["_Operation"]) -> list[dict[str, Any]]:
+def _zones(options: argparse.Namespace, operations: Sequence[Operation]) -> list[dict[str, Any]]:
     """Return how many pieces are not shown to be beyond each zone, and the lines that they begin in."""
     found = [piece for one in operations for piece in one.pieces]
     entries = []
@@ -185,72 +194,25 @@ def _zones(options: argparse.Namespace, operations: Sequence["_Operation"]) -> l
     return entries
 
 
-@dataclass(frozen=True)
-class _Operation:
-    """A part of the program with one tool, and its pieces."""
-
-    tool: Tool
-    supervised: Supervision
-    scene: PathScene
-    engine: SceneEngine
-    pieces: Sequence[Piece]
-
-    def insides(self) -> Iterator[tuple[Enclosure, Names, Names]]:
-        """Yield whether one of two is inside the other at the start, their files, and their names."""
-        sides = self.supervised.tool, self.supervised.work
-        files, names = (sides[0].files, sides[1].files), (sides[0].name, sides[1].name)
-        yield insides_at(self.scene), files, names
-        for beside in self.supervised.beside:
-            yield beside.insides, beside.rule.files, beside.rule.names
-
-    def near_objects(self, piece: Piece) -> Names:
-        """Return two objects that are near in a piece, by the engine that cut it."""
-        if piece.beside is not None:
-            return piece.beside
-        near = self.engine.run(piece.sample, piece.margin, stop_at_first=True).near
-        a, b = map(int, near[0]) if len(near) else (0, 0)
-        return self.supervised.tool.named(a), self.supervised.work.named(b)
-
-
-def _operation(options: argparse.Namespace, board: Board, setup: Setup, program: Program) -> _Operation:
-    wanted = Wanted(
-        options.clearance, options.resolution, options.length, options.scale, width_of(options, board)
-    )
-    supervised = Supervision.of(setup, program, wanted)
-    tool, work = supervised.tool, supervised.work
-    scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wanted)
-    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-    with progress_bar("pieces are cut", 1) as progress:
-        around = [
-            (scene.within(width), partial(supervised.within(width).near_beside, scene))
-            for width in _widths(options)
-        ]
-        beside = partial(supervised.near_beside, scene)
-        found = pieces(scene, engine, options.length, beside=beside, zones=around)
-        progress(1)
-    return _Operation(setup.tool, supervised, scene, engine, found)
-
-
 def _follow(
-    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], numbered: bool,
-    page: Page | None,
-) -> tuple[Followed, str, Names | None]:  # fmt: skip
+    options: argparse.Namespace, board: Board, operations: Sequence[Operation], page: Page | None
+) -> tuple[Followed, str, Names | None]:
     """Follow the machine through one operation after the other.
 
     Returns how far it came, the verdict, and, where that is near, what is near.
     """
     if not options.hal:
         positions = None if options.simulate else Positions(options.positions)
-        return _through(options, board, operations, numbered, positions, page)
-    pins = HalPositions()
+        return _through(options, board, operations, positions, page)
+    pins = HalPositions(operations[0].machine.rotary)
     try:
-        return _through(options, board, operations, numbered, pins, page)
+        return _through(options, board, operations, pins, page)
     finally:
         pins.close()
 
 
 def _through(
-    options: argparse.Namespace, board: Board, operations: Sequence[_Operation], numbered: bool,
+    options: argparse.Namespace, board: Board, operations: Sequence[Operation],
     positions: Source | None, page: Page | None,
 ) -> tuple[Followed, str, Names | None]:  # fmt: skip
     done = Followed()
@@ -262,34 +224,36 @@ def _through(
         if page is not None:
             page.show(*_shown(options, one))
         start = f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
+        start += f", at {one.words(one.angles)}" if one.machine.rotary else ""
         print(f"ready: the machine may start where go is said{start}", flush=True)
-        follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking)
+        ends = one is operations[-1]
+        follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking, ends)
         if positions is None:
             tool_of = SimulatedTool(
                 scene.program, options.speed, time.monotonic, partial(getattr, on_board, "says_go")
             )
             report = tool_of.report
         else:
-            report = partial(_with_tool, positions, one.tool, numbered)
-            if not _come_to_start(board, positions, one.tool, follower if number else None):
+            report = partial(_as_expected, positions, one, follower)
+            several = len({id(other.tool) for other in operations}) > 1
+            if not _come_to_start(board, positions, one, follower, several, number > 0):
                 return done, "ended", None
-        ends = one is operations[-1]
         display = _Display(follower, scene, len(_widths(options)), done.asked, positions, page)
         try:
             permit, hold = on_board.permit, options.hold
-            done.add(
-                follow(follower, permit, report, time.monotonic, hold, ends, display.seen, display.ahead)
-            )
+            done.add(follow(follower, permit, report, time.monotonic, hold, display.seen, display.ahead))
         finally:
             display.nothing()
         if done.near:
             return done, "near", one.near_objects(done.near)
         if not follower.at_the_end:
             return done, "ended", None
+        # What was permitted is of this part: the next is entered under its own.
+        board.abort()
     return done, "followed", None
 
 
-def _shown(options: argparse.Namespace, one: _Operation) -> tuple[Facets, Facets, NDArray[np.float64], str]:
+def _shown(options: argparse.Namespace, one: Operation) -> tuple[Facets, Facets, NDArray[np.float64], str]:
     """Return what a page shows of an operation: in millimetres, in the program's frame."""
     scale = float(options.scale)
     places = [one.pieces[0].start, *(piece.end for piece in one.pieces)]
@@ -348,23 +312,26 @@ class _Display:
             self._page.tell(zone=None)
 
 
-def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follower | None) -> bool:
-    """Wait until there is a position, and for a follower one of that tool where its first piece may begin.
+def _come_to_start(
+    board: Board, positions: Source, one: Operation, follower: Follower, several: bool, later: bool
+) -> bool:
+    """Wait until there is a position: of a later part, and where axes turn, of its tool, angles and start.
 
-    Returns whether there is one. A board that hears nothing gives no go; until it is asked it says stop.
+    ``several``: the program has several tools. Returns whether there is one. A board that hears nothing gives
+    no go; until it is asked it says stop.
     """
     while not positions.wait(_ALIVE_SECONDS):
         board.status()
-    while follower is not None:
+    while later or one.machine.rotary:
         here = positions.report()
         if here is None:
             return False
-        if positions.tool is None:
+        if several and positions.tool is None:
             raise InputError(
                 "several tools: positions must say which one is in the spindle: X Y Z and its number"
             )
         try:
-            if positions.tool == tool.number:
+            if positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one)):
                 follower.moved(here[0])
                 break
         except StrayedError:
@@ -373,17 +340,37 @@ def _come_to_start(board: Board, positions: Source, tool: Tool, follower: Follow
     return True
 
 
-def _with_tool(positions: Source, tool: Tool, numbered: bool) -> Report:
-    """Return the last position; raise InputError where it is of another tool.
+def _angles(positions: Source, one: Operation) -> Vector:
+    """Return where A, B, C are; raise InputError where positions do not say it of a machine that has them."""
+    if positions.angles is None and one.machine.rotary:
+        raise InputError(
+            f"{', '.join(sorted(one.machine.rotary))} turn: positions must say where they are: X Y Z, the "
+            "tool's number, A B C; the machine is stopped"
+        )
+    return positions.angles or NOWHERE
 
-    ``numbered``: it is one of a machine file, and not that of an STL file, which may have any number.
+
+def _as_expected(positions: Source, one: Operation, follower: Follower) -> Report:
+    """Return the last position; raise InputError where it is of another tool, or of other angles.
+
+    The tool of an STL file may have any number. At the end of a part the next turn may have begun.
     """
     here = positions.report()
-    if here is not None and numbered and positions.tool not in (None, tool.number):
+    if here is None:
+        return None
+    if one.machine.tools and positions.tool not in (None, one.tool.number):
         raise InputError(
-            f"tool {positions.tool} is in the spindle, and not {tool.number}; the machine is stopped: "
+            f"tool {positions.tool} is in the spindle, and not {one.tool.number}; the machine is stopped: "
             "change it"
         )
+    angles = _angles(positions, one)
+    if not one.stands(angles):
+        follower.moved(here[0])
+        if follower.ends or not follower.at_the_end:
+            raise InputError(
+                f"axes are at {one.words(angles)}, not at {one.words(one.angles)}; the machine is stopped: "
+                "check them"
+            )
     return here
 
 
@@ -395,13 +382,14 @@ def _told(
     names: Names | None,
     more: dict[str, Any] | None = None,
 ) -> int:
-    """Print what came of it, and write the report."""
+    """Print what came of it, and write the report; ``more``: of it."""
+    line = done.near.line if done.near else (more or {}).get("line")
     if options.json is not None:
         write_report(
             options.json,
             {
                 "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
-                "line": done.near.line if done.near else None,
+                "line": line,
                 "what": names[0] if names else None, "of": names[1] if names else None,
                 "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
                 **(more or {}),
@@ -409,8 +397,7 @@ def _told(
         )  # fmt: skip
     one, other = names or ("", "")
     what = {
-        "near": f"NEAR: line {done.near.line if done.near else 0}: the machine was stopped before it, where "
-        f"{one} comes near {other}",
+        "near": f"NEAR: line {line}: the machine was stopped before it, where {one} comes near {other}",
         "inside": f"NEAR: of {one} and {other} one is inside the other at the start: go was never said",
         "followed": "FOLLOWED: to the end of the program",
         "ended": "ENDED: the positions ended before the program did",

@@ -5,24 +5,27 @@
     net y-pos => triaxis.y
     net z-pos => triaxis.z
     net tool <= iocontrol.0.tool-number => triaxis.tool          s32, in: which one is in the spindle
+    net a-pos => triaxis.a          float, in: A, B, C in degrees, where the machine file has that axis
     net running <= halui.program.is-running => triaxis.running   bit, in: false after true is the end
     triaxis.go                      bit, out: what the last answer said, for people: no permission
     triaxis.full-speed              bit, out: the tool is beyond the zone of --slow, wherever it may be
     triaxis.quiet                   bit, out: and beyond that of --warn
 
-A pin that nothing writes reads 0: until x, y, z and running are netted, there is no position, and no go.
+A pin that nothing writes reads 0: until x, y, z, running, and those of a, b, c that turn, are netted, there
+is no position, and no go.
 """
 
 import math
 import sys
 import time
+from collections.abc import Collection
 from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
 from triaxis.golden.errors import InputError
 from triaxis.host.motion.follow import Report
-from triaxis.host.quantise import vector
+from triaxis.host.quantise import Vector, vector
 
 NAME = "triaxis"
 # Where Debian has LinuxCNC's modules; of its own Python alone.
@@ -30,6 +33,8 @@ _DEBIAN = "/usr/lib/python3/dist-packages"
 # Until a position is read whole: the machine goes on meanwhile.
 _READINGS = 1000
 _LOOK_SECONDS = 0.005
+# What a position is read from.
+_PLACE = "xyzabc"
 # The pins that say that the tool is beyond one zone, and both.
 _BEYOND = ("full-speed", "quiet")
 
@@ -51,13 +56,16 @@ def _hal() -> Any:
 class HalPositions:
     """The position that the pins have when it is asked for; of `positions.Positions` the form."""
 
-    def __init__(self) -> None:
-        """Make the component; raise InputError where HAL is not running, or has one of that name."""
+    def __init__(self, rotary: Collection[str] = ()) -> None:
+        """Make the component, for a machine with these of the axes A, B, C.
+
+        Raises InputError where HAL is not running, or has one of that name.
+        """
         self._module = _hal()
         kinds = self._module
         try:
             self._component = kinds.component(NAME)
-            for name in "xyz":
+            for name in _PLACE:
                 self._component.newpin(name, kinds.HAL_FLOAT, kinds.HAL_IN)
             self._component.newpin("tool", kinds.HAL_S32, kinds.HAL_IN)
             self._component.newpin("running", kinds.HAL_BIT, kinds.HAL_IN)
@@ -69,7 +77,8 @@ class HalPositions:
                 f"--hal: no component {NAME}: {error}: load it from the machine's .hal file, once"
             ) from error
         self._has_run = False
-        self._wanted = {"x", "y", "z", "running"}
+        self._wanted = {"x", "y", "z", "running", *map(str.lower, rotary)}
+        self.angles: Vector | None = None
 
     @property
     def tool(self) -> int | None:
@@ -103,15 +112,16 @@ class HalPositions:
         self._has_run |= running
         since, place = self._place()
         try:
-            return vector(map(Fraction, place)), since
+            position, self.angles = (vector(map(Fraction, part)) for part in (place[:3], place[3:]))
+            return position, since
         except (ValueError, OverflowError) as error:
             raise InputError(f"{NAME}: a position that is no number: the machine is stopped") from error
 
     def _place(self) -> tuple[float, list[float]]:
-        """Return when and where the tool was: twice the same, as pins are read one after the other."""
+        """Return when and where the tool was, and its angles: twice the same, as pins are read in turn."""
         for _ in range(_READINGS):
             since = time.monotonic()
-            one, other = ([self._component[name] for name in "xyz"] for _ in range(2))
+            one, other = ([self._component[name] for name in _PLACE] for _ in range(2))
             if one == other or any(map(math.isnan, one)):
                 return since, one
         raise InputError(f"{NAME}: no two readings of the position are the same: the machine is stopped")

@@ -17,15 +17,17 @@ _NUMBER = re.compile(r"[+-]?(\d{1,20}\.?\d{0,40}|\.\d{1,40})([eE][+-]?\d\d?)?", 
 class Positions:
     """The last of the positions that a control writes, a line each, and when it came.
 
-    ``tool``: the number of the tool that was in the spindle then; None where lines do not say it.
+    ``tool``: the number of the tool that was in the spindle then; ``angles``: of A, B and C, in degrees; None
+    where lines do not say it.
     """
 
     tool: int | None = None
+    angles: Vector | None = None
 
     def __init__(self, lines: TextIO) -> None:
         """Begin to read, until they end."""
         self._lines, self._changed = lines, threading.Condition()
-        self._last: Report = None
+        self._last: tuple[Report, int | None, Vector | None] | None = None
         self._wrong: InputError | None = None
         self._ended = False
         threading.Thread(target=self._read, daemon=True).start()
@@ -37,9 +39,9 @@ class Positions:
                 # What has no end is cut off.
                 if not line.endswith("\n"):
                     break
-                position, tool = _position(line)
+                position, tool, angles = read_position(line)
                 with self._changed:
-                    self._last, self.tool = (position, time.monotonic()), tool
+                    self._last = (position, time.monotonic()), tool, angles
                     self._changed.notify()
         except InputError as error:
             wrong = error
@@ -63,20 +65,24 @@ class Positions:
         with self._changed:
             if self._wrong is not None:
                 raise self._wrong
-            last = self._last
+            if self._last is None:
+                return None
+            last, self.tool, self.angles = self._last
             if self._ended:
                 self._last = None
             return last
 
 
-def _position(line: str) -> tuple[Vector, int | None]:
+def read_position(line: str) -> tuple[Vector, int | None, Vector | None]:
+    """Return position, tool and angles of a line; raise InputError where it is none."""
     words = line.split()
     try:
-        if len(words) not in (3, 4) or not all(map(_NUMBER.fullmatch, words)):
+        if len(words) not in (3, 4, 7) or not all(map(_NUMBER.fullmatch, words)):
             raise ValueError
-        return vector(map(Fraction, words[:3])), int(words[3]) if len(words) == 4 else None
+        angles = vector(map(Fraction, words[4:])) if words[4:] else None
+        return vector(map(Fraction, words[:3])), int(words[3]) if words[3:] else None, angles
     except ValueError as error:
         raise InputError(
-            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, or X Y Z and the tool's "
-            "number: the machine is stopped"
+            f"position {line.strip()[:60]!r}: must be X Y Z in mm, as in 12.5 -3 40, X Y Z and the tool's "
+            "number, or these and A B C in degrees: the machine is stopped"
         ) from error

@@ -228,15 +228,15 @@ class Follower:
     """Where the tool may be, and what is to be asked next.
 
     ``speed``: of the fastest axis at most, in mm/s; ``lag`` in seconds; ``braking``: the way in which the
-    machine stops, in mm.
+    machine stops, in mm; ``ends``: nothing comes after the last piece.
     """
 
     def __init__(
         self, scene: PathScene, found: Sequence[Piece], speed: Fraction, lag: Fraction,
-        braking: Fraction = Fraction(0),
+        braking: Fraction = Fraction(0), ends: bool = True,
     ) -> None:  # fmt: skip
         """Begin with a tool that is nowhere permitted, and before the first piece."""
-        self._scene, self.pieces = scene, found
+        self._scene, self.pieces, self.ends = scene, found, ends
         self._braking = Rational(braking / scene.wanted.resolution)
         self._steps_a_second, self.lag = Rational(speed / scene.wanted.resolution), lag
         self.permitted = 0
@@ -271,10 +271,16 @@ class Follower:
         self._first, self._last, self._place = held[0], held[-1], place
 
     def hold(self, number: int) -> int:
-        """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less."""
-        if number + 1 == len(self.pieces):
+        """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less.
+
+        At the end, where another part of the program follows, it stands for three lags at least.
+        """
+        last = number + 1 == len(self.pieces)
+        if last and self.ends:
             return LONGEST
         seconds = (self._left(number) - self._braking) / self._steps_a_second - Rational(self.lag)
+        if last:
+            seconds = max(seconds, 2 * Rational(self.lag))
         return min(int(1000 * seconds // 1), LONGEST)
 
     def next(self, enough: int) -> int:
@@ -380,13 +386,12 @@ def follow(
     report: Callable[[], Report],
     now: Callable[[], float],
     longest: int,
-    ends: bool = True,
     seen: Seen = lambda *_: None,
     ahead: Ahead = lambda *_: None,
 ) -> Followed:
     """Have a machine permitted piece by piece, until it ends or a piece is near.
 
-    Where it does not end here, as another part of the program follows, until it is at the end of this one.
+    Where another part of the program follows, until it is at the end of this one.
 
     ``permit``: asks about a pose, a margin and a hold (`BoardEngine.permit`); ``longest``: the hold that is
     aimed at, in milliseconds, and never exceeded; ``ahead`` is told of zones before the board is asked,
@@ -403,7 +408,7 @@ def follow(
             return done
         position, since = here
         follower.moved(position)
-        if not ends and follower.at_the_end:
+        if not follower.ends and follower.at_the_end:
             done.permitted = follower.permitted
             return done
         number = follower.next(_AHEAD * longest)

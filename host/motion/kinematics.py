@@ -284,7 +284,7 @@ class Meeting:
     ) -> Piece:
         """Return a piece of moves that have the same angles, or of a part of one that turns."""
         a, b, by, error = self.seen_from(program[0])
-        swept = self._turned([abs(b - a) / 2 for a, b in zip(*program[0].turns, strict=True)])
+        swept = self.off_by([abs(b - a) / 2 for a, b in zip(*program[0].turns, strict=True)])
         moves = tuple(self._seen(move, by, error + swept) for move in program)
         return Piece(a, b, moves, program, first, part, swept, self)
 
@@ -304,14 +304,14 @@ class Meeting:
         )
         return (number, first) if first != last else (-1, first)
 
-    def _turned(self, degrees: Sequence[Fraction]) -> Fraction:
+    def off_by(self, degrees: Sequence[Fraction]) -> Fraction:
         """Return how far points are off at most, in millimetres, where A, B and C are off by so much."""
         return sum((r * _RADIANS * d for r, d in zip(self.radii, degrees, strict=True)), Fraction(0))
 
     def _seen(self, move: Move, by: Vector, off: Fraction) -> Move:
         """Return a move of A in the frame of B."""
         factors = self.factors
-        most, slack = max(1, *map(abs, factors)), off + self._turned([move.turn_slack] * 3)
+        most, slack = max(1, *map(abs, factors)), off + self.off_by([move.turn_slack] * 3)
         start, end = (_scaled(factors, place, by) for place in (move.start, move.end))
         curve = move.curve and _Seen(
             start, end, move.curve.bend * most, move.curve.slack * most, move.curve, factors, by

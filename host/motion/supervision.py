@@ -9,13 +9,18 @@ the pieces are cut until each two beside the board are clear wherever these axes
 how far A moves by X, Y and Z as B sees it (`kinematics`), the cube becomes a box with half sides of |f| h,
 which one pose with its margin covers like any other (`path_scene`).
 
-Nothing turns: the board would have to be loaded anew on the way.
+While X, Y or Z move nothing turns: the board would have to be loaded anew on the way. Where A, B or C turn,
+and X, Y, Z stand still, a program is cut in *stands* with a turn between them. A turn is shown clear before,
+for all objects, as `path` does; of each stand the board holds the meshes as they stand then. Axes that may be
+off move points by at most the sum of the radii of both objects times that (`kinematics`): the largest of all
+pairs of the board is added to its clearance.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import groupby, product
 
 import numpy as np
 
@@ -33,16 +38,19 @@ from triaxis.host.motion.path_scene import PathScene, Segment, Wanted, prepare_p
 from triaxis.host.quantise import Vector, vector
 from triaxis.host.stl import StlMesh
 
+# Lines that are listed.
+_LISTED = 10
 # Of two objects that come near each other.
 Names = tuple[str, str]
 
 
 @dataclass(frozen=True)
 class Joined:
-    """Objects that do not move against each other, as one mesh, in the frame of the first of them."""
+    """Objects that do not move against each other, as one mesh, with its origin at a place of the machine."""
 
     bodies: Sequence[Body]
     scale: Fraction
+    origin: Vector
 
     @cached_property
     def mesh(self) -> StlMesh:
@@ -51,14 +59,19 @@ class Joined:
         With u = 2^-53 and M the largest of coordinates and shifts, float64 moves a shift by at most u M, and
         the sum by at most 2 u M and a little: less than 4 u M together.
         """
-        first, *others = self.bodies
-        facets, rounding = [first.mesh.facets], first.mesh.rounding
-        for body in others:
-            shift = [float((c - o) / self.scale) for c, o in zip(body.at, first.at, strict=True)]
-            facets.append(body.mesh.facets.astype(np.float64) + shift)
-            largest = max(float(np.abs(body.mesh.facets).max()), *map(abs, shift))
-            rounding = max(rounding, body.mesh.rounding + Fraction(largest) / (1 << 51))
-        return StlMesh(np.concatenate(facets) if others else first.mesh.facets, rounding)
+        meshes = [self._placed(body) for body in self.bodies]
+        if len(meshes) == 1:
+            return meshes[0]
+        facets = np.concatenate([mesh.facets.astype(np.float64) for mesh in meshes])
+        return StlMesh(facets, max(mesh.rounding for mesh in meshes))
+
+    def _placed(self, body: Body) -> StlMesh:
+        if body.at == self.origin:
+            return body.mesh
+        shift = [float((c - o) / self.scale) for c, o in zip(body.at, self.origin, strict=True)]
+        largest = max(float(np.abs(body.mesh.facets).max()), *map(abs, shift))
+        rounding = body.mesh.rounding + Fraction(largest) / (1 << 51)
+        return StlMesh(body.mesh.facets.astype(np.float64) + shift, rounding)
 
     @property
     def name(self) -> str:
@@ -91,6 +104,14 @@ class Beside:
         """Return where A is, as B sees it, with the tool at the program's zero."""
         return self.meeting.seen_from(self.rule.program.moves[0])[2]
 
+    @cached_property
+    def _off(self) -> Rational:
+        """Return how far A may be off that, in steps, as axes that turn may be."""
+        moves = self.rule.program.moves
+        turned = self.meeting.off_by([max(move.turn_slack for move in moves)] * 3)
+        off = self.meeting.seen_from(moves[0])[3] + turned
+        return Rational(off / self.scene.wanted.resolution)
+
     @property
     def insides(self) -> Enclosure:
         """Return whether one of them is inside the other at the start."""
@@ -103,7 +124,7 @@ class Beside:
             self.scene.place(vector(f * c + b for f, c, b in zip(factors, corner, by, strict=True)))
             for corner in (low, high)
         )
-        segment = Segment(start, end, Rational(0), Rational(1), between=True)
+        segment = Segment(start, end, Rational(0), Rational(1), slack=self._off, between=True)
         least, most = coordinate_range(self.scene.grid.width)
         corners = zip(segment.sample, *self.scene.box_a, strict=True)
         fits = all(least <= t + a and t + b <= most for t, a, b in corners)
@@ -112,21 +133,23 @@ class Beside:
 
 @dataclass(frozen=True)
 class Supervision:
-    """The two meshes of the board for a part of a program with one tool, and the pairs beside them."""
+    """The two meshes of the board for a part of a program with one tool, and the pairs beside them.
+
+    ``off``: how far, in millimetres, axes that turn may move points of the two meshes against each other.
+    """
 
     tool: Joined
     work: Joined
     beside: Sequence[Beside]
+    off: Fraction
 
     @staticmethod
     def of(setup: Setup, program: Program, wanted: Wanted) -> "Supervision":
         """Put the objects of a machine together; raise InputError where the board cannot be asked so."""
         tool = setup.carried(TOOL, setup.tool.mesh, setup.tool.name)
         work = setup.carried(WORKPIECE, setup.work[0], str(setup.work[1]))
-        if not setup.machine.objects:
-            return Supervision(Joined([tool], setup.scale), Joined([work], setup.scale), ())
         with_tool, with_work = (
-            [body for body in setup.machine.objects if not setup.meeting(body, carrier).moving]
+            [body for body in setup.machine.objects if not _moved(setup.meeting(body, carrier))]
             for carrier in (tool, work)
         )
         sides = [tool, *with_tool], [work, *with_work]
@@ -141,8 +164,15 @@ class Supervision:
             for rule in setup.rules(program, 0)
             if rule.meeting and frozenset((rule.meeting.a.name, rule.meeting.b.name)) not in on_board
         ]
-        one, other = (Joined(side, setup.scale) for side in sides)
-        return Supervision(one, other, [_beside(rule, wanted) for rule in rules])
+        angles, degrees = program.moves[0].turns[0], [max(move.turn_slack for move in program.moves)] * 3
+        one, other = ([_standing(body, angles, setup.scale) for body in side] for side in sides)
+        # Where all coordinates of the program are 0, the workpiece's origin is there in the tool's frame.
+        zero = vector(c - b for c, b in zip(other[0].at, setup.base, strict=True))
+        return Supervision(
+            Joined(one, setup.scale, zero), Joined(other, setup.scale, other[0].at),
+            [_beside(rule, wanted) for rule in rules],
+            max(setup.meeting(a, b).off_by(degrees) for a, b in product(*sides)),
+        )  # fmt: skip
 
     def within(self, clearance: Fraction) -> "Supervision":
         """Return the same with another clearance, in millimetres; raise InputError where it does not fit."""
@@ -158,9 +188,54 @@ class Supervision:
         return next((one.rule.names for one in self.beside if not one.clear(low, high)), None)
 
 
+def _moved(meeting: Meeting) -> bool:
+    """Return whether X, Y or Z move one of two objects against the other."""
+    return any(not axis.rotary for axis in (*meeting.a.chain, *meeting.b.chain))
+
+
+def _standing(body: Body, angles: Vector, scale: Fraction) -> Body:
+    """Return an object as it stands at angles: its mesh turned, and where its origin is then."""
+    mesh, at, error = body.turned(angles)
+    return replace(body, mesh=StlMesh(mesh.facets, mesh.rounding + error / scale), at=at)
+
+
+def stands_and_turns(program: Program, tolerance: Fraction) -> list[Program]:
+    """Return the parts of a program in which A, B, C stand still, and those in which they turn, in its order.
+
+    ``tolerance``: how far these axes may be off, in degrees. Raises InputError where X, Y or Z move in a
+    turn, and where angles alone cannot tell whether a turn is over.
+    """
+    if both := sorted({move.line for move in program.moves if move.turning and move.start != move.end}):
+        lines = ", ".join(map(str, both[:_LISTED])) + ", .." * (len(both) > _LISTED)
+        raise InputError(
+            f"{program.path}: line {lines}: A, B, C turn while X, Y, Z move: the board holds meshes as they "
+            "stand: move one after the other, or check with path"
+        )
+    parts = [
+        replace(program, moves=tuple(moves)) for _, moves in groupby(program.moves, lambda one: one.turning)
+    ]
+    for part in parts:
+        if part.moves[0].turning:
+            _check_order(part, 2 * tolerance)
+    return parts
+
+
+def _check_order(turn: Program, apart: Fraction) -> None:
+    """Raise InputError where the angles at the end of a turn are passed before."""
+    *before, last = [move.turns for move in turn.moves]
+    for one, other in (*before, (last[0], last[0])):
+        between = zip(one, other, last[1], strict=True)
+        if all(min(a, b) - apart <= end <= max(a, b) + apart for a, b, end in between):
+            raise InputError(
+                f"{turn.path}: line {turn.moves[-1].line}: the angles at the end of this turn are passed, or "
+                "nearly, before it is over, so that nothing tells when it is: move X, Y or Z between, or "
+                "check with path"
+            )
+
+
 def _beside(rule: Rule, wanted: Wanted) -> Beside:
     assert rule.meeting is not None
-    # Nothing turns, so that all of it is one piece.
+    # Nothing turns on it, so that all of it is one piece.
     (piece,) = rule.pieces(wanted.step)
     program = Program(rule.program.path, piece.moves, ())
     scene = prepare_path(piece.a, piece.b, rule.files, program, wanted)

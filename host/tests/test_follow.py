@@ -389,7 +389,7 @@ def test_nothing_is_asked_after_a_position_that_is_late(program):
 
     report = lambda: (START, next(times))  # noqa: E731
     with pytest.raises(LateError, match="after its position"):
-        follow(follower, permit, report, lambda: next(times), 200, True, lambda *told: seen.append(told))
+        follow(follower, permit, report, lambda: next(times), 200, lambda *told: seen.append(told))
     assert (asked, seen, follower.permitted) == ([], [], 0)
 
 
@@ -425,6 +425,7 @@ def test_what_halsampler_writes_is_understood():
     [
         ("1 2 3\noverrun\n1 2 3\n", "position 'overrun': must be X Y Z in mm"),
         ("1 2 3 4 5\n", "must be X Y Z"), ("1 2 3 4.5\n", "must be X Y Z"),
+        ("1 2 3 4 5 6 x\n", "must be X Y Z"),
         ("1 2 1e999999999\n", "must be X Y Z"), ("1 2 1e400\n", "must be X Y Z"),
         ("1 2 x\n", "must be X Y Z"), ("1 2 1/0\n", "must be X Y Z"),
         ("1 2 \ufffd\n", "must be X Y Z"),
@@ -582,13 +583,113 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
             assert zone["pieces"] == len(within) == said.out.count("zone: slow, line 4")
         touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
         assert "may_touch: head and workpiece: the board is asked" in run("G0 Z60", touching)[2].err
-        turning = OBJECTS.replace('axis = "-Y"', 'axis = "-Y"\n[[objects]]\nname = "c"\non = "saddle"\n')
-        turning = turning.replace('on = "saddle"\n\n', 'on = "saddle"\naxis = "C"\npivot = [0.0, 0.0, 0.0]\n')
-        assert "C: the board holds meshes as they stand" in run("G0 Z60", turning)[2].err
         # A table that has a bed inside it.
         scenes.write_stl(tmp_path / "post.stl", scenes.box((-5, -5, -7), (5, 5, -3)))
         status, found, said = run("G0 Z60")
         assert status == 1 and "NEAR: of the bed and the table one is inside the other" in said.out
+    assert top.stop
+
+
+TURNING = OBJECTS.replace("loaded = 1", "loaded = 1\nturn_tolerance = 0.01").replace(
+    'name = "table"\non = "saddle"\naxis = "-X"',
+    'name = "slide"\non = "saddle"\naxis = "-X"\n[[objects]]\nname = "table"\non = "slide"\naxis = "C"\n'
+    "pivot = [0.0, 0.0, 0.0]",
+)
+OBJECTS_WITHOUT = TURNING.replace("turn_tolerance = 0.01", "")
+
+
+@pytest.mark.long
+@pytest.mark.simulator
+def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, capsys, monkeypatch):
+    machine, work, program, report = (tmp_path / name for name in ("m.toml", "w.stl", "p.nc", "r.json"))
+    for name, corners in {
+        "tool": ((-3, -3, 0), (3, 3, 50)), "table": ((-50, -50, -10), (50, 50, 0)),
+        "post": ((60, -5, -30), (70, 5, 60)), "head": ((-40, -40, 0), (40, 40, 60)),
+        "w": ((-20, -20, 0), (-10, 20, 70)),
+    }.items():  # fmt: skip
+        scenes.write_stl(tmp_path / f"{name}.stl", scenes.box(*corners))
+    ticks, places = count(), tmp_path / "positions"
+    monkeypatch.setattr(follow_module, "time", SimpleNamespace(monotonic=lambda: next(ticks) / 400))
+    went = list[float | str]()
+
+    class Watched(Steps):
+        """Positions, of which C is kept."""
+
+        def report(self):
+            """Return the next."""
+            here = super().report()
+            assert self.angles
+            went.append(float(self.angles[2]))
+            return here
+
+    def watched(of, name):
+        real = getattr(of, name)
+        monkeypatch.setattr(of, name, lambda *words: went.append(name) or real(*words))
+
+    watched(BoardEngine, "permit")
+    watched(Board, "abort")
+    monkeypatch.setattr(follow_module, "Positions", lambda lines: Watched(lines.read().splitlines(True)))
+    with ServedBoard(top, Wire()) as served:
+
+        def run(lines, positions=None, text=TURNING):
+            machine.write_text(text)
+            program.write_text(f"G21 G90 G61 G43 H1 F1000\n{lines}\n")
+            where = ["--simulate"]
+            if positions is not None:
+                places.write_text("".join(f"{x} {y} {z} 1 0 0 {c}\n" for x, y, z, c in positions))
+                where = ["--positions", str(places)]
+            arguments = [str(machine), str(work), str(program), "--port", served.path, *where]
+            arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "150"]
+            arguments += ["--json", str(report), "--skip-self-test", "--length", "0.5"]
+            went.clear()
+            status = main(["board", "follow", *arguments])
+            found = read_published(report, "follow")
+            return status, (found.get("line"), found.get("what"), found.get("of")), capsys.readouterr()
+
+        status, near, said = run("G0 Z30\nC20\nG1 X5\nC0\nX0")
+        assert (status, near, said.err) == (0, (None, None, None), ""), said
+        assert all(f"line {line} on, at C{angle}\n" in said.out for line, angle in ((2, 0), (4, 20), (6, 0)))
+        down = [(0, 0, z, 0) for z in range(100, 29, -1)]
+        turn = [(0, 0, 30, c) for c in (5, 12, 19.98)]
+        right = [(x, 0, 30, 20) for x in (0, 1, 2, 3, 4, 5)]
+        status, _, said = run("G0 Z30\nC20\nG1 X5", [*down, *turn, *right, *right[-1:] * 3])
+        assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.err, went)
+        # Go is ended before it turns, and nothing permitted before the angle is there.
+        end = went.index("abort")
+        assert went[end - 1 : end + 7] == [0, "abort", 5, 12, 19.98, 20, 20, "permit"]
+        for positions, status, what in (
+            ([*down[:4], (0, 0, 96, 0.02)], 2, "axes are at C0.02, not at C0; the machine is stopped"),
+            ([*down, *turn[:2], (1, 0, 30, 12)], 1, "ENDED"),
+            ([*down, *turn, *right[:2], (2, 0, 30, 19)], 2, "axes are at C19, not at C20"),
+            ([*down, *turn, *right[:2], (2, 5, 30, 20)], 2, "where it is not permitted to be"),
+        ):
+            found, _, said = run("G0 Z30\nC20\nG1 X5", positions)
+            assert found == status and what in said.out + said.err, (positions, said)
+        # In a stand the workpiece is where it has turned to, in one before not.
+        for lines, near in (
+            ("G0 Z30\nG1 Y9\nY-8", None), ("G0 Z30\nC90\nG1 Y9\nY-8", (5, "the tool", "the workpiece")),
+            ("G0 Z30\nG1 X9\nX-8", (4, "the tool", "the workpiece")), ("G0 Z30\nC90\nG1 X9\nX-8", None),
+            # A table that turns comes near a post; the tool has not moved yet; or is not to come so far.
+            ("G0 C45\nZ30", (2, "the bed", "the table")), ("G0 Z90\nX1\nC45", (4, "the bed", "the table")),
+            ("G0 Z30\nG1 X9\nX-6\nC18\nX0", (5, "the tool", "the workpiece")),
+        ):  # fmt: skip
+            text = TURNING.replace('mesh = "table.stl"', "") if "C90" in lines else TURNING
+            status, found, said = run(lines, text=text)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), (lines, said)
+        # The table is 1 mm from the post, and would be within it at C25.
+        for tolerance, near in ((0.01, None), (3, (5, "the bed", "the table"))):
+            text = TURNING.replace("turn_tolerance = 0.01", f"turn_tolerance = {tolerance}")
+            status, found, said = run("G0 Z90\nX30\nC22\nG1 X-3", text=text)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), said
+        for lines, what, text in (
+            ("G0 X5 C5\nC9\nG1 X9 C3", "line 2, 4: A, B, C turn while X, Y, Z move", TURNING),
+            ("G0 C30\nC0\nX1", "line 3: the angles at the end of this turn are passed", TURNING),
+            ("G0 C0.015\nX1", "line 2: the angles at the end of this turn are passed, or nearly", TURNING),
+            ("G0 C20", "no line moves X, Y or Z", TURNING),
+            ("G0 X1", "turn_tolerance: say by how many degrees C may be off", OBJECTS_WITHOUT),
+        ):
+            status, _, said = run(lines, text=text)
+            assert status == 2 and what in said.err, said
     assert top.stop
 
 
@@ -608,7 +709,7 @@ class Steps(follow_module.Positions):
         line = next(self._steps, None)
         if line is None:
             return None
-        position, self.tool = positions._position(line)
+        position, self.tool, self.angles = positions.read_position(line)
         return position, follow_module.time.monotonic()
 
 
@@ -716,7 +817,7 @@ class Machine:
     def __init__(self, hal):
         """Make it."""
         self.hal, self.pins = hal, hal.component("machine")
-        kinds = {**dict.fromkeys("xyz", hal.HAL_FLOAT), "running": hal.HAL_BIT, "tool": hal.HAL_S32}
+        kinds = {**dict.fromkeys("xyzc", hal.HAL_FLOAT), "running": hal.HAL_BIT, "tool": hal.HAL_S32}
         for name, kind in kinds.items():
             self.pins.newpin(name, kind, hal.HAL_OUT)
             hal.new_sig(f"from-{name}", kind)
@@ -739,7 +840,7 @@ class Moving(dict):
 
     def __getitem__(self, name):
         """Return the next place."""
-        return float(next(self._places)) if name in "xyz" else super().__getitem__(name)
+        return float(next(self._places)) if name in "xyzabc" else super().__getitem__(name)
 
 
 @pytest.fixture
@@ -754,7 +855,7 @@ def machine():
         yield made
         made.pins.exit()
         # They are gone with the last component, but for those where a machine is running.
-        for name in ("x", "y", "z", "running", "tool", "go"):
+        for name in ("x", "y", "z", "c", "running", "tool", "go"):
             subprocess.run(
                 ["halcmd", "delsig", name if name == "go" else f"from-{name}"],
                 check=False,
@@ -764,19 +865,22 @@ def machine():
 
 def test_positions_are_those_of_the_pins(machine):
     """On the real HAL of LinuxCNC, where that is installed."""
-    pins = HalPositions()
+    pins = HalPositions({"C"})
     component = pins._component
     try:
         machine.net("x", "y", "z")
         assert not pins.wait(0.01)
         machine.net("running")
+        assert not pins.wait(0.01)
+        machine.net("c")
         assert pins.wait(0) and pins.tool is None
         machine.net("tool")
-        machine.pins["x"], machine.pins["z"], machine.pins["tool"] = 1.25, 40.0, 3
+        machine.pins["x"], machine.pins["z"], machine.pins["c"], machine.pins["tool"] = 1.25, 40.0, 30.0, 3
         report = pins.report()
         assert report
         position, since = report
         assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
+        assert pins.angles == (0, 0, 30)
         pins.said(True)
         assert machine.hal.get_value("triaxis.go") is True
         for zones, expected in ((2, [True, True]), (0, [False, False]), (1, [True, False])):
@@ -834,9 +938,9 @@ def test_the_command_follows_the_pins_of_a_machine(machine, top, tmp_path, capsy
     class Stepped(HalPositions):
         """The machine goes on a step whenever it is looked at, and runs until it is at the end."""
 
-        def __init__(self):
+        def __init__(self, rotary):
             """Net all pins that are wanted."""
-            super().__init__()
+            super().__init__(rotary)
             machine.net("x", "y", "z", "running")
             machine.pins["z"] = 40.0
 

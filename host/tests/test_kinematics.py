@@ -26,7 +26,7 @@ from triaxis.host.motion.moves import Move
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
-from triaxis.host.motion.supervision import Supervision
+from triaxis.host.motion.supervision import Supervision, stands_and_turns
 from triaxis.host.quantise import NOWHERE, vector
 from triaxis.host.scene import near_facets
 from triaxis.host.stl import StlMesh, read_stl
@@ -279,6 +279,8 @@ def holds(piece, part, real, free):
 
 
 LENGTH = 6.0
+# Degrees that axes may be off.
+OFF = 3
 
 
 def written(tmp_path, rng, turning=True):
@@ -374,18 +376,25 @@ def test_machines_made_up(checked, tmp_path, rng, number):
 @pytest.mark.parametrize("number", MADE_UP)
 def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, rng, number):
     """And where one does not, two are near at some place of it, but for the band of false alarms."""
-    text, things, meshes, base, _ = written(tmp_path, rng, turning=False)
+    text, things, meshes, base, _ = written(tmp_path, rng, turning=number % 2 > 0)
+    text = f"turn_tolerance = {OFF}\n{text}"
     (tmp_path / "m.toml").write_text(text)
     machine, program = read_machine(tmp_path / "m.toml"), tmp_path / "p.nc"
     places = rng.uniform(-15, 15, (5, 3)).round(2)
     lines = [f"G{int(rng.integers(2))} X{x} Y{y} Z{z}" for x, y, z in places[1:]]
+    turns = np.array([round(rng.uniform(20, 99), 1) * (letter in machine.rotary) for letter in "ABC"])
+    if turns.any():
+        words = (f"{letter}{c}" for letter, c in zip("ABC", turns, strict=True) if c)
+        lines.insert(0, f"G0 {' '.join(words)}")
     program.write_text("\n".join(("G21 G90 G61 G43 H1 F100", *lines, "")))
     read = read_program(program, exactly(places[0] + [0, 0, LENGTH]), False, machine)
+    *_, read = stands_and_turns(read, Fraction(OFF))
     wanted = Wanted(Fraction(3, 10), Fraction(1, 100), Fraction(2), Fraction(1), None)
     work = read_stl(tmp_path / "work.stl"), tmp_path / "work.stl"
     setup = Setup(machine.tools[1], work, None, machine)
     supervised = Supervision.of(setup, read, wanted)
     tool, fixed = supervised.tool, supervised.work
+    wanted = replace(wanted, clearance=wanted.clearance + supervised.off)
     scene = prepare_path(tool.mesh, fixed.mesh, (tool.files, fixed.files), read, wanted)
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     found = pieces(scene, engine, Fraction(2), beside=partial(supervised.near_beside, scene))
@@ -399,18 +408,21 @@ def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, 
         sample = np.array([float(c) for c in scene.path.position(vector(map(Rational, piece.sample)))])
         reach = float(piece.reach) / 100
         cube = sample + reach * np.array([*product((-1, 0, 1), repeat=3)])
+        # Axes that turn may be off, and the tool is wherever a control says that it is.
+        off = turns + OFF * rng.integers(-1, 2, 3) * (turns != 0)
         for one, other in pairs:
             seen = [
-                near_by(things, meshes, one, other, np.append(place, [0, 0, 0]) + base, distance)
+                near_by(things, meshes, one, other, np.append(place, off) + base, distance)
                 for place, distance in [(place, 0.3 - 1e-5) for place in cube] * (not piece.near)
             ]
             assert not any(seen), (one, other, piece, text, lines)
         if piece.near:
             assert reach < 2
-            beyond = 0.3 + 4 * reach + 0.05
+            most = max(float(supervised.off), *(float(two._off) / 100 for two in supervised.beside), 0.0)
+            beyond = 0.3 + 4 * reach + 0.05 + 2 * most
             names = [name.removeprefix("the ") for name in piece.beside] if piece.beside else None
             for one, other in [names] if names else pairs:
-                if near_by(things, meshes, one, other, np.append(sample, [0, 0, 0]) + base, beyond):
+                if near_by(things, meshes, one, other, np.append(sample, turns) + base, beyond):
                     break
             else:
                 raise AssertionError((piece, text, lines))

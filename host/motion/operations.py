@@ -1,0 +1,113 @@
+"""The parts of a program through which a machine is followed: one tool, and A, B, C that stand still.
+
+Between them a tool is changed, or axes turn.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+
+from triaxis.host.enclosure import Enclosure
+from triaxis.host.engines import BULK, SceneEngine, scene_engine, unwatched
+from triaxis.host.motion.contact import Setup, rules_of
+from triaxis.host.motion.follow import Piece, pieces
+from triaxis.host.motion.kinematics import ROTARY
+from triaxis.host.motion.machine import Machine, Tool
+from triaxis.host.motion.moves import Program
+from triaxis.host.motion.path_check import insides_at
+from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.motion.rule_check import check_rule
+from triaxis.host.motion.supervision import Names, Supervision
+from triaxis.host.quantise import Vector
+
+
+@dataclass(frozen=True)
+class NearTurn:
+    """A turn in which two objects come near each other."""
+
+    line: int
+    names: Names
+
+
+def near_turn(setup: Setup, turn: Program, wanted: Wanted) -> NearTurn | None:
+    """Return where a turn is near first, of all objects, as `path` finds it; None where it is clear."""
+    found = list[NearTurn]()
+    for rule in rules_of(setup, turn, 0):
+        near = check_rule(setup.tool, rule, wanted, _bulk, unwatched, True, False).result.near
+        if near is not None:
+            found.append(NearTurn(near.line, rule.names))
+    return min(found, key=lambda near: near.line, default=None)
+
+
+def _bulk(scene: PathScene) -> tuple[SceneEngine, SceneEngine]:
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    return engine, engine
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A part of the program with one tool, on which A, B, C stand still, and its pieces."""
+
+    tool: Tool
+    supervised: Supervision
+    scene: PathScene
+    engine: SceneEngine
+    pieces: Sequence[Piece]
+    machine: Machine
+
+    @property
+    def angles(self) -> Vector:
+        """Return where A, B, C stand, in degrees."""
+        return self.scene.program.moves[0].turns[0]
+
+    def words(self, angles: Vector) -> str:
+        """Return angles of the axes that the machine has in words."""
+        return " ".join(
+            f"{letter}{float(angles[ROTARY.index(letter)]):g}" for letter in sorted(self.machine.rotary)
+        )
+
+    def stands(self, angles: Vector) -> bool:
+        """Return whether A, B, C are where they are on this part, by the machine's own tolerance."""
+        tolerance = self.machine.turn_tolerance or 0
+        return all(
+            abs(angles[k] - self.angles[k]) <= tolerance for k in map(ROTARY.index, self.machine.rotary)
+        )
+
+    def stopped_before(self, near: NearTurn) -> "Operation":
+        """Return the same with a machine that is stopped before the place where a turn would be near."""
+        *others, last = self.pieces
+        if last.near:
+            return self
+        return replace(self, pieces=(*others, replace(last, near=True, beside=near.names, line=near.line)))
+
+    def insides(self) -> Iterator[tuple[Enclosure, Names, Names]]:
+        """Yield whether one of two is inside the other at the start, their files, and their names."""
+        sides = self.supervised.tool, self.supervised.work
+        files, names = (sides[0].files, sides[1].files), (sides[0].name, sides[1].name)
+        yield insides_at(self.scene), files, names
+        for beside in self.supervised.beside:
+            yield beside.insides, beside.rule.files, beside.rule.names
+
+    def near_objects(self, piece: Piece) -> Names:
+        """Return two objects that are near in a piece, by the engine that cut it."""
+        if piece.beside is not None:
+            return piece.beside
+        near = self.engine.run(piece.sample, piece.margin, stop_at_first=True).near
+        a, b = map(int, near[0]) if len(near) else (0, 0)
+        return self.supervised.tool.named(a), self.supervised.work.named(b)
+
+
+def operation(setup: Setup, program: Program, wanted: Wanted, widths: Sequence[Fraction]) -> Operation:
+    """Cut a part of a program in pieces; ``widths``: of zones, from the innermost, in millimetres."""
+    supervised = Supervision.of(setup, program, wanted)
+    tool, work, off = supervised.tool, supervised.work, supervised.off
+    wider = replace(wanted, clearance=wanted.clearance + off)
+    scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wider)
+    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    zones = [
+        (scene.within(width + off), partial(supervised.within(width).near_beside, scene)) for width in widths
+    ]
+    beside = partial(supervised.near_beside, scene)
+    found = pieces(scene, engine, wanted.step, beside=beside, zones=zones)
+    return Operation(setup.tool, supervised, scene, engine, found, setup.machine)
