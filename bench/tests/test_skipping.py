@@ -98,6 +98,7 @@ def test_growth_is_judged():
     assert "near pairs" in problems(1e3, same=False)[0]
 
 
+@pytest.mark.long
 @pytest.mark.simulator
 def test_the_command_writes_what_it_found(tmp_path, monkeypatch, capsys):
     absent = replace(stand([]), version=missing)

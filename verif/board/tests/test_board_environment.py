@@ -11,7 +11,7 @@ from triaxis.verif.testbench.settings import BURST, PIN, Block
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import names_of
 
-pytestmark = pytest.mark.simulator
+pytestmark = [pytest.mark.simulator, pytest.mark.long]
 
 SMALL = "board_w8_m0_d16_g4_l2"
 
@@ -86,10 +86,8 @@ PRESSED = (
 )
 
 
-# Those that take a minute.
+# Those that take a minute, which each sign-off runs.
 SLOW = ("BoardFullTest", "BoardTrialsTest")
-# Of these each time: each sign-off runs all that are to pass, and the others take seconds each.
-QUICK = ("BoardSmokeTest", "BoardGoTooMuchTest", "BoardReplyLostTest", "BoardNothingTest")
 
 
 def rtl_of(module):
@@ -100,13 +98,13 @@ def simulated(folder, test, seed):
     return run(run_settings(test, BOARD, seed, 60, folder=folder, agent=BURST))
 
 
-def some(names):
-    """Return the names, marked by how long their tests take."""
-    marks = {name: pytest.mark.regress if name in SLOW else pytest.mark.long for name in names}
-    return [name if name in QUICK else pytest.param(name, marks=marks[name]) for name in names]
-
-
-@pytest.mark.parametrize("test", some(names_of(Block.BOARD)))
+@pytest.mark.parametrize(
+    "test",
+    [
+        pytest.param(name, marks=pytest.mark.regress) if name in SLOW else name
+        for name in names_of(Block.BOARD)
+    ],
+)
 def test_passes(tmp_path, seed, test):
     result = simulated(tmp_path / "run", test, seed)
     assert result.passed and result.counts, result.explain()
@@ -138,7 +136,7 @@ def test_the_pins_say_what_the_library_says(tmp_path, seed, late):
             assert pins.counts and library.counts and pins.counts[count] == library.counts[count]
 
 
-@pytest.mark.parametrize("name", some(SAID))
+@pytest.mark.parametrize("name", SAID)
 def test_a_lie_fails_the_test(tmp_path, seed, name):
     result = simulated(tmp_path / "run", name, seed)
     assert not result.passed

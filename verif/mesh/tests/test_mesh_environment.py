@@ -14,7 +14,7 @@ from triaxis.verif.testbench.settings import BURST, PIN
 from triaxis.verif.testbench.simulation import run, run_settings
 from triaxis.verif.testbench.table import table
 
-pytestmark = pytest.mark.simulator
+pytestmark = [pytest.mark.simulator, pytest.mark.long]
 
 # The tests whose monitors lie, or that check nothing, and what is said of each.
 SAID = {
@@ -31,8 +31,6 @@ SAID = {
     "MeshNothingTest": "0 runs checked",
     "MeshOnlyEmptyTest": "no pair was checked",
 }
-# Of these each time; each of them takes seconds.
-QUICK = ("MeshNearLostTest", "MeshUntestedTest", "MeshNothingTest")
 COUNTERS = ("group_pairs_skipped", "group_pairs_opened", "pairs_skipped", "tested", "near")
 
 
@@ -57,9 +55,7 @@ TESTS = {
 SAME = ("runs", "complete_runs", "triangles", "checked", "skipped_with_proof", "tested", "near")
 
 
-@pytest.mark.parametrize(
-    "test", ["MeshGapsTest", *(pytest.param(name, marks=pytest.mark.long) for name in TESTS)]
-)
+@pytest.mark.parametrize("test", [*TESTS, "MeshGapsTest"])
 def test_agents(tmp_path, seed, test):
     pins, bare = (passed(tmp_path / a, test, seed, 150, a) for a in (PIN, BURST))
     for result in (pins, bare):
@@ -75,7 +71,6 @@ def test_agents(tmp_path, seed, test):
         assert (load(bare.coverage, model_of(SQUARE)).hits["mesh_group_gaps"] > 0).sum() == 12
 
 
-@pytest.mark.long
 def test_clocks_are_those_that_are_kept(tmp_path, seed, monkeypatch):
     # Every configuration in which the test runs has kept ones.
     assert {name for runs in table()["MeshClocksTest"].runs for name in runs.configs} <= kept().keys()
@@ -90,9 +85,7 @@ def test_clocks_are_those_that_are_kept(tmp_path, seed, monkeypatch):
         clocks.check()
 
 
-@pytest.mark.parametrize(
-    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long) for name in SAID]
-)
+@pytest.mark.parametrize("name", SAID)
 def test_a_lie_fails_the_test(tmp_path, seed, name):
     result = simulated(tmp_path / "run", name, seed, 20_000, BURST)
     assert not result.passed
