@@ -166,7 +166,7 @@ class Supervision:
         ]
         angles, degrees = program.moves[0].turns[0], [max(move.turn_slack for move in program.moves)] * 3
         one, other = ([_standing(body, angles, setup.scale) for body in side] for side in sides)
-        # Where all coordinates of the program are 0, the workpiece's origin is there in the tool's frame.
+        # What is there with the machine's axes at 0 is at the workpiece's origin with the program's at 0.
         zero = vector(c - b for c, b in zip(other[0].at, setup.base, strict=True))
         return Supervision(
             Joined(one, setup.scale, zero), Joined(other, setup.scale, other[0].at),
