@@ -302,6 +302,9 @@ def test_unplugged(loading, top, boxes, report, capsys):
     due, said, passed = threading.Event(), [], []
 
     def count(data):
+        if top.go and not data:
+            # The board's clock waits for a host that does not get its core: 0.6 s before go ends.
+            time.sleep(0.005)
         passed.append(data)
         if data and (said or (loading and sum(map(len, passed)) > 200)) and not due.is_set():
             due.set()
