@@ -1,6 +1,7 @@
 """``triaxis path``: does a tool stay clear of a workpiece all along a program of moves?"""
 
 import argparse
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -19,7 +20,7 @@ from triaxis.host.cli.check import (
     print_without_near_facets,
     refuse_distance,
 )
-from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
+from triaxis.host.cli.engine import BOARD, about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
@@ -35,6 +36,7 @@ from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.motion.rule_check import RuleCheck, check_rule
+from triaxis.host.quantise import Vector
 from triaxis.host.report import counts_entry, enclosure_entry, grid_entry, milliseconds, write_report
 from triaxis.host.stl import StlMesh, read_stl
 
@@ -79,7 +81,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
-        help=f"bound the clearance at N places, for report and picture ({_PLACES} with --picture)",
+        help=f"bound the clearance at N places, for report and picture ({_PLACES} with --picture, but for a "
+        "machine with objects)",
     )  # fmt: skip
     parser.set_defaults(run=run)
 
@@ -133,8 +136,6 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     program, machine, given = read_moves(options)
     whole_machine = bool(machine.objects or machine.rotary)
-    if whole_machine and options.profile:
-        raise InputError("--profile: of one tool and one workpiece: leave it out with objects")
     work = read_stl(options.work), options.work
     operations: list[tuple[Setup, list[Rule]]] = []
     parts = program.stretches
@@ -154,7 +155,8 @@ def run(options: argparse.Namespace) -> int:
     # What decides: the first that is near, or unknown, or the last.
     first = _decisive(checked)
     rule, scene, result = first.rule, first.scene, first.result
-    profile = ([], Effort()) if whole_machine else _profile(options, scene, first.engine)
+    count = options.profile or (_PLACES if options.picture is not None and not whole_machine else 0)
+    profile = _profile(options, program, checked, first, count)
     notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
         report = _report(scene, options, first, replace(program, notes=notes), profile)
@@ -167,9 +169,9 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_machine, draw_path
 
         if whole_machine:
-            draw_machine(options.picture, setup, program, first)
+            draw_machine(options.picture, setup, program, first, profile[0])
         else:
-            draw_path(options.picture, scene, result, profile[0], rule.names)
+            draw_path(options.picture, program, first, profile[0])
     for one in (one for one in checked if not one.rule.of_machine):
         _print_scene(one)
         if board is not None:
@@ -177,6 +179,8 @@ def run(options: argparse.Namespace) -> int:
         _print_effort(one.result)
     if objects := [one for one in checked if one.rule.of_machine]:
         _print_objects(objects)
+    if profile[0]:
+        _print_nearest(profile[0])
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -216,7 +220,7 @@ def _operation(
         part = rule.until(min(ends)) if ends else rule
         if part is not None:
             found = check_rule(
-                tool, part, _wanted(options, board), partial(_engines, options, board), progress,
+                tool, part, _wanted(options, board), partial(_engine, options, board), progress,
                 options.surfaces_only, board is not None,
             )  # fmt: skip
             checked.append(found)
@@ -231,23 +235,33 @@ def _wanted(options: argparse.Namespace, board: Board | None) -> Wanted:
     )  # fmt: skip
 
 
-def _engines(
-    options: argparse.Namespace, board: Board | None, scene: PathScene
-) -> tuple[SceneEngine, SceneEngine]:
-    """Return who decides, and who is asked at poses that decide nothing, which no board is."""
-    others = scene_engine(BULK if board else options.engine, scene.a, scene.b, scene.grid.width)
+def _engine(options: argparse.Namespace, board: Board | None, scene: PathScene) -> SceneEngine:
     if board is not None:
-        return BoardEngine(board, scene.a, scene.b), others
-    return by_distance(options, scene.a, scene.b, others), others
+        return BoardEngine(board, scene.a, scene.b)
+    return by_distance(options, scene.a, scene.b, _looking(options, scene))
 
 
-def _profile(options: argparse.Namespace, scene: PathScene, engine: SceneEngine) -> _Profile:
-    effort = Effort()
-    count = options.profile or (_PLACES if options.picture is not None else 0)
-    if not count:
-        return [], effort
-    with progress_bar("places", len(places(scene, count))) as progress:
-        return clearances(scene, engine, count, effort, progress), effort
+def _looking(options: argparse.Namespace, scene: PathScene) -> SceneEngine:
+    """Return who is asked at poses that decide nothing, which no board is."""
+    name = BULK if options.engine == BOARD else options.engine
+    return scene_engine(name, scene.a, scene.b, scene.grid.width)
+
+
+def _profile(
+    options: argparse.Namespace, program: Program, checked: list[RuleCheck], first: RuleCheck, count: int
+) -> _Profile:
+    """Return the least clearance of all that must keep one, at so many places, in Chebyshev's distance.
+
+    Not all was looked at after a move where something is near, but where there is one thing alone.
+    """
+    effort, rules = Effort(), [one.rule for one in checked]
+    chosen = places(program, count) if count else []
+    if len(checked) > 1 and first.near_at is not None:
+        chosen = [place for place in chosen if place.move <= first.near_at]
+    known = Counter(number for rule in rules for number in rule.numbers)
+    with progress_bar("places", sum(known[place.move] for place in chosen)) as progress:
+        engine_of = partial(_looking, options)
+        return clearances(program, rules, first.scene.wanted, engine_of, chosen, effort, progress), effort
 
 
 def _report(
@@ -287,7 +301,7 @@ def _report(
         "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": [replace(place, move=numbers[place.move]) for place in profile[0]],
+        "profile": profile[0],
         "profile_effort": _effort_entry(profile[1]),
     }
 
@@ -360,6 +374,22 @@ def _print_effort(result: PathResult) -> None:
         )
 
 
+def _print_nearest(profile: list[Clearance]) -> None:
+    """Print the least clearance of all places; no less is proven between them."""
+    least = min(profile, key=lambda one: one.seen)
+    place = _at(least.position, least.angles)
+    print(
+        f"clearance at {len(profile)} places: least in line {least.line} at {place}: "
+        f"{least.what} and {least.of}, {least.proven:.4g} to {least.seen:.4g} mm"
+    )
+
+
+def _at(position: Vector, angles: Vector) -> str:
+    """Return the words of a position, to the tenth of a micrometre."""
+    place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip(LINEAR, position, strict=True))
+    return place + "".join(f" {axis}{float(c):.4f}" for axis, c in zip(ROTARY, angles, strict=True) if c)
+
+
 def _print_verdict(checked: RuleCheck, several: bool) -> None:
     """Print it; ``several``: things were checked, of which this one decides."""
     result, names, scene = checked.result, checked.rule.names, checked.scene
@@ -378,9 +408,7 @@ def _print_verdict(checked: RuleCheck, several: bool) -> None:
         return
     for sentence in result.insides.told(names)[:_LISTED]:
         print(f"NEAR: {start} {sentence}")
-    # To the tenth of a micrometre.
-    place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip(LINEAR, near.position, strict=True))
-    place += "".join(f" {axis}{float(c):.4f}" for axis, c in zip(ROTARY, near.angles, strict=True) if c)
+    place = _at(near.position, near.angles)
     print(f"NEAR: line {near.line}: at {place} {names[0]} comes within {clearance} of {names[1]}")
     if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")

@@ -1,10 +1,13 @@
 """Bounds of the clearance at places along a path, from margins at which the engine says clear and near.
 
-The margin is bisected at each place, from the bounds that its predecessor leaves: moving the tool by n
-steps changes the distance by at most n.
+At each place all objects that must stay clear of each other there count: the clearance is the least of
+theirs. The margin is bisected for each two of them, from the bounds that the place before leaves: moving by
+n steps changes the distance by at most n. Two that are further apart than others were seen to be take one
+question. Where axes turn, meshes are turned to where they stand at the place.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
 
@@ -13,29 +16,55 @@ import numpy.typing as npt
 
 from triaxis.golden.exact import Rational
 from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
-from triaxis.host.motion.moves import Program
+from triaxis.host.motion.contact import Rule
+from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort
-from triaxis.host.motion.path_scene import PathScene, nearest
-from triaxis.host.quantise import vector
+from triaxis.host.motion.path_scene import PathScene, Wanted, nearest, prepare_path
+from triaxis.host.quantise import Vector, vector
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
 _STEPS, _PART = 4, 32
 
 
 @dataclass(frozen=True)
-class Clearance:
-    """Bounds in millimetres of the clearance at one place.
+class Place:
+    """A part, 0..1, of a move of the program; ``along``: millimetres from the beginning of the path."""
 
-    ``along``: millimetres from the beginning of the path, of the moves that are asked for. The clearance is
-    more than ``proven``, where that is not 0, and not more than ``seen``.
+    move: int
+    part: Fraction
+    along: float
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """Bounds in millimetres of the clearance at one place, and the two objects that it was seen between.
+
+    The clearance is more than ``proven``, where that is not 0, and not more than ``seen``. A, B and C are at
+    ``angles`` in degrees.
     """
 
     move: int
     line: int
     along: float
-    position: tuple[float, float, float]
+    position: Vector
+    angles: Vector
+    what: str
+    of: str
     proven: float
     seen: float
+
+
+@dataclass(frozen=True)
+class _Bounds:
+    """What two objects showed, in millimetres."""
+
+    proven: Fraction
+    seen: Fraction
+    names: tuple[str, str]
+
+    def or_less(self, other: "_Bounds") -> "_Bounds":
+        nearer = other if other.seen < self.seen else self
+        return replace(nearer, proven=min(self.proven, other.proven))
 
 
 def lengths(program: Program) -> npt.NDArray[np.float64]:
@@ -44,78 +73,106 @@ def lengths(program: Program) -> npt.NDArray[np.float64]:
 
 
 def clearances(
-    scene: PathScene, engine: SceneEngine, count: int, effort: Effort, progress: Progress = unwatched
-) -> list[Clearance]:
-    """Return bounds at ``count`` places spread evenly along the path, and at the ends of moves if those are
-    fewer.
+    program: Program, rules: Sequence[Rule], wanted: Wanted, engine_of: Callable[[PathScene], SceneEngine],
+    chosen: Sequence[Place], effort: Effort, progress: Progress = unwatched,
+) -> list[Clearance]:  # fmt: skip
+    """Return bounds at places of the program, but for those where no rule holds.
 
-    ``effort`` counts the runs; ``progress`` is told of places done.
+    ``effort`` counts the runs; ``progress`` is told of places done, those of each rule.
     """
-    found: list[Clearance] = []
-    before: tuple[Translation, int, int] | None = None
-    moves = scene.program.moves
-    starts = [0.0, *accumulate(lengths(scene.program))]
-    for index, part in places(scene, count):
-        move = moves[index]
-        position = move.at(part)
-        place = scene.path.place(scene.in_files(position))
-        sample = nearest(place)
-        clear, near = _bisect(scene, engine, sample, before, effort)
-        before = (sample, clear, near)
-        away = max(abs(c - s) for c, s in zip(place, sample, strict=True))
-        away += Rational(move.slack / scene.wanted.resolution)
-        scale = scene.wanted.scale
-        along = starts[index] + float(part) * (starts[index + 1] - starts[index])
+    least = dict[Place, _Bounds]()
+    for rule in rules:
+        moves = dict(zip(rule.numbers, rule.program.moves, strict=True))
+        here = [place for place in chosen if place.move in moves]
+        standing = tuple(_standing(moves[place.move], place.part) for place in here)
+        for piece in rule.standing(standing) if standing else ():
+            scene = prepare_path(
+                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
+            )
+            looking = _Looking(scene, engine_of(scene), rule.names, effort)
+            for place, move in zip(here[piece.first :], piece.moves, strict=False):
+                found, before = looking.bounds(move, least.get(place)), least.get(place)
+                if found is not None:
+                    least[place] = found if before is None else before.or_less(found)
+                progress(1)
+    found = list[Clearance]()
+    for place, bounds in least.items():
+        move = _standing(program.moves[place.move], place.part)
         found.append(
             Clearance(
-                index,
+                place.move,
                 move.line,
-                along,
-                vector(map(float, position)),
-                max(0.0, float(scene.path.proven(clear, away) * scale)),
-                float(scene.path.seen(near, away) * scale),
+                place.along,
+                move.start,
+                move.turns[0],
+                *bounds.names,
+                max(0.0, float(bounds.proven)),
+                float(bounds.seen),
             )
         )
-        progress(1)
-    return found
+    return sorted(found, key=lambda one: (one.move, one.along))
 
 
-def places(scene: PathScene, count: int) -> list[tuple[int, Fraction]]:
-    """Return where to look: (move, part of it 0..1), in the order of the path."""
-    length = lengths(scene.program)
-    ends = np.concatenate([[0.0], np.cumsum(length)])
-    chosen: set[tuple[int, Fraction]] = set()
-    for along in np.linspace(0, ends[-1], count):
-        index = min(int(np.searchsorted(ends, along, "right")) - 1, len(length) - 1)
-        part = (along - ends[index]) / length[index] if length[index] else 0.0
-        chosen.add((index, Fraction(float(np.clip(part, 0, 1))).limit_denominator(1 << 20)))
-    if len(length) <= count:
-        chosen |= {(index, Fraction(1)) for index in range(len(length))}
-        chosen.add((0, Fraction(0)))
-    return sorted(chosen)
+def _standing(move: Move, part: Fraction) -> Move:
+    """Return a move that stays where another is after a part of it."""
+    place = move.at(part)
+    turn = vector(a + (b - a) * part for a, b in zip(*move.turns, strict=True))
+    return replace(move, start=place, end=place, curve=None, straight=True, turns=(turn, turn))
 
 
-def _bisect(
-    scene: PathScene,
-    engine: SceneEngine,
-    sample: Translation,
-    before: tuple[Translation, int, int] | None,
-    effort: Effort,
-) -> tuple[int, int]:
-    """Return margins with which a pose is clear and near, close together; -1 is clear of anything.
-
-    The largest margin reaches across the whole grid, so that everything is near at it.
+def places(program: Program, count: int) -> list[Place]:
+    """Return where to look, in the order of the path: ``count`` places spread evenly along it, and the ends
+    of moves if those are fewer.
     """
-    clear, near = -1, scene.largest_margin
-    if before is not None:
-        moved = max(abs(a - b) for a, b in zip(sample, before[0], strict=True))
-        clear, near = max(clear, before[1] - moved), min(near, before[2] + moved)
-    while near - clear > max(_STEPS, near // _PART):
-        margin = (clear + near) // 2
-        run = engine.run(sample, margin, stop_at_first=True)
-        effort.add(run)
-        if run.near_count:
-            near = margin
-        else:
-            clear = margin
-    return clear, near
+    length = lengths(program)
+    starts = [0.0, *accumulate(length)]
+    parts: set[tuple[int, Fraction]] = set()
+    for along in np.linspace(0, starts[-1], count):
+        index = min(int(np.searchsorted(starts, along, "right")) - 1, len(length) - 1)
+        part = (along - starts[index]) / length[index] if length[index] else 0.0
+        parts.add((index, Fraction(float(np.clip(part, 0, 1))).limit_denominator(1 << 20)))
+    if len(length) <= count:
+        parts |= {(index, Fraction(1)) for index in range(len(length))}
+        parts.add((0, Fraction(0)))
+    return [Place(k, part, starts[k] + float(part) * float(length[k])) for k, part in sorted(parts)]
+
+
+@dataclass
+class _Looking:
+    """Two objects at places one after the other, between which nothing turns."""
+
+    scene: PathScene
+    engine: SceneEngine
+    names: tuple[str, str]
+    effort: Effort
+    _before: tuple[Translation, int, int] | None = None
+
+    def bounds(self, move: Move, least: _Bounds | None) -> _Bounds | None:
+        """Return bounds at a standing move; None where it is shown that these are not below ``least``.
+
+        The largest margin reaches across the whole grid, so that everything is near at it; -1 is clear of
+        anything.
+        """
+        scene, path, scale = self.scene, self.scene.path, self.scene.wanted.scale
+        place = scene.place(move.start)
+        sample = nearest(place)
+        away = max(abs(c - s) for c, s in zip(place, sample, strict=True))
+        away += Rational(move.slack / scene.wanted.resolution)
+        clear, near = -1, scene.largest_margin
+        if self._before is not None:
+            moved = max(abs(a - b) for a, b in zip(sample, self._before[0], strict=True))
+            clear, near = max(clear, self._before[1] - moved), min(near, self._before[2] + moved)
+        enough = near if least is None else path.showing(least.seen / scale, away)
+        if clear < enough < near:
+            clear, near = self._asked(sample, enough, clear, near)
+        while clear < enough and near - clear > max(_STEPS, near // _PART):
+            clear, near = self._asked(sample, (clear + near) // 2, clear, near)
+        self._before = sample, clear, near
+        if least is not None and clear >= enough:
+            return None
+        return _Bounds(path.proven(clear, away) * scale, path.seen(near, away) * scale, self.names)
+
+    def _asked(self, sample: Translation, margin: int, clear: int, near: int) -> tuple[int, int]:
+        run = self.engine.run(sample, margin, stop_at_first=True)
+        self.effort.add(run)
+        return (clear, margin) if run.near_count else (margin, near)

@@ -77,11 +77,16 @@ class Rule:
             else iter((Piece(self.a, self.b, moves, moves, 0),))
         )
 
+    def standing(self, moves: tuple[Move, ...]) -> Iterator[Piece]:
+        """Yield moves that stay where they are, instead of its own, in pieces between which nothing turns."""
+        return replace(self, program=replace(self.program, moves=moves)).pieces(Fraction(0))
+
     def until(self, last: int) -> "Rule | None":
         """Return the rule for the moves up to one of the whole program; None where there is none."""
         count = sum(number <= last for number in self.numbers)
         moves = self.program.moves[:count]
-        return replace(self, program=replace(self.program, moves=moves)) if moves else None
+        part = replace(self.program, moves=moves)
+        return replace(self, program=part, numbers=self.numbers[:count]) if moves else None
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,8 @@ def near_turn(setup: Setup, turn: Program, wanted: Wanted) -> NearTurn | None:
     return min(found, key=lambda near: near.line, default=None)
 
 
-def _bulk(scene: PathScene) -> tuple[SceneEngine, SceneEngine]:
-    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-    return engine, engine
+def _bulk(scene: PathScene) -> SceneEngine:
+    return scene_engine(BULK, scene.a, scene.b, scene.grid.width)
 
 
 @dataclass(frozen=True)

@@ -171,6 +171,10 @@ class PathGrid:
         """Return the margin at which a clear sample proves the whole segment clear."""
         return upwards(self.base + segment.reach)
 
+    def showing(self, distance: Fraction, away: Rational) -> int:
+        """Return the least margin that proves a distance ``away`` steps from a sample that is clear."""
+        return upwards(Rational((distance + self.reading) / self.resolution) + 1 + away)
+
     def proven(self, margin: int, away: Rational) -> Fraction:
         """Return the distance that is exceeded ``away`` steps from a sample that is clear at a margin."""
         return (margin - 1 - _fraction(away)) * self.resolution - self.reading

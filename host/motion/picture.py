@@ -27,6 +27,8 @@ from triaxis.host.quantise import vector
 from triaxis.host.stl import Facets
 
 _INCHES, _OF_MACHINE = (13.5, 7.0), (10.0, 8.5)
+# Where the chart of the clearance is, in parts of the picture.
+_CHART = (0.57, 0.11, 0.4, 0.73)
 _DPI = 110
 _WORK = "#9A9A9A"
 _RAPID = "#56B4E9"
@@ -41,19 +43,20 @@ _WAYS: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
-def draw_path(
-    path: Path, scene: PathScene, result: PathResult, profile: list[Clearance], names: tuple[str, str]
-) -> None:
+def draw_path(path: Path, program: Program, checked: RuleCheck, profile: list[Clearance]) -> None:
     """Draw into a file, ``.png`` or ``.svg``: whole or not at all. Raises InputError where it cannot."""
+    scene, result, names = checked.scene, checked.result, checked.rule.names
     figure = _titled(_INCHES, scene.program, _verdict(scene, result, names), result)
     space = figure.add_axes((0.0, 0.1, 0.5, 0.73), projection="3d")
     assert isinstance(space, Axes3D)
     _draw_space(space, scene, result, profile, names)
-    _draw_clearance(figure.add_axes((0.57, 0.11, 0.4, 0.73)), scene, result, profile)
+    _draw_clearance(figure.add_axes(_CHART), program, checked, profile)
     write_figure(figure, path)
 
 
-def draw_machine(path: Path, setup: Setup, program: Program, checked: RuleCheck) -> None:
+def draw_machine(
+    path: Path, setup: Setup, program: Program, checked: RuleCheck, profile: list[Clearance]
+) -> None:
     """Draw a machine with all its objects where two of them come near, else where the program begins.
 
     The path of the tool is drawn as the workpiece stands there, where nothing turns. Into a file as above.
@@ -65,9 +68,11 @@ def draw_machine(path: Path, setup: Setup, program: Program, checked: RuleCheck)
     told = _verdict(checked.scene, result, names)
     if result.verdict == "clear":
         told = f"all is clear by more than {float(checked.scene.wanted.clearance):g} mm all along"
-    figure = _titled(_OF_MACHINE, program, told, result)
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.86), projection="3d")
+    figure = _titled(_INCHES if profile else _OF_MACHINE, program, told, result)
+    axes = figure.add_axes((0.0, 0.02, 0.52, 0.86) if profile else (0.02, 0.02, 0.96, 0.86), projection="3d")
     assert isinstance(axes, Axes3D)
+    if profile:
+        _draw_clearance(figure.add_axes(_CHART), program, checked, profile)
     axes.computed_zorder = False
     machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
     shown: list[npt.NDArray[np.floating]] = []
@@ -137,7 +142,13 @@ def _draw_space(
         axes.plot(*position[:, None], marker="X", markersize=10, color="black", linestyle="", zorder=30)
         shown.append(tool + position)
     _add_ways(axes, ways, scene.program)
-    close = np.array([place.position for place in profile if place.proven <= float(scene.wanted.clearance)])
+    close = np.array(
+        [
+            [float(c) for c in place.position]
+            for place in profile
+            if place.proven <= float(scene.wanted.clearance)
+        ]
+    )
     if len(close):
         axes.plot(*close.T, marker=".", markersize=7, color=B.colour, linestyle="", zorder=25)
     _frame(axes, np.concatenate([part.reshape(-1, 3) for part in shown]))
@@ -202,8 +213,9 @@ def _add_legend(axes: Axes3D, entries: Sequence[tuple[str, dict[str, Any]]]) -> 
     axes.legend(loc="upper left", fontsize=SMALL, framealpha=0.9)
 
 
-def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: list[Clearance]) -> None:
-    wanted = float(scene.wanted.clearance)
+def _draw_clearance(axes: Axes, program: Program, checked: RuleCheck, profile: list[Clearance]) -> None:
+    asked, near = checked.scene.wanted, checked.result.near
+    wanted = float(asked.clearance)
     along = np.array([place.along for place in profile])
     proven = np.array([place.proven for place in profile])
     seen = np.array([place.seen for place in profile])
@@ -212,21 +224,22 @@ def _draw_clearance(axes: Axes, scene: PathScene, result: PathResult, profile: l
     )
     axes.plot(along, proven, color=A.colour, linewidth=1.2, label="proven lower bound")
     axes.axhline(wanted, color=B.colour, linestyle="--", linewidth=1.4, label=f"wanted: {wanted:g} mm")
-    total = float(lengths(scene.program).sum())
-    if result.near is None:
+    length = lengths(program)
+    total = float(length.sum())
+    if near is None:
         axes.axhspan(0, wanted, color=GAP, alpha=0.08, linewidth=0)
     else:
-        before = float(lengths(scene.program)[: result.near.move].sum())
-        at = before + float(result.near.part_of_move) * float(lengths(scene.program)[result.near.move])
+        number = checked.rule.numbers[near.move]
+        at = float(length[:number].sum() + float(near.part_of_move) * length[number])
         axes.axvspan(at, total, color=_WORK, alpha=0.15, linewidth=0, label="after the first near pose")
         axes.plot([at], [wanted], marker="X", markersize=10, color="black", linestyle="", zorder=5)
         right = at > 0.6 * total
         axes.annotate(
-            f"line {result.near.line}", (at, wanted), (-10 if right else 10, 12), textcoords="offset points",
+            f"line {near.line}", (at, wanted), (-10 if right else 10, 12), textcoords="offset points",
             ha="right" if right else "left", fontsize=NORMAL, weight="bold",
         )  # fmt: skip
     # Linear where it matters, logarithmic above: a rapid far away must not flatten the rest.
-    axes.set_yscale("symlog", linthresh=max(wanted, float(scene.wanted.resolution)) * 2, linscale=1.0)
+    axes.set_yscale("symlog", linthresh=max(wanted, float(asked.resolution)) * 2, linscale=1.0)
     axes.set_ylim(0, max(seen.max(initial=0), 2 * wanted) * 1.3)
     axes.set_xlim(0, total or 1)
     ticks = [0.0, *_round_numbers(wanted, seen.max(initial=wanted))]

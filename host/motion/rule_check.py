@@ -22,23 +22,19 @@ _COARSE_BITS = 4
 # Of one move between two objects: against a check that does not end.
 _MOST_PIECES = 20_000
 
-# Of a scene the engine that decides, and one for poses that are only looked at, for bounds of the clearance.
-Engines = Callable[[PathScene], tuple[SceneEngine, SceneEngine]]
-
 
 @dataclass(frozen=True)
 class RuleCheck:
     """What must stay clear of what on a part of the program with one tool, and what came of it.
 
-    ``scene``: of the last of its pieces; ``engine``: for poses that decide nothing; ``band``: how far beyond
-    the clearance a false alarm can be, in millimetres.
+    ``scene``: of the last of its pieces; ``band``: how far beyond the clearance a false alarm can be, in
+    millimetres.
     """
 
     tool: Tool
     rule: Rule
     result: PathResult
     scene: PathScene
-    engine: SceneEngine
     band: Fraction
 
     @property
@@ -50,8 +46,8 @@ class RuleCheck:
 
 
 def check_rule(
-    tool: Tool, rule: Rule, wanted: Wanted, engines: Engines, progress: Progress, surfaces_only: bool,
-    asked_again: bool,
+    tool: Tool, rule: Rule, wanted: Wanted, engine_of: Callable[[PathScene], SceneEngine], progress: Progress,
+    surfaces_only: bool, asked_again: bool,
 ) -> RuleCheck:  # fmt: skip
     """Check all pieces of a path, as far as the first that is not clear.
 
@@ -68,9 +64,8 @@ def check_rule(
             scene = prepare_path(
                 piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
             )
-            asked, others = engines(scene)
             watched = unwatched if piece.swept else progress
-            result = check_path(scene, asked, watched, surfaces_only, asked_again)
+            result = check_path(scene, engine_of(scene), watched, surfaces_only, asked_again)
             pieces += 1
             if pieces > _MOST_PIECES:
                 raise InputError(
@@ -87,7 +82,7 @@ def check_rule(
             # Nothing near counts where points are off by more than half a step: that is cut in halves.
             less = max(Fraction(0), piece.swept - step / 2) * (ROOT_3 if wanted.euclidean else 1)
             band = max(band, scene.band - less)
-            checked = RuleCheck(tool, rule, whole, scene, others, band)
+            checked = RuleCheck(tool, rule, whole, scene, band)
             if result.verdict != "clear":
                 return checked
         if found.swept and found.first != turned:

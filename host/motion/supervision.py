@@ -35,7 +35,7 @@ from triaxis.host.motion.machine import TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import PathResult, insides_at, shown_clear
 from triaxis.host.motion.path_scene import PathScene, Segment, Wanted, prepare_path
-from triaxis.host.quantise import Vector, vector
+from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.stl import StlMesh
 
 # Lines that are listed.
@@ -117,8 +117,16 @@ class Beside:
         """Return whether one of them is inside the other at the start."""
         return insides_at(self.scene)
 
+    @cached_property
+    def _clear_still(self) -> bool:
+        """Return whether they are clear where X, Y and Z move neither against the other."""
+        return self._clear(NOWHERE, NOWHERE)
+
     def clear(self, low: Vector, high: Vector) -> bool:
         """Return whether they are clear with the tool anywhere in a box, in millimetres."""
+        return self._clear(low, high) if any(self.meeting.factors) else self._clear_still
+
+    def _clear(self, low: Vector, high: Vector) -> bool:
         factors, by = self.meeting.factors, self._by
         start, end = (
             self.scene.place(vector(f * c + b for f, c, b in zip(factors, corner, by, strict=True)))

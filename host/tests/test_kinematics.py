@@ -320,8 +320,11 @@ MADE_UP = [*range(4), *(pytest.param(number, marks=pytest.mark.long) for number 
 
 
 def near_by(things, meshes, one, other, pose, distance):
-    """Return whether two objects are within a distance at a pose of the machine."""
+    """Return whether two objects are within a distance, along x, y, z of what carries both, at a pose."""
     (a, mesh), (b, other_mesh) = meshes[one], meshes[other]
+    pose = pose.copy()
+    for common in axes_of(things, a) & axes_of(things, b):
+        pose[LETTERS.index(things[common].axis[-1])] = 0
     return within(moved(things, a, mesh, pose), moved(things, b, other_mesh, pose), distance)
 
 
@@ -330,7 +333,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
     machine, things, meshes, base, straight = written(tmp_path, rng)
     letters = {thing.axis[-1] for thing in things.values() if thing.axis and thing.axis[-1] in "ABC"}
     start = rng.uniform(-9, 9, 3).round(2)
-    here, poses, lines = np.zeros(6), [], []
+    here, poses, lines, ways = np.zeros(6), [], [], []
     here[:3] = start
     for _ in range(rng.integers(1, 5)):
         to = here.copy()
@@ -345,6 +348,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         lines.append(("G0" if rapid else "G1") + words)
         free = rapid and not straight
         poses += [here + (to - here) * (rng.random(6) if free else rng.random()) for _ in range(120)]
+        ways.append((here, to))
         here = to
     if not lines:
         return
@@ -357,20 +361,40 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         "0.3",
         "--resolution",
         "0.01",
+        "--profile",
+        "7",
         start=first,
     )
     assert status < 2, said
     near = partial(near_by, things, meshes)
+    moving = [
+        (one, other)
+        for one, other in combinations(meshes, 2)
+        if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0])
+    ]
+    assert len(report["profile"]) >= (1 if status else 7)
+    for place in report["profile"]:
+        pose, (here, to) = np.array([*place["position"], *place["angles"]], np.float64), ways[place["move"]]
+        moves = to != here
+        parts = (pose - here)[moves] / (to - here)[moves]
+        assert np.ptp(parts) < 1e-6 and (pose == here)[~moves].all(), place
+        pose = pose + base
+        proven, (what, of) = (
+            place["proven"] - 1e-5,
+            (place[key].removeprefix("the ") for key in ("what", "of")),
+        )
+        assert near(what, of, pose, place["seen"] + 1e-5), place
+        assert not (proven > 0 and any(near(*pair, pose, proven) for pair in moving)), place
+        assert place["seen"] - place["proven"] < 0.15 + place["seen"] / 16
     if status:
         found = report["near"]
         pose = np.array([float(c) for c in (*found["position"], *found["angles"])])
         what, of = (report[key].removeprefix("the ") for key in ("what", "of"))
         assert near(what, of, pose + base, 0.3 + float(report["false_alarm_band"]) + 1e-5), said
         return
-    for one, other in combinations(meshes, 2):
-        if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0]):
-            for pose in poses:
-                assert not near(one, other, pose + base, 0.3 - 1e-5), (one, other, pose, machine, lines)
+    for one, other in moving:
+        for pose in poses:
+            assert not near(one, other, pose + base, 0.3 - 1e-5), (one, other, pose, machine, lines)
 
 
 @pytest.mark.parametrize("number", MADE_UP)
@@ -485,8 +509,6 @@ def test_what_is_undecided_is_said(checked, monkeypatch):
     monkeypatch.setattr(rule_check, "_MOST_PIECES", 9)
     status, said, _ = checked(MILL, "G0 Z60\nX-9 C45")
     assert status == 2 and "line 3: undecided after 9 parts of its turn" in said
-    status, said, _ = checked(MILL, "G0 Z60", "--profile", "5")
-    assert status == 2 and "--profile: of one tool and one workpiece" in said
 
 
 def test_a_picture_shows_the_machine_where_two_objects_come_near(checked, tmp_path, monkeypatch):
@@ -515,6 +537,13 @@ def test_a_picture_shows_the_machine_where_two_objects_come_near(checked, tmp_pa
     assert "rapid" in file.read_text() and "all is clear by more than" in file.read_text()
     # The tool stands where the program begins.
     assert drawn[2][1][..., 2].min() == pytest.approx(100)
+    # With a profile the clearance along the path is shown beside it.
+    status, said, report = checked(MILL, "G0 Z60\nX-9 C45", "--picture", file, "--profile", "40")
+    shown = file.read_text()
+    assert f"clearance at {len(report['profile'])} places" in shown and "wanted: 0.5 mm" in shown
+    least = min(report["profile"], key=lambda place: place["seen"])
+    assert (least["what"], least["of"], least["line"]) == ("the bed", "the table", 3)
+    assert f"places: least in line 3 at X{float(least['position'][0]):.4f}" in said
 
 
 def test_an_angle_that_stays_is_none(checked):

@@ -17,7 +17,8 @@ from triaxis.golden.judge import judge
 from triaxis.host import scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import MeshEngineScene, scene_engine
-from triaxis.host.motion.clearance import clearances
+from triaxis.host.motion.clearance import clearances, places
+from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.curves import arc, centre_by_radius
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort, check_path
@@ -205,12 +206,18 @@ def test_meshes_larger_than_the_engine_run_part_by_part(rng):
 
 
 def test_bounds_of_the_clearance_hold_the_clearance():
-    scene = scene_of(*POINTS, [(-8, 0, 0), (0, 0, 3), (1, 0, 0)], wanted_of(1, Fraction(1, 100)))
-    engine, effort = scene_engine("bulk", scene.a, scene.b, scene.grid.width), Effort()
-    places = clearances(scene, engine, 12, effort)
-    assert [place.along for place in places] == sorted(place.along for place in places)
-    assert places[-1].proven == 0
-    for place in places:
+    wanted = wanted_of(1, Fraction(1, 100))
+    scene = scene_of(*POINTS, [(-8, 0, 0), (0, 0, 3), (1, 0, 0)], wanted)
+    names, files, numbers = ("the tool", "the workpiece"), ("a", "b"), range(len(scene.program.moves))
+    rule = Rule(names, scene.tool, scene.work, files, scene.program, numbers)
+    engine_of, chosen = (
+        (lambda one: scene_engine("bulk", one.a, one.b, one.grid.width)),
+        places(scene.program, 12),
+    )
+    found = clearances(scene.program, [rule], wanted, engine_of, chosen, Effort())
+    assert [place.along for place in found] == sorted(place.along for place in found)
+    assert found[-1].proven == 0 and len(found) == len(chosen)
+    for place in found:
         real = float(distance(scene, [Fraction(c) for c in place.position]))
         assert place.proven < real + 1e-9 or place.proven == 0
         assert real <= place.seen + 1e-9
