@@ -113,7 +113,7 @@ evidence: $(READY) ## one archive of the sign-off, its sources and a million wit
 
 # What `make test` leaves to `make test-long`.
 LONG := long or prover or synthesiser
-test: $(READY) $(DVSIM) lint ## lint, then the tests of every part that are quick
+test: lint ## lint, then the tests of every part that are quick
 	@$(BIN)/pytest -n 2 -m "not ($(LONG) or regress)" --durations 20 --durations-min 5
 
 test-long: $(READY) $(YOSYS) $(DVSIM) ## those that take longer: what needs yosys, whole environments: a quarter of an hour
@@ -128,7 +128,7 @@ COLD_BUSY ?= 1
 cold: ## try signoff and test as a new user: fresh clone, empty caches, busy machine: many hours
 	@COLD_TARGETS="$(COLD_TARGETS)" COLD_BUSY="$(COLD_BUSY)" WHOLE="$(WHOLE)" .ci/cold
 
-lint: $(READY) ## check style, types, imports and the testplan
+lint: $(READY) $(DVSIM) ## check style, types, imports and the testplan
 	@$(BIN)/python -m triaxis.verif.lint
 
 format: $(READY) ## format the RTL and the Python code

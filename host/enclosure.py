@@ -14,7 +14,9 @@ image of the boundary, so what was closed, or oriented, still is. Gaps wider tha
 
 Only closed shells have an inside. What is open, with gaps that nobody can tell from missing facets, is taken
 as one body that may fill its box: where a box of the other mesh's shells lies within that one, the answer is
-undecided.
+undecided. So it is within facets that are there twice, as of a solid written with both sides of its surface:
+its crossings cancel, and nothing tells its inside. Sheets that are there twice, with a free edge, and walls
+between solids that touch, hold nothing: such facets are taken away until no edge is free.
 """
 
 from collections.abc import Sequence
@@ -41,7 +43,8 @@ class Shells:
 
     ``number`` (N,): the shell of each facet. ``boxes`` (S, 2, 3): low and high corner, in LSB. ``facets``:
     how many each has. ``open_edges`` (S,): edges that belong to an odd number of facets. ``oriented`` (S,):
-    closed ones only.
+    closed ones only. ``twice`` (T, 2, 3): boxes of what facets enclose that are there twice, of each shell
+    with such.
     """
 
     number: Integers
@@ -50,6 +53,7 @@ class Shells:
     boxes: Integers
     open_edges: Integers
     oriented: Mask
+    twice: Integers
 
     @property
     def closed(self) -> Mask:
@@ -66,7 +70,9 @@ class Solid:
 
     def moved(self, translation: Integers) -> "Solid":
         """Return it elsewhere."""
-        return Solid(self.facets + translation, replace(self.shells, boxes=self.shells.boxes + translation))
+        shells = self.shells
+        moved = replace(shells, boxes=shells.boxes + translation, twice=shells.twice + translation)
+        return Solid(self.facets + translation, moved)
 
 
 def solid_of(facets: Integers) -> Solid:
@@ -83,11 +89,38 @@ def shells_of(facets: Integers) -> Shells:
     # By the lowest facet, whatever its vertices' numbers.
     order = np.argsort(first)
     number = np.argsort(order)[number]
-    boxes = np.stack([np.full((len(first), 3), _FAR), np.full((len(first), 3), -_FAR)], 1)
+    boxes = _boxes(facets, number, len(first))
+    unmatched, turned = _boundary(corners, number, len(first))
+    twice = _enclosing_twice(corners)
+    held = _boxes(facets[twice], number[twice], len(first))[np.unique(number[twice])]
+    oriented = (unmatched == 0) & (turned == 0)
+    return Shells(number, first[order], count[order], boxes, unmatched, oriented, held)
+
+
+def _boxes(facets: Integers, number: Integers, shells: int) -> Integers:
+    """Return the boxes (S, 2, 3) of the facets (N, 3, 3) of each shell: number (N,)."""
+    boxes = np.stack([np.full((shells, 3), _FAR), np.full((shells, 3), -_FAR)], 1)
     np.minimum.at(boxes[:, 0], number, facets.min(1))
     np.maximum.at(boxes[:, 1], number, facets.max(1))
-    unmatched, turned = _boundary(corners, number, len(first))
-    return Shells(number, first[order], count[order], boxes, unmatched, (unmatched == 0) & (turned == 0))
+    return boxes
+
+
+def _enclosing_twice(corners: Integers) -> Integers:
+    """Return one of each facets with vertices (N, 3) that are there twice, but for those with a free edge."""
+    kinds = np.sort(corners, 1)
+    order = np.lexsort(kinds.T)
+    again = (kinds[order[1:]] == kinds[order[:-1]]).all(1)
+    first = np.diff(again, prepend=False, append=False)[:-1] & again
+    found = order[:-1][first]
+    while True:
+        start, end = kinds[found][:, [0, 0, 1]], kinds[found][:, [1, 2, 2]]
+        edge = start * (int(corners.max()) + 1) + end
+        _, number, uses = np.unique(edge, return_inverse=True, return_counts=True)
+        # Edges without length are the ends of nothing.
+        held = ((uses[number.reshape(edge.shape)] > 1) | (start == end)).all(1)
+        if held.all():
+            return found
+        found = found[held]
 
 
 def _numbered(facets: Integers) -> Integers:
@@ -299,6 +332,8 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
+    both = "closed, but facets are there twice, so that nothing tells its inside"
+    double = _fitting(shells.boxes, hulls.twice, _STILL) & ~held
     return [
         Part(
             mesh,
@@ -306,9 +341,9 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
             int(shells.first[k]),
             int(shells.facets[k]),
             len(shells.first) == 1,
-            None if held[k] else opened if doubted[k] else turned,
+            None if held[k] else opened if doubted[k] else both if double[k] else turned,
         )
-        for k in np.flatnonzero(held | mixed | doubted)
+        for k in np.flatnonzero(held | mixed | doubted | double)
     ]
 
 

@@ -15,7 +15,7 @@ from triaxis.bench.mesh_cycles import CLOCK_MHZ, CONFIGURATION, real_meshes
 from triaxis.bench.skipping.plot import figure_of
 from triaxis.bench.skipping.run import LEAST_RATIO, SceneRow, SkippingResult, run_skipping
 from triaxis.bench.skipping.scenes import SURFACES, skipping_scenes
-from triaxis.bench.skipping.software import BOXES, MOST_COMPARED, MOST_SECONDS, SIZES, Growth, Saved
+from triaxis.bench.skipping.software import BOXES, MOST_COMPARED, SIZES, Growth, Saved
 from triaxis.host.cli.arguments import add_seed
 from triaxis.host.cli.terminal import progress_bar, table
 
@@ -57,7 +57,6 @@ def findings(result: SkippingResult) -> Findings:
         "bounds": {
             "least_pairs_a_cycle": LEAST_RATIO,
             "most_comparison_exponent": MOST_COMPARED,
-            "most_seconds_exponent": MOST_SECONDS,
         },
         "totals": {
             "pairs": pairs,

@@ -19,6 +19,7 @@ from triaxis.bench.tritest.scoring import KINDS, Asked, Score, Tally, read_set, 
 from triaxis.golden.errors import InputError
 from triaxis.golden.outputs import write_whole
 from triaxis.host.cli import DONE, NO
+from triaxis.host.cli.arguments import named_folder
 from triaxis.host.cli.terminal import progress_bar, table
 
 SET = FOLDER / "tritest"
@@ -37,7 +38,7 @@ def add_make(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Make a set: pairs of every family, each with its exact distance and the proof of it."
     )
-    parser.add_argument("folder", type=Path, metavar="SET", help="the folder to write to")
+    parser.add_argument("folder", type=named_folder, metavar="SET", help="the folder to write to")
     parser.add_argument("--pairs", type=int, default=_PAIRS, metavar="N", help=f"of each family ({_PAIRS})")
     parser.add_argument("--seed", type=int, default=_SEED, help=f"what all pairs follow from ({_SEED})")
     parser.set_defaults(run=lambda options: _make(options.folder, options.pairs, options.seed))

@@ -8,6 +8,7 @@ This module is small, and imports little: what an earlier run answered is remove
 understood, before anything that takes time is imported.
 """
 
+import errno
 import os
 import signal
 import sys
@@ -18,6 +19,9 @@ DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _interrupted = False
+# What to do about what a file system refuses.
+_TO_DO = dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), ": make it readable and writable for you")
+_TO_DO[errno.ENOSPC] = ": make room there"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -70,7 +74,8 @@ def _answer(words: list[str], of_this_process: bool) -> int:
     except OSError as error:
         # Whoever read our output is gone, or the disk is full: say no more on stdout.
         _drop_output()
-        message = f"{error.filename or 'output'}: {error.strerror or error}"
+        to_do = _TO_DO.get(error.errno or 0, "")
+        message = f"{error.filename or 'output'}: {error.strerror or error}{to_do}"
     # No failure of our own may look like an answer: `check` says "near" with exit code 1.
     except Exception as error:
         if os.environ.get("TRIAXIS_DEBUG"):

@@ -3,6 +3,7 @@
 import argparse
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from pathlib import Path
 
 _DIGITS = 60
 
@@ -29,6 +30,13 @@ def natural(text: str) -> int:
 def positive(text: str) -> int:
     """Parse an integer of at least 1."""
     return _at_least(text, 1, "must be at least 1")
+
+
+def named_folder(text: str) -> Path:
+    """Parse the name of a folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("names no folder: give one, or . for this one")
+    return Path(text)
 
 
 def _at_least(text: str, least: int, must: str) -> int:

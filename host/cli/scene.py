@@ -27,7 +27,7 @@ from triaxis.host.advice.widths import (
     with_resources,
 )
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import add_numbers, number, positive
+from triaxis.host.cli.arguments import add_numbers, named_folder, number, positive
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.engines import BULK, RTL, MeshEngineScene
 from triaxis.host.quantise import NOWHERE, Box, Steps, Vector, check_clearance, check_scale, vector
@@ -44,7 +44,7 @@ _KEPT = BUILD / "fpga" / "dsp_counts.json"
 def add_examples(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``scene examples``."""
     parser.description = "Write the scenes of the sign-off as pairs of binary STL files, in millimetres."
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where to write them")
+    parser.add_argument("folder", type=named_folder, metavar="FOLDER", help="where to write them")
     parser.set_defaults(run=_examples)
 
 

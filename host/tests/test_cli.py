@@ -262,6 +262,17 @@ def test_outputs_that_cannot_be(meshes, tmp_path, refused):
     assert "named for two outputs" in refused(*words)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("scene", "examples", ""), ("tritest", "make", ""), ("results", "--parquet", ""),
+        ("fpga", "ip", "triaxis_core", "--out", ""), ("fpga", "registers", "--pyuvm", ""),
+    ],
+)  # fmt: skip
+def test_a_folder_without_a_name_is_none(words, refused):
+    assert "names no folder: give one, or . for this one" in refused(*words)
+
+
 @pytest.fixture
 def small_disk(tmp_path):
     """Return a folder that holds 8 KiB."""

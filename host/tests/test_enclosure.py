@@ -22,6 +22,10 @@ def ring(scale: float = 1):
 
 
 STOCK = box(0, 100)
+# Four facets of one fold, at a box's corner: nothing is enclosed.
+FIN = np.array([[[10, 10, 10], [90, 10, 10], [90, 90, 10]], [[10, 10, 10], [10, 90, 90], [90, 90, 10]]])
+# Three boxes side by side: two have a wall with the third.
+CORNER = np.concatenate([box(0, 100), box((100, 0, 0), (200, 100, 100)), box((0, 100, 0), (100, 200, 100))])
 TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
 
 
@@ -54,6 +58,18 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
         # A facet twice, and faces that do not hang together, are open as well.
         (box(40, 60), np.concatenate([STOCK, STOCK[:1]]), State.UNDECIDED, "a"),
         (box(40, 60), STOCK + np.array([0, 0, 1]) * (np.arange(12) < 2)[:, None, None], State.UNDECIDED, "a"),
+        # Both sides of a surface: of a solid that has an inside, or of a sheet that has none.
+        (box(40, 60), np.concatenate([STOCK, STOCK[:, ::-1]]), State.UNDECIDED, "a"),
+        (np.concatenate([STOCK, STOCK[:, ::-1]]), box(40, 60), State.UNDECIDED, "b"),
+        (box(40, 60), np.concatenate([STOCK, STOCK[:, ::-1], box(100, 200)]), State.UNDECIDED, "a"),
+        (box(140, 160), np.concatenate([STOCK, STOCK[:, ::-1], box(100, 200)]), State.INSIDE, "a"),
+        (box(40, 60), np.concatenate([STOCK, TURNED]), State.UNDECIDED, "a"),
+        (box(40, 60), np.concatenate([STOCK, STOCK]), State.INSIDE, "a"),
+        (box(140, 160), np.concatenate([STOCK, STOCK[:, ::-1]]), State.OUTSIDE, None),
+        (box(20, 40), np.concatenate([box(0, 10), FIN, FIN[:, ::-1]]), State.OUTSIDE, None),
+        # Solids that touch have walls twice, and an inside.
+        (box((140, 40, 40), (160, 60, 60)), CORNER, State.INSIDE, "a"),
+        (box((140, 140, 40), (160, 160, 60)), CORNER, State.OUTSIDE, None),
         # Where no part fits the other's box, nothing needs to be decided.
         (box(40, 60), box((0, 0, 0), (100, 100, 50))[1:], State.OUTSIDE, None),
     ],

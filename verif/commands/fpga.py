@@ -40,7 +40,7 @@ from triaxis.fpga.register_block import write_register_model, write_registers
 from triaxis.fpga.resources import BUILDS, TOP, Build, Row, synthesise, write_report
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
-from triaxis.host.cli.arguments import add_seed
+from triaxis.host.cli.arguments import add_seed, named_folder
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.evidence import read_evidence
@@ -196,7 +196,7 @@ def add_ip(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=NUMBER",
         help="of the block, as W=16 M=16; others as in the RTL",
     )
-    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where to (build/fpga/ip/BLOCK)")
+    parser.add_argument("--out", type=named_folder, metavar="FOLDER", help="where to (build/fpga/ip/BLOCK)")
     parser.set_defaults(run=_ip)
 
 
@@ -225,7 +225,10 @@ def add_registers(parser: argparse.ArgumentParser) -> None:
         "docs/registers.md. Needs PeakRDL, which `make regress` installs."
     )
     parser.add_argument(
-        "--pyuvm", type=Path, metavar="FOLDER", help="only a register model for pyuvm, into this folder"
+        "--pyuvm",
+        type=named_folder,
+        metavar="FOLDER",
+        help="only a register model for pyuvm, into this folder",
     )
     parser.set_defaults(run=_registers)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE
-from triaxis.host.cli.arguments import natural
+from triaxis.host.cli.arguments import named_folder, natural
 from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.results.database import DATABASE, add_evidence, export_parquet
 from triaxis.verif.results.pages import FOLDER, write_pages
@@ -41,7 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ID",
         help="make a page of what differs between two results",
     )
-    parser.add_argument("--parquet", type=Path, metavar="FOLDER", help="write each table there as Parquet")
+    parser.add_argument(
+        "--parquet", type=named_folder, metavar="FOLDER", help="write each table there as Parquet"
+    )
     either.add_argument(
         "--serve", type=natural, metavar="PORT",
         help="show the pages to this computer's browsers, as things are, until interrupted; 0: any free port",
