@@ -95,8 +95,9 @@ class Interpreter:
     compensation: Vector = ORIGIN
     chosen: int = 0
     cycle: dict[str, Fraction] = field(default_factory=dict)
-    # Where a series of cycles began.
+    # Where a series of cycles began; what must not change within it.
     level: Fraction | None = None
+    begun_with: tuple[object, ...] = ()
     # Of which tool, with which compensation all moves are, where lengths are not known.
     basis: tuple[int | None, int | None] | None = None
     blended: Fraction = Fraction(0)
@@ -200,7 +201,7 @@ class Interpreter:
                 continue
             group = GROUPS.get(word.code)
             if group is None:
-                why = "not known: check a program without it, or see what it does"
+                why = "not known: look what it does"
                 self.refuse(block.place, word, WHY_REFUSED.get(word.code, why))
             elif group in codes and group != "no modal group":
                 both = f"{codes[group][0].text} and {word.text}"
@@ -216,6 +217,8 @@ class Interpreter:
         words: dict[str, Word] = {}
         # The motion in force takes letters where it moves by this line, and no other word takes the line.
         groups = {GROUPS[code] for code in on_line}
+        # What a word means that is not understood, nobody knows: that word alone is told.
+        strange = any(word.letter in "GM" and word.code not in GROUPS for word in block.words)
         by_it = not groups & {"motion", "cycle"} and not on_line & TAKING_AXES
         moving = any(word.letter in f"XYZIJK{ROTARY}{POLAR}" for word in block.words)
         in_force = on_line | ({self.modal.motion or ""} if by_it and moving else set())
@@ -227,7 +230,8 @@ class Interpreter:
                 letter not in {*"XYZFSTNO" + POLAR, *self.machine.rotary}
                 and not TAKERS.get(letter, frozenset()) & in_force
             ):
-                self.refuse(block.place, word, WHY_REFUSED.get(letter, "not known: correct it"))
+                if not strange or letter in "ABCUVW":
+                    self.refuse(block.place, word, WHY_REFUSED.get(letter, "not known: correct it"))
                 continue
             if letter in words:
                 raise block.place.error(word.text, f"{letter} stands twice on the line: keep one")
@@ -305,7 +309,7 @@ class Interpreter:
             if number and number not in self.machine.tools:
                 raise place.error(word.text, f"the machine file has no tool {number}: add it")
             self.notes["tool"] = f"line {place.line}: how the machine moves to change tools is not checked"
-        elif self.moves or "tool" in self.notes:
+        elif number != self.loaded and (self.moves or "tool" in self.notes):
             raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
         else:
             self.notes["tool"] = f"line {place.line}: the tool of {word.text} is taken to be the one given"
@@ -633,18 +637,26 @@ class Interpreter:
     def _drill(self, place: Place, words: dict[str, Word], axes: dict[int, Word]) -> None:
         """Go through a drilling cycle: to the place, down to R, to the bottom, and up again.
 
-        What it does on the way, as in pecking, is on the same line up and down.
+        What it does on the way, as in pecking, is on the same line up and down. A tool that is below the
+        height from which it goes down, after a hole with another R, goes straight there: LinuxCNC does so.
         """
         a, b, c = _PLANES[self.modal.plane]
         relative, origin = self.modal.relative, self.origin()
+        if self.modal.plane != "G17" and self.modal.motion in ("G74", "G84"):
+            why = f"tapping in {self.modal.plane}: controls go to different places: write plain moves"
+            raise place.error(self.modal.motion or "", why)
         if "R" in words:
             self.cycle["R"] = self.length(place, words["R"])
         if c in axes:
             self.cycle["bottom"] = self.length(place, axes[c])
         if self.cycle.keys() < {"R", "bottom"}:
             raise place.error(self.modal.motion or "", "a cycle without its depth: give R and Z")
+        now = self.modal.plane, self.modal.units, self.compensation
         if self.level is None:
-            self.level = self.position[c]
+            self.level, self.begun_with = self.position[c], now
+        if now != self.begun_with:
+            why = "plane, units or length changed within a series of cycles: give G80 before that"
+            raise place.error(self.modal.motion or "", why)
         old = self.level
         clear = old + self.cycle["R"] if relative else origin[c] + self.cycle["R"]
         bottom = clear + self.cycle["bottom"] if relative else origin[c] + self.cycle["bottom"]
@@ -658,11 +670,16 @@ class Interpreter:
         def at(place_in_plane: Vector, height: Fraction) -> Vector:
             return vector(height if k == c else place_in_plane[k] for k in range(3))
 
-        if self.position[c] < clear:
+        if old < clear != self.position[c]:
             self._line(place, at(self.position, clear), rapid=True)
-        for _ in range(int(words["L"].value) if "L" in words else 1):
+        for again in range(int(words["L"].value) if "L" in words else 1):
+            if again and relative:
+                # A step of the angle goes on from where the last one led.
+                step = {letter: words[letter] for letter in POLAR if letter in words}
+                axes = axes | {_AXES.index(k): word for k, word in self._polar(place, step, False).items()}
             target = self._target(place, {k: axes[k] for k in (a, b) if k in axes})
-            self._line(place, at(target, self.position[c]), rapid=True)
+            higher = not again and self.position[c] > clear
+            self._line(place, at(target, self.position[c] if higher else above), rapid=True)
             self._line(place, at(target, clear), rapid=True)
             self._line(place, at(target, bottom), rapid=False)
             self._line(place, at(target, above), rapid=True)

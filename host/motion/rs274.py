@@ -8,6 +8,7 @@ in turn, such a line is given as two. Comments of the program that print become 
 """
 
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -46,12 +47,12 @@ _NOT_TURNED = (
 _OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
-    "STRAIGHT_PROBE": "ends where the part is, which nobody knows before: check the program without it",
+    "STRAIGHT_PROBE": "ends where the part is, which nobody knows before: what follows cannot be checked",
     "NURBS_FEED": "a spline, which the interpreter does not print: leave --reader out",
-    "ORIENT_SPINDLE": "orients the spindle, and so turns the tool: check the program without it",
+    "ORIENT_SPINDLE": "orients the spindle, and so turns the tool, which is not followed",
 }
 _IGNORED = re.compile(
-    r"(ENABLE|DISABLE|START|STOP|SET_(FEED|SPINDLE|AUX|TOOL|G54)|CLEAR|FLOOD|MIST|LOG|TURN_PROBE|USE_SPINDLE)\w*|"
+    r"(ENABLE|DISABLE|START|STOP|SET_(FEED|SPINDLE|AUX|TOOL|G54|MOTION_OUTPUT)|CLEAR|FLOOD|MIST|LOG|TURN_PROBE|USE_SPINDLE)\w*|"
     r"COMMENT|MESSAGE|DWELL|ON_RESET|PROGRAM_\w+|OPTIONAL_PROGRAM_STOP|PALLET_SHUTTLE|FINISH|SELECT_TOOL"
 )
 
@@ -107,7 +108,7 @@ class _Told:
             ]
             _CALLS[call](self, line, [value * self.unit for value in numbers], numbers)
         elif not _IGNORED.fullmatch(call):
-            raise ValueError(f"{call} is not understood: check the program without it")
+            raise ValueError(f"{call} is not understood: look what it does")
 
     def _set_unit(self, line: int, unit: Fraction) -> None:
         if unit != self.unit and any(self.offsets["compensation"]):
@@ -311,9 +312,12 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {path.parent.resolve()}\n")
         command = [_PROGRAM, "-g", "-i", "rs274.ini", "-t", "tools.tbl", "-v", "offsets.var", "program.ngc"]
         try:
+            # It keeps its tools in the user's home, which a control that runs there, or another program that
+            # is read, would share with it.
             done = subprocess.run(
                 [*command[:2], *["-b"] * skip_optional, *command[2:]], cwd=folder, capture_output=True,
                 text=True, errors="replace", timeout=_LONGEST, check=False,
+                env={**os.environ, "HOME": str(folder)},
             )  # fmt: skip
         except subprocess.TimeoutExpired as error:
             raise InputError(

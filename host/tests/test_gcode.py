@@ -185,7 +185,7 @@ def test_all_that_is_not_understood_is_told_at_once(read):
         read("G21 G0 X1\nG41 D1\nG0 A5 X2\nG41\nM250")
     told = str(refused.value).split("; ")
     assert [re.findall(r"line (\d+): word '(\w+)'", one) for one in told if "line" in one] == [
-        [("2", "G41")], [("2", "D1")], [("3", "A5")], [("4", "G41")], [("5", "M250")],
+        [("2", "G41")], [("3", "A5")], [("4", "G41")], [("5", "M250")],
     ]  # fmt: skip
 
 
@@ -513,6 +513,97 @@ def test_linuxcnc_reads_the_same(tmp_path, text):
             assert apart <= a.slack, (a.line, float(apart))
 
 
+def some_program(rng):
+    """Return a program of cycles, polar steps, arcs and offsets by random."""
+
+    def number(low=-3, high=5):
+        return f"{rng.uniform(low, high):.3f}" if rng.random() < 0.5 else f"{rng.integers(low, high + 1)}"
+
+    def words(letters, part):
+        return "".join(f" {letter}{number()}" for letter in letters if rng.random() < part)
+
+    def polar():
+        return rng.choice([f"@{number(1, 6)}", f"^{number(-90, 200)}", f"@{number(1, 6)} ^{number(0, 99)}"])
+
+    def series():
+        code = rng.choice(["G81", "G81", "G82 P0.5", "G85", "G84" if plane == "G17" else "G89 P0"])
+        yield f"{code}{words('XYZ', 1)} R{number(5, 9)}"
+        for _ in range(rng.integers(1, 6)):
+            again = rng.choice(["", "", " L2", " L3"])
+            height = f" R{number(5, 9)}" if rng.random() < 0.4 else ""
+            step = polar() if rng.random() < 0.3 and plane == "G17" else words("XYZ", 0.5) or " X2"
+            yield rng.choice(["", "", "", "G98", "G99", "G90", "G91"]) + f" {step}{height}{again}"
+        yield f"G80 {rng.choice(['G90', 'G91'])}"
+
+    plane, lines = rng.choice(["G17", "G17", "G17", "G18", "G19"]), list[str]()
+    for _ in range(rng.integers(2, 7)):
+        kind = rng.random()
+        if kind < 0.5:
+            lines += series()
+        elif kind < 0.6:
+            lines.append(
+                f"{rng.choice(['G0', 'G1'])}{words('XYZ', 0.6) or ' Z9'} {rng.choice(['G20', 'G21'])}"
+            )
+        elif kind < 0.7 and plane == "G17":
+            lines.append(f"{rng.choice(['G0', 'G1'])} {polar()}")
+        elif kind < 0.8:
+            ends = words({"G17": "XY", "G18": "XZ", "G19": "YZ"}[plane], 1)
+            lines.append(f"{rng.choice(['G2', 'G3'])}{ends} R{rng.choice(['', '-'])}{rng.integers(60, 90)}")
+        elif kind < 0.92:
+            lines.append(rng.choice(["G92", "G52", "G10 L20 P1", "G28", "G90 G0 G53"]) + words("XYZ", 1))
+        else:
+            lines.append(rng.choice(["M62 P1", "M67 E1 Q2", "M64 P0", "G4 P1", "M8", "S300"]))
+    begin = f"G21 G90 {plane} G61 F500 S100 M3 {rng.choice(['G98', 'G99'])}\nG0 X1 Y1 Z4"
+    return "\n".join([begin, *lines, "M2", ""])
+
+
+def corners(moves):
+    """Return places on the way, (N, 3), of straight ones where the way turns."""
+    found = [np.array([float(c) for c in moves[0].start])]
+    for move in moves:
+        for part in (Fraction(k, 4) for k in ((1, 2, 3, 4) if move.curve else (4,))):
+            place = np.array([float(c) for c in move.at(part)])
+            if len(found) > 1 and not move.curve:
+                before, on = found[-1] - found[-2], place - found[-1]
+                off = np.linalg.norm(np.cross(before, on)) / max(1e-9, np.linalg.norm(before + on))
+                if before @ on > 0 and off < 0.005:
+                    found.pop()
+            if np.abs(place - found[-1]).max() > 0.005:
+                found.append(place)
+    return np.array(found)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_linuxcnc_goes_the_same_way_through_cycles_made_up(tmp_path, rng):
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    file.write_text(MACHINE.replace("path_tolerance = 0.5\n", ""))
+    machine, start, same = read_machine(file), (Fraction(1), Fraction(1), Fraction(60)), 0
+    for _ in range(250):
+        text = some_program(rng)
+        program.write_text(text)
+        try:
+            ours, theirs = (
+                corners(read(program, start, False, machine).moves) for read in (read_program, read_by_rs274)
+            )
+        except InputError:
+            continue
+        assert len(ours) == len(theirs) and np.abs(ours - theirs).max() < 0.02, text
+        same += 1
+    assert same > 40
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_linuxcnc_leaves_no_tools_with_its_user(tmp_path, monkeypatch):
+    """Another program that is read meanwhile, or a control that runs, would take them for its own."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    file.write_text(MACHINE)
+    program.write_text("G21\nG43 H2 G0 Z9\n")
+    assert read_by_rs274(program, ORIGIN, False, read_machine(file)).moves
+    assert not list((tmp_path / "home").iterdir())
+
+
 NOT_KNOWN_THERE = [
     ("G0 X1\nG55 X2", "", "where G55 has its zero"), ("G53 G0 X1", "", "needs machine coordinates"),
     ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
@@ -632,6 +723,10 @@ def test_compensation_of_a_tool_of_unknown_length(read):
 
 # What controls do differently, or what a reader that passes over a word would get wrong.
 NOT_PASSED_OVER = [
+    ("G18 F9 G98 G84 X5 Z5 Y-5 R2", "G84", "tapping in G18"), ("F9 G19 G98 G74 X-5 R2", "G74", "tapping"),
+    ("F9 G98 G81 X1 Z-1 R2\nG20\nX5 Z-1 R2", "G81", "changed within a series"),
+    ("F9 G98 G81 X1 Y1 Z-1 R2\nG18 X5 Y-1", "G81", "changed within a series"),
+    ("T1 M6\nG0 X1\nT2 M6", "M6", "changes the tool"),
     ("G64 P0\nG0 X1", "G64", "round corners"), ("O[2.5] call", "O", "whole"),
     ("G92 @5 ^0\nG0 X1", "@5", "of a move"),
     ("G0 @30", "@30", "no angle"), ("G0 X1\nF9 G82 R5 P1", "F9", "without X, Y or Z"),
@@ -674,9 +769,17 @@ def test_what_is_nested_too_deeply_is_refused(read):
             read(text)
 
 
+def test_each_step_of_a_repeated_angle_turns_on(read):
+    moves = read("T1 M6\nG0 X10 Z10\nF9 G91 G98 G81 ^90 R-5 Z-10 L3\nG80\nT1 M6\nG0 X1").moves
+    holes = [tuple(round(float(c), 9) for c in move.end[:2]) for move in moves if move.end[2] == -5]
+    assert holes == [(0, 10), (-10, 0), (0, -10)]
+
+
 SERIES = [
     ("G0 Z10\nF9 G91 G99 G81 X10 R-8 Z-3\nX10", [2, -1, 2, 2, -1, 2]),
-    ("G0 Z-5\nF9 G99 G81 X1 R19 Z-6\nX5 R6", [19, -6, 19, 6, -6, 6]),
+    ("G0 Z-5\nF9 G99 G81 X1 R19 Z-6\nX5 R6", [19, -6, 19, 6, 6, -6, 6]),
+    # Below R, not below the height at which it began: straight to the next hole.
+    ("G0 Z5\nF9 G99 G81 X1 R1 Z-6\nX5 R2", [1, -6, 1, 2, -6, 2]),
     ("G0 Z20\nF9 G99 G81 X1 R2 Z-1\nG98 X5\nX9", [2, -1, 2, 2, -1, 20, 2, -1, 20]),
 ]
 
