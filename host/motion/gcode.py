@@ -73,11 +73,15 @@ class Line:
 
 @dataclass(frozen=True)
 class Block:
-    """A line as it runs: all its words have values; none where it is left out."""
+    """A line as it runs: all its words have values; none where it is left out.
+
+    ``line``: of the program; of what another file holds, that of the call.
+    """
 
     place: Place
     words: tuple[Word, ...]
     optional: bool
+    line: int
 
 
 @dataclass
@@ -233,10 +237,10 @@ class Execution:
 
         ``skip_optional`` leaves out lines that begin with /.
         """
-        self._folder, self._memory, self._skip = path.parent, memory, skip_optional
+        self._path, self._memory, self._skip = path, memory, skip_optional
         self._subroutines: dict[str, _Flow] = {}
         self._program = self._parsed(path)
-        self._ran = self._depth = self._next = 0
+        self._ran = self._depth = self._next = self._line = 0
 
     def blocks(self) -> Iterator[Block]:
         """Yield the blocks; raise InputError where one cannot be run."""
@@ -319,13 +323,15 @@ class Execution:
 
     def _count(self, statement: _Statement) -> None:
         self._ran += 1
+        if statement.place.path == self._path:
+            self._line = statement.place.line
         if self._ran > _MOST_LINES:
             why = f"{_MOST_LINES} lines have run, so the program does not end: correct its loops"
             raise statement.place.error("O" if isinstance(statement, _Flow) else "line", why)
 
     def _block(self, line: Line) -> Block:
         if line.optional and self._skip:
-            return Block(line.place, (), True)
+            return Block(line.place, (), True, self._line)
         if line.wrong is not None:
             raise line.wrong
         memory, words = self._memory, list[Word]()
@@ -345,7 +351,7 @@ class Execution:
                 memory.set(key(memory), value)
             except ValueError as error:
                 raise line.place.error("#", str(error)) from error
-        return Block(line.place, tuple(words), line.optional)
+        return Block(line.place, tuple(words), line.optional, self._line)
 
     def _value(self, place: Place, text: str, value: Expression) -> Value:
         try:
@@ -415,7 +421,7 @@ class Execution:
         name = self._name(flow)
         memory.common["_value"] = Fraction(0)
         if name not in self._subroutines:
-            beside = self._folder / f"{name}.ngc"
+            beside = self._path.parent / f"{name}.ngc"
             if beside.exists():
                 self._parsed(beside)
         subroutine = self._subroutines.get(name)

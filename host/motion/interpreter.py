@@ -71,6 +71,7 @@ class ControlPoints:
     """What G5.2 has begun: where, of which order, in which plane, and its points with their weights."""
 
     place: Place
+    line: int
     order: int
     plane: str
     points: tuple[Vector, ...]
@@ -86,6 +87,8 @@ class Interpreter:
     zeros: dict[str, Vector]
     loaded: int | None
     modal: Modal
+    # Of the program, that runs now.
+    line: int = 0
     # Of A, B and C.
     turned: Vector = ORIGIN
     shift: Vector = ORIGIN
@@ -167,6 +170,7 @@ class Interpreter:
 
     def run(self, block: Block) -> bool:
         """Run a line; return whether it ends the program."""
+        self.line = block.line
         place, codes = block.place, self._codes(block)
         on_line = {word.code for group in codes.values() for word in group}
         words = self._by_letter(block, on_line)
@@ -575,7 +579,7 @@ class Interpreter:
             if order < 3:
                 raise place.error(words["L"].text, "the order of a NURBS is 3 or more: correct it")
             first = weight if weight and not axes else Fraction(1)
-            begun = ControlPoints(place, order, self.modal.plane, (self.position,), (first,))
+            begun = ControlPoints(place, self.line, order, self.modal.plane, (self.position,), (first,))
         if axes:
             wanted = _PLANES[begun.plane][:2]
             if axes.keys() != set(wanted):
@@ -605,7 +609,7 @@ class Interpreter:
             curves = nurbs(begun.points, begun.weights, begun.order, _PLANES[begun.plane][:2], far)
         except ValueError as error:
             raise begun.place.error("G5.2", str(error)) from error
-        off = max(curve.slack for curve in curves)
+        self.line, off = begun.line, max(curve.slack for curve in curves)
         told = f"{float(off):.2g} mm are added for the arcs by which controls follow NURBS"
         self.notes.setdefault("nurbs", f"line {begun.place.line}: {told}")
         for curve in curves:
@@ -714,7 +718,7 @@ class Interpreter:
             told = "without G61 or G64 the path is taken for exactly followed"
             self.notes.setdefault("path mode", f"line {place.line}: {told}")
         turns = self.turned, turned or self.turned
-        move = Move(place.line, start, end, rapid, straight, curve, slack, self.loaded or 0, turns)
+        move = Move(self.line, start, end, rapid, straight, curve, slack, self.loaded or 0, turns)
         try:
             self.moves.append(self.machine.turned(move, self.moves, blended))
         except ValueError as error:

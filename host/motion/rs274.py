@@ -329,13 +329,18 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
     state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
     state.turns = turns
+    calls, last = [count for count, text in enumerate(lines, 1) if _CALLED.search(_bare(text))], 0
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
             if told.strip():
                 raise InputError(f"{path}: {_PROGRAM} says {told.strip()[:40]!r}, which is not understood")
             continue
-        line = int(match[1]) if match[1].isdigit() else 0
+        if match[1].isdigit():
+            last = int(match[1])
+        # What stands in another file has no number: it is of the next call.
+        in_program = match[1].isdigit() or not last
+        line = last if in_program else next((call for call in calls if call >= last), last)
         try:
             state.told(line, match[2], match[3])
         except ValueError as error:

@@ -769,6 +769,17 @@ def test_what_is_nested_too_deeply_is_refused(read):
             read(text)
 
 
+@pytest.mark.parametrize("reader", ["own", "rs274"])
+def test_moves_of_another_file_have_the_line_of_its_call(tmp_path, reader):
+    if reader == "rs274" and shutil.which("rs274") is None:
+        pytest.skip("rs274 (linuxcnc-uspace) is not installed")
+    program = tmp_path / "main.ngc"
+    program.write_text("G21 G61 F9\nG0 X1\n\no<beside> call\nG0 X9\no<beside> call\nM2\n")
+    (tmp_path / "beside.ngc").write_text("o<beside> sub\nG1 X2\nG1 X3\no<beside> endsub\n")
+    read = read_program if reader == "own" else read_by_rs274
+    assert [move.line for move in read(program, ORIGIN, False, Machine()).moves] == [2, 4, 4, 5, 6, 6]
+
+
 def test_each_step_of_a_repeated_angle_turns_on(read):
     moves = read("T1 M6\nG0 X10 Z10\nF9 G91 G98 G81 ^90 R-5 Z-10 L3\nG80\nT1 M6\nG0 X1").moves
     holes = [tuple(round(float(c), 9) for c in move.end[:2]) for move in moves if move.end[2] == -5]
