@@ -20,7 +20,7 @@ from triaxis.host.cli.check import (
     print_without_near_facets,
     refuse_distance,
 )
-from triaxis.host.cli.engine import BOARD, about, add_engine, board_of, certificates, self_tested, width_of
+from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
@@ -43,7 +43,8 @@ from triaxis.host.stl import StlMesh, read_stl
 _LISTED = 10
 # Steps of the grid in the longest segment on which a near pose ends the check, where none is asked for.
 _STEPS = 4
-_PLACES = 200
+# Where the clearance is looked at, for a picture, and for the least that is printed.
+_PLACES, _FEW_PLACES = 200, 50
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
@@ -81,8 +82,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
-        help=f"bound the clearance at N places, for report and picture ({_PLACES} with --picture, but for a "
-        "machine with objects)",
+        help=f"bound the clearance at N places, for report and picture ({_FEW_PLACES}, where all is clear; "
+        f"{_PLACES} with --picture, but for a machine with objects)",
     )  # fmt: skip
     parser.set_defaults(run=run)
 
@@ -155,8 +156,7 @@ def run(options: argparse.Namespace) -> int:
     # What decides: the first that is near, or unknown, or the last.
     first = _decisive(checked)
     rule, scene, result = first.rule, first.scene, first.result
-    count = options.profile or (_PLACES if options.picture is not None and not whole_machine else 0)
-    profile = _profile(options, program, checked, first, count)
+    profile = _profile(options, program, checked, first)
     notes = (*program.notes, *((NOT_TRACKED,) if options.stock else ()))
     if options.json is not None:
         report = _report(scene, options, first, replace(program, notes=notes), profile)
@@ -238,30 +238,33 @@ def _wanted(options: argparse.Namespace, board: Board | None) -> Wanted:
 def _engine(options: argparse.Namespace, board: Board | None, scene: PathScene) -> SceneEngine:
     if board is not None:
         return BoardEngine(board, scene.a, scene.b)
-    return by_distance(options, scene.a, scene.b, _looking(options, scene))
+    engine = scene_engine(options.engine, scene.a, scene.b, scene.grid.width)
+    return by_distance(options, scene.a, scene.b, engine)
 
 
-def _looking(options: argparse.Namespace, scene: PathScene) -> SceneEngine:
-    """Return who is asked at poses that decide nothing, which no board is."""
-    name = BULK if options.engine == BOARD else options.engine
-    return scene_engine(name, scene.a, scene.b, scene.grid.width)
+def _quickest(scene: PathScene) -> SceneEngine:
+    """Return who is asked at poses that decide nothing."""
+    return scene_engine(BULK, scene.a, scene.b, scene.grid.width)
 
 
 def _profile(
-    options: argparse.Namespace, program: Program, checked: list[RuleCheck], first: RuleCheck, count: int
+    options: argparse.Namespace, program: Program, checked: list[RuleCheck], first: RuleCheck
 ) -> _Profile:
-    """Return the least clearance of all that must keep one, at so many places, in Chebyshev's distance.
+    """Return the least clearance of all that must keep one, at places of the path, in Chebyshev's distance.
 
     Not all was looked at after a move where something is near, but where there is one thing alone.
     """
+    pictured = options.picture is not None and not any(one.rule.meeting for one in checked)
+    few = _FEW_PLACES if first.result.verdict == "clear" else 0
+    count = options.profile or (_PLACES if pictured else few)
     effort, rules = Effort(), [one.rule for one in checked]
     chosen = places(program, count) if count else []
     if len(checked) > 1 and first.near_at is not None:
         chosen = [place for place in chosen if place.move <= first.near_at]
     known = Counter(number for rule in rules for number in rule.numbers)
     with progress_bar("places", sum(known[place.move] for place in chosen)) as progress:
-        engine_of = partial(_looking, options)
-        return clearances(program, rules, first.scene.wanted, engine_of, chosen, effort, progress), effort
+        wanted = first.scene.wanted
+        return clearances(program, rules, wanted, _quickest, chosen, effort, progress), effort
 
 
 def _report(

@@ -1,6 +1,7 @@
 """Whole paths: nothing is missed, alarms stay in their band, all engines agree."""
 
 import math
+import re
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -322,8 +323,11 @@ def test_a_dive_is_found(path, tmp_path):
     assert len(found["profile"]) >= 20
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert path(program, *start, "--clearance", 0, "--block-delete")[0] == 1
-    # Passes at 1 mm above the face alone are clear.
-    assert path("G21 G0 X0 Y0 Z1\nX35 Y25\nX-35 F100", *start)[0] == 0
+    # Passes at 1 mm above the face alone are clear, and it is said how near they come.
+    status, said, found = path("G21 G0 X0 Y0 Z1\nX35 Y25\nX-35 F100", *start)
+    least = min(found["profile"], key=lambda place: place["seen"])
+    assert status == 0 and least["proven"] < 1 <= least["seen"] < 1.1
+    assert re.search(r"places: least in line \d at X.*: the tool and the workpiece, 0\.9\d* to 1", said)
 
 
 def test_a_start_that_nobody_gave_is_said(path):
