@@ -14,7 +14,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from triaxis.host.motion.gcode import AFTER_THE_END
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start
+from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
 _PROGRAM = "rs274"
@@ -48,13 +49,16 @@ _OFFSETS = ("system", "shift", "compensation")
 _PLANES = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}
 _REFUSED = {
     "STRAIGHT_PROBE": "ends where the part is, which nobody knows before: what follows cannot be checked",
-    "NURBS_FEED": "a spline, which the interpreter does not print: leave --reader out",
     "ORIENT_SPINDLE": "orients the spindle, and so turns the tool, which is not followed",
 }
 _IGNORED = re.compile(
     r"(ENABLE|DISABLE|START|STOP|SET_(FEED|SPINDLE|AUX|TOOL|G54|MOTION_OUTPUT)|CLEAR|FLOOD|MIST|LOG|TURN_PROBE|USE_SPINDLE)\w*|"
     r"COMMENT|MESSAGE|DWELL|ON_RESET|PROGRAM_\w+|OPTIONAL_PROGRAM_STOP|PALLET_SHUTTLE|FINISH|SELECT_TOOL"
 )
+
+
+class _SplineError(Exception):
+    """Of a spline the interpreter prints the end alone."""
 
 
 @dataclass
@@ -90,6 +94,8 @@ class _Told:
 
     def told(self, line: int, call: str, text: str) -> None:
         """Take a call; raise ValueError where it is not understood."""
+        if call == "NURBS_FEED":
+            raise _SplineError
         if call in _REFUSED:
             raise ValueError(_REFUSED[call])
         if call == "USE_LENGTH_UNITS":
@@ -137,9 +143,9 @@ class _Told:
         tool = tools[row] if self.machine.tools else row
         if not self.machine.tools and (self.moves or "tool" in self.notes):
             raise ValueError("changes the tool, and so its shape: give a machine file with tools")
-        if any(self.offsets["compensation"]) or self.stale:
-            why = "a change of the tool, after G43, without a move of Z under G49"
-            raise ValueError(f"{why}: the interpreter mistakes where the tool is then; give them before it")
+        if self.stale:
+            why = "a change of the tool, after G43 or G49, without a move of Z between"
+            raise ValueError(f"{why}: the interpreter mistakes where the tool is then; give one before it")
         taken = "how the machine moves to change tools is not checked"
         note = taken if self.machine.tools else "the tool is taken to be the one given"
         # Before its first position it is told what the machine file says.
@@ -345,6 +351,10 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
             state.told(line, match[2], match[3])
         except ValueError as error:
             raise Place(path, line).error(match[2], str(error)) from error
+        except _SplineError:
+            program = read_program(path, start, skip_optional, machine)
+            note = f"line {line}: a spline, which the interpreter does not print: all is by our own reader"
+            return replace(program, notes=(*program.notes, note))
     if not state.moves:
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:

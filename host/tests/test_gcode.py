@@ -557,6 +557,23 @@ def some_program(rng):
     return "\n".join([begin, *lines, "M2", ""])
 
 
+def some_changes(rng):
+    """Return a program that changes tools, lengths and systems by random."""
+    lines, tool = ["G21 G90 G61 F100", "G0 X0 Y0 Z5"], 1
+    for _ in range(rng.integers(4, 14)):
+        x, z, kind = rng.integers(-9, 9), rng.integers(-5, 30), rng.random()
+        if kind < 0.25:
+            tool = rng.integers(1, 3)
+            lines.append(f"T{tool} M6")
+        elif kind < 0.5:
+            lines.append(rng.choice([f"G43 H{tool}", f"G43 H{tool} Z{z}", "G43", "G49"]))
+        elif kind < 0.65:
+            lines.append(rng.choice(["G28 G91 Z0\nG90", "G53 G0 Z0", "G92 X1 Z3", "G92.1", "G10 L20 P1 Z5"]))
+        else:
+            lines.append(rng.choice(["G0", "G1"]) + rng.choice([f" X{x}", f" Z{z}", f" X{x} Z{z}"]))
+    return "\n".join([*lines, "G0 X77", "M2", ""])
+
+
 def corners(moves):
     """Return places on the way, (N, 3), of straight ones where the way turns."""
     found = [np.array([float(c) for c in moves[0].start])]
@@ -574,12 +591,13 @@ def corners(moves):
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
-def test_linuxcnc_goes_the_same_way_through_cycles_made_up(tmp_path, rng):
+@pytest.mark.parametrize("made_up", [some_program, some_changes])
+def test_linuxcnc_goes_the_same_way_through_programs_made_up(tmp_path, rng, made_up):
     program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
     file.write_text(MACHINE.replace("path_tolerance = 0.5\n", ""))
     machine, start, same = read_machine(file), (Fraction(1), Fraction(1), Fraction(60)), 0
-    for _ in range(250):
-        text = some_program(rng)
+    for _ in range(150):
+        text = made_up(rng)
         program.write_text(text)
         try:
             ours, theirs = (
@@ -590,6 +608,15 @@ def test_linuxcnc_goes_the_same_way_through_cycles_made_up(tmp_path, rng):
         assert len(ours) == len(theirs) and np.abs(ours - theirs).max() < 0.02, text
         same += 1
     assert same > 40
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_splines_are_read_without_linuxcnc(tmp_path):
+    program = tmp_path / "p.ngc"
+    program.write_text("G21 G61 F9\nG0 X1\nG5 X4 I1 J1 P-1 Q1\nG1 X9\n")
+    ours, theirs = (read(program, ORIGIN, False, Machine()) for read in (read_program, read_by_rs274))
+    assert ours.moves == theirs.moves and ours.moves[1].curve
+    assert theirs.notes[-1].startswith("line 3: a spline, which the interpreter does not print")
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
@@ -609,7 +636,7 @@ NOT_KNOWN_THERE = [
     ("G28", "", "needs machine coordinates"), ("G10 L2 P1 X1", "", "needs machine coordinates"),
     ("G30", MACHINE, "give G30 in a machine file"), ("G43 H1\nG0 Z1", "", "needs the length of each tool"),
     ("F9 G41 D1 G1 X1", "", "needs the diameter"), ("G0 X#5221", MACHINE, "does not give it"),
-    ("G43 H2 G0 Z9\nT1 M6", MACHINE, "mistakes where the tool is"),
+    ("G43 H2 G0 X9\nT1 M6", MACHINE, "mistakes where the tool is"),
     ("G43 H2 G0 Z9\nG20", MACHINE, "a change of units"),
     ("T[1] M6 G43 H1\nG0 Z9", MACHINE, "on a line with a change of the tool"), ("X1", "", "rs274 refuses it"),
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
