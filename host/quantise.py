@@ -49,9 +49,12 @@ def vector(numbers: Iterable[Number]) -> tuple[Number, Number, Number]:
     return x, y, z
 
 
-def added(*vectors: Vector) -> Vector:
+def added(first: Vector, *others: Vector) -> Vector:
     """Return the sum of vectors."""
-    return vector(sum(parts, Fraction(0)) for parts in zip(*vectors, strict=True))
+    x, y, z = first
+    for a, b, c in others:
+        x, y, z = x + a, y + b, z + c
+    return x, y, z
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.input_file import read_input
 from triaxis.golden.pairs import check_width
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
@@ -120,8 +121,11 @@ def read_moves(options: argparse.Namespace) -> tuple[Program, Machine, Tool | No
     machine = (
         read_machine(options.tool, options.scale) if options.tool.suffix.lower() == ".toml" else Machine()
     )
-    read = read_by_rs274 if options.reader == "rs274" else read_program
-    program = read(options.moves, start, options.block_delete, machine)
+    if options.reader == "rs274":
+        program = read_by_rs274(options.moves, start, options.block_delete, machine)
+    else:
+        with progress_bar("lines read", read_input(options.moves).count(b"\n")) as progress:
+            program = read_program(options.moves, start, options.block_delete, machine, progress)
     given = Tool(0, read_stl(options.tool), str(options.tool)) if not machine.tools else None
     return program, machine, given
 

@@ -706,14 +706,15 @@ class Interpreter:
                 "move", f"with the length of tool {self.offset}, of another one of unknown length"
             )
         self.basis = basis
-        below = vector((Fraction(0), Fraction(0), -(down or Fraction(0))))
-        start, end = (added(p, below) for p in (self.position, target))
-        if curve is not None:
-            curve = curve.moved(below)
+        start, end = self.position, target
+        if down:
+            below = vector((Rational(0), Rational(0), -Rational(down)))
+            start, end = added(start, below), added(end, below)
+            curve = curve and curve.moved(below)
         straight = curve is None and (not rapid or self.machine.straight)
         # The corner between two moves is rounded by the larger tolerance of both.
         blended, self.blended = max(self.modal.tolerance, self.blended), self.modal.tolerance
-        slack = blended + (curve.slack if curve is not None else 0)
+        slack = blended if curve is None else blended + curve.slack
         if not (rapid or self.exact_path):
             told = "without G61 or G64 the path is taken for exactly followed"
             self.notes.setdefault("path mode", f"line {place.line}: {told}")

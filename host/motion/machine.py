@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 
 from triaxis.host.motion.kinematics import Axis, Body
 from triaxis.host.motion.moves import Move
@@ -65,7 +66,7 @@ class Machine:
         """Return whether it says what carries tool and workpiece."""
         return bool(self.spindle or self.table)
 
-    @property
+    @cached_property
     def rotary(self) -> frozenset[str]:
         """Return the letters of its axes that turn."""
         return frozenset(axis.letter for axis in self.axes if axis.rotary)

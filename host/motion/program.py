@@ -1,5 +1,6 @@
 """Programs as files: from their lines to the moves of a tool in millimetres."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,19 +13,24 @@ from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.moves import Program, assumed_start
 from triaxis.host.quantise import Vector, vector
 
+# Lines after which progress is told.
+_TOLD = 1000
+
 
 def read_program(
-    path: Path, start: Vector | None, skip_optional: bool = False, machine: Machine | None = None
-) -> Program:
+    path: Path, start: Vector | None, skip_optional: bool = False, machine: Machine | None = None,
+    progress: Callable[[int], object] | None = None,
+) -> Program:  # fmt: skip
     """Read the moves of a program that begins at ``start``, in millimetres; None: nobody has said where.
 
-    ``skip_optional`` leaves out lines that begin with /. Raises InputError, naming file, line and word, at
-    whatever is not understood or stands after the program's end, and where there is no move.
+    ``skip_optional`` leaves out lines that begin with /; ``progress`` is told of lines done. Raises
+    InputError, naming file, line and word, at whatever is not understood or stands after the program's end,
+    and where there is no move.
     """
     machine = machine or Machine()
     first = machine.offsets.get("G54", ORIGIN)
     zeros = {
-        name: vector(a - b for a, b in zip(zero, first, strict=True))
+        name: vector(Rational(a - b) for a, b in zip(zero, first, strict=True))
         for name, zero in machine.offsets.items()
         if "G54" in machine.offsets
     }
@@ -35,7 +41,7 @@ def read_program(
     state.exact_path = machine.tolerance is not None
     memory = Memory(state.ask)
     try:
-        _run(Execution(path, memory, skip_optional), state, skip_optional)
+        _run(Execution(path, memory, skip_optional), state, skip_optional, progress)
         state.end()
     except InputError:
         state.tell_refused()
@@ -51,8 +57,14 @@ def read_program(
     return Program(path, tuple(state.moves), tuple(state.notes.values()))
 
 
-def _run(execution: Execution, state: Interpreter, skip_optional: bool) -> None:
+def _run(
+    execution: Execution, state: Interpreter, skip_optional: bool, progress: Callable[[int], object] | None
+) -> None:
+    told = 0
     for block in execution.blocks():
+        if progress is not None and block.line >= told + _TOLD:
+            progress(block.line - told)
+            told = block.line
         if block.optional:
             done = "left out" if skip_optional else "run"
             state.notes.setdefault("optional", f"lines that begin with / are {done}")
