@@ -87,10 +87,17 @@ def test_every_point_of_a_segment_is_within_reach_of_its_sample(start, end, coun
 
 
 def test_no_near_position_is_ever_missed(rng):
-    """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters."""
+    """Fine subdivisions of random paths against the exact distance, with a grid so coarse that it matters.
+
+    Of facets, of an edge and an edge, of a vertex and a facet.
+    """
     found = {"clear": 0, "certain": 0, "band": 0}
-    for trial in range(100):
+    for trial in range(120):
         tool, work = (rng.uniform(-1, 1, (1, 3, 3)).astype(np.float32) for _ in "ab")
+        if trial % 3 == 1:
+            tool[0, 2], work[0, 2] = tool[0, 1], work[0, 0]
+        elif trial % 3 == 2:
+            tool[0, 1:] = tool[0, 0]
         # One path in five begins where the two are next to each other, and not in the band around.
         corners = rng.uniform(-4, 4, (3, 3)).round(3) * np.array([[trial % 5 > 0], [1], [1]])
         clearance, step = Fraction(int(rng.integers(0, 60)), 97), Fraction(int(rng.integers(1, 5)), 4)
