@@ -14,14 +14,18 @@ image of the boundary, so what was closed, or oriented, still is. Gaps wider tha
 
 Only closed shells have an inside. What is open, with gaps that nobody can tell from missing facets, is taken
 as one body that may fill its box: where a box of the other mesh's shells lies within that one, the answer is
-undecided. So it is within facets that are there twice, as of a solid written with both sides of its surface:
-its crossings cancel, and nothing tells its inside. Sheets that are there twice, with a free edge, and walls
-between solids that touch, hold nothing: such facets are taken away until no edge is free.
+undecided.
+
+A solid that is written with both sides of its surface is closed, and its winding number is 0 everywhere. A
+ray from within passes an odd number of *sheets*, where crossings in one plane cancel, outside of all else.
+Where it does in any of six directions the answer is undecided, as sheets may have gaps. Walls between
+solids that touch are no sheets: there the ray is inside before and after.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -43,8 +47,7 @@ class Shells:
 
     ``number`` (N,): the shell of each facet. ``boxes`` (S, 2, 3): low and high corner, in LSB. ``facets``:
     how many each has. ``open_edges`` (S,): edges that belong to an odd number of facets. ``oriented`` (S,):
-    closed ones only. ``twice`` (T, 2, 3): boxes of what facets enclose that are there twice, of each shell
-    with such.
+    closed ones only.
     """
 
     number: Integers
@@ -53,7 +56,6 @@ class Shells:
     boxes: Integers
     open_edges: Integers
     oriented: Mask
-    twice: Integers
 
     @property
     def closed(self) -> Mask:
@@ -70,9 +72,7 @@ class Solid:
 
     def moved(self, translation: Integers) -> "Solid":
         """Return it elsewhere."""
-        shells = self.shells
-        moved = replace(shells, boxes=shells.boxes + translation, twice=shells.twice + translation)
-        return Solid(self.facets + translation, moved)
+        return Solid(self.facets + translation, replace(self.shells, boxes=self.shells.boxes + translation))
 
 
 def solid_of(facets: Integers) -> Solid:
@@ -89,38 +89,11 @@ def shells_of(facets: Integers) -> Shells:
     # By the lowest facet, whatever its vertices' numbers.
     order = np.argsort(first)
     number = np.argsort(order)[number]
-    boxes = _boxes(facets, number, len(first))
-    unmatched, turned = _boundary(corners, number, len(first))
-    twice = _enclosing_twice(corners)
-    held = _boxes(facets[twice], number[twice], len(first))[np.unique(number[twice])]
-    oriented = (unmatched == 0) & (turned == 0)
-    return Shells(number, first[order], count[order], boxes, unmatched, oriented, held)
-
-
-def _boxes(facets: Integers, number: Integers, shells: int) -> Integers:
-    """Return the boxes (S, 2, 3) of the facets (N, 3, 3) of each shell: number (N,)."""
-    boxes = np.stack([np.full((shells, 3), _FAR), np.full((shells, 3), -_FAR)], 1)
+    boxes = np.stack([np.full((len(first), 3), _FAR), np.full((len(first), 3), -_FAR)], 1)
     np.minimum.at(boxes[:, 0], number, facets.min(1))
     np.maximum.at(boxes[:, 1], number, facets.max(1))
-    return boxes
-
-
-def _enclosing_twice(corners: Integers) -> Integers:
-    """Return one of each facets with vertices (N, 3) that are there twice, but for those with a free edge."""
-    kinds = np.sort(corners, 1)
-    order = np.lexsort(kinds.T)
-    again = (kinds[order[1:]] == kinds[order[:-1]]).all(1)
-    first = np.diff(again, prepend=False, append=False)[:-1] & again
-    found = order[:-1][first]
-    while True:
-        start, end = kinds[found][:, [0, 0, 1]], kinds[found][:, [1, 2, 2]]
-        edge = start * (int(corners.max()) + 1) + end
-        _, number, uses = np.unique(edge, return_inverse=True, return_counts=True)
-        # Edges without length are the ends of nothing.
-        held = ((uses[number.reshape(edge.shape)] > 1) | (start == end)).all(1)
-        if held.all():
-            return found
-        found = found[held]
+    unmatched, turned = _boundary(corners, number, len(first))
+    return Shells(number, first[order], count[order], boxes, unmatched, (unmatched == 0) & (turned == 0))
 
 
 def _numbered(facets: Integers) -> Integers:
@@ -207,6 +180,41 @@ def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, 
     point, facet, sign = point[met], facet[met], sign[met]
     above = _side(facets[facet].astype(exact), points[point].astype(exact)) == sign
     return point[above], facet[above], sign[above]
+
+
+def between_sheets(points: Integers, facets: Integers, shells: Shells) -> Mask:
+    """Return which points (K, 3), outside of closed shells, may be inside sheets of theirs: (K,)."""
+    used = np.flatnonzero(shells.closed[shells.number])
+    facets, oriented = facets[used], shells.oriented[shells.number[used]]
+    found = np.zeros(len(points), np.bool_)
+    for axis in range(3):
+        for side in (1, -1):
+            # The axis last, and upwards: a turn, or one and a reflection, which turns all facets round.
+            here, there = (side * np.roll(one, 2 - axis, -1) for one in (points, facets))
+            point, facet, sign = _crossings(here, there)
+            order = np.argsort(point, kind="stable")
+            for rows in np.split(order, np.flatnonzero(np.diff(point[order])) + 1) if len(order) else ():
+                k = int(point[rows[0]])
+                met = facet[rows]
+                found[k] |= _sheets(here[k], there[met], sign[rows], oriented[met]) % 2 == 1
+    return found
+
+
+def _sheets(point: Integers, facets: Integers, signs: Integers, oriented: Mask) -> int:
+    """Return how many sheets a ray from a point along +z passes, of the facets (N, 3, 3) that it meets."""
+    planes: dict[tuple[Fraction, ...], list[int]] = {}
+    for k, (a, b, c) in enumerate(facets.astype(object)):
+        u, v, w = b - a, c - a, a - point
+        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+        height = Fraction(int(x * w[0] + y * w[1] + z * w[2]), int(z))
+        planes.setdefault((height, Fraction(int(x), int(z)), Fraction(int(y), int(z))), []).append(k)
+    sheets = winding = odd = 0
+    for plane in sorted(planes, reverse=True):
+        met = np.array(planes[plane])
+        turned, others = int(signs[met][oriented[met]].sum()), int((~oriented[met]).sum()) % 2
+        sheets += not (turned or others or winding or odd)
+        winding, odd = winding + turned, (odd + others) % 2
+    return sheets
 
 
 def _exact_type(reach: int) -> type:
@@ -332,8 +340,10 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
-    both = "closed, but facets are there twice, so that nothing tells its inside"
-    double = _fitting(shells.boxes, hulls.twice, _STILL) & ~held
+    both = "closed, but written with both sides of its surface, so that nothing tells its inside"
+    double = np.zeros(len(shells.first), np.bool_)
+    possible = possible[~held[possible]]
+    double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
     return [
         Part(
             mesh,

@@ -93,8 +93,8 @@ def test_growth_is_judged():
         return Growth(SURFACES[0], tuple(points)).problems
 
     assert problems(1e3, 1e4, 1e5, 1e6) == []
-    steep = problems(1e3, 1e5, 1e7, 1e9)
-    assert len(steep) == 2 and "comparisons" in steep[0] and "seconds" in steep[1]
+    (steep,) = problems(1e3, 1e5, 1e7, 1e9)
+    assert "comparisons" in steep
     assert "near pairs" in problems(1e3, same=False)[0]
 
 

@@ -20,8 +20,10 @@ DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _interrupted = False
 # What to do about what a file system refuses.
-_TO_DO = dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), ": make it readable and writable for you")
-_TO_DO[errno.ENOSPC] = ": make room there"
+_TO_DO = {
+    **dict.fromkeys((errno.EACCES, errno.EPERM), ": make it readable and writable for you"),
+    errno.EROFS: ": work where you can write", errno.ENOSPC: ": make room there",
+}  # fmt: skip
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -23,7 +23,7 @@ from triaxis.host.cli.check import (
 )
 from triaxis.host.cli.engine import about, add_engine, board_of, certificates, self_tested, width_of
 from triaxis.host.cli.terminal import progress_bar
-from triaxis.host.engines import BULK, Progress, SceneEngine, scene_engine
+from triaxis.host.engines import Progress, SceneEngine, scene_engine
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.motion.clearance import Clearance, clearances, lengths, places
@@ -32,7 +32,7 @@ from triaxis.host.motion.kinematics import LINEAR, ROTARY
 from triaxis.host.motion.machine import Machine, Tool
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import Effort, PathResult
+from triaxis.host.motion.path_check import Effort, PathResult, bulk_engine
 from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
@@ -49,7 +49,8 @@ _PLACES, _FEW_PLACES = 200, 50
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
-_Profile = tuple[list[Clearance], Effort]
+# Bounds, what they took, and of how many places.
+_Profile = tuple[list[Clearance], Effort, int]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -83,8 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
-        help=f"bound the clearance at N places, for report and picture ({_FEW_PLACES}, where all is clear; "
-        f"{_PLACES} with --picture, but for a machine with objects)",
+        help=f"bound the clearance at N places, for report and picture ({_PLACES} with --picture, but for a "
+        "machine with objects)",
     )  # fmt: skip
     parser.set_defaults(run=run)
 
@@ -173,7 +174,7 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_machine, draw_path
 
         if whole_machine:
-            draw_machine(options.picture, setup, program, first, profile[0])
+            draw_machine(options.picture, setup, program, first, profile[0] if options.profile else [])
         else:
             draw_path(options.picture, program, first, profile[0])
     for one in (one for one in checked if not one.rule.of_machine):
@@ -184,7 +185,7 @@ def run(options: argparse.Namespace) -> int:
     if objects := [one for one in checked if one.rule.of_machine]:
         _print_objects(objects)
     if profile[0]:
-        _print_nearest(profile[0])
+        _print_nearest(profile[0], profile[2])
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -246,11 +247,6 @@ def _engine(options: argparse.Namespace, board: Board | None, scene: PathScene) 
     return by_distance(options, scene.a, scene.b, engine)
 
 
-def _quickest(scene: PathScene) -> SceneEngine:
-    """Return who is asked at poses that decide nothing."""
-    return scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-
-
 def _profile(
     options: argparse.Namespace, program: Program, checked: list[RuleCheck], first: RuleCheck
 ) -> _Profile:
@@ -259,8 +255,8 @@ def _profile(
     Not all was looked at after a move where something is near, but where there is one thing alone.
     """
     pictured = options.picture is not None and not any(one.rule.meeting for one in checked)
-    few = _FEW_PLACES if first.result.verdict == "clear" else 0
-    count = options.profile or (_PLACES if pictured else few)
+    asked = options.profile or (_PLACES if pictured else 0)
+    count = asked or (_FEW_PLACES if first.result.verdict == "clear" else 0)
     effort, rules = Effort(), [one.rule for one in checked]
     chosen = places(program, count) if count else []
     if len(checked) > 1 and first.near_at is not None:
@@ -268,7 +264,8 @@ def _profile(
     known = Counter(number for rule in rules for number in rule.numbers)
     with progress_bar("places", sum(known[place.move] for place in chosen)) as progress:
         wanted = first.scene.wanted
-        return clearances(program, rules, wanted, _quickest, chosen, effort, progress), effort
+        found = clearances(program, rules, wanted, bulk_engine, chosen, effort, not asked, progress)
+    return found, effort, len(chosen)
 
 
 def _report(
@@ -381,13 +378,13 @@ def _print_effort(result: PathResult) -> None:
         )
 
 
-def _print_nearest(profile: list[Clearance]) -> None:
-    """Print the least clearance of all places; no less is proven between them."""
-    least = min(profile, key=lambda one: one.seen)
+def _print_nearest(profile: list[Clearance], places: int) -> None:
+    """Print the least clearance of so many places; nothing is said of what is between them."""
+    least, proven = min(profile, key=lambda one: one.seen), min(one.proven for one in profile)
     place = _at(least.position, least.angles)
     print(
-        f"clearance at {len(profile)} places: least in line {least.line} at {place}: "
-        f"{least.what} and {least.of}, {least.proven:.4g} to {least.seen:.4g} mm"
+        f"clearance at {places} places: least in line {least.line} at {place}: {least.what} and {least.of}, "
+        f"{proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
     )
 
 

@@ -19,7 +19,7 @@ from triaxis.host.engines import Progress, SceneEngine, Translation, unwatched
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort
-from triaxis.host.motion.path_scene import PathScene, Wanted, nearest, prepare_path
+from triaxis.host.motion.path_scene import PathScene, Wanted, nearest
 from triaxis.host.quantise import Vector, vector
 
 # The bounds are left this far apart: in steps of the grid, and as a part of the clearance.
@@ -74,11 +74,12 @@ def lengths(program: Program) -> npt.NDArray[np.float64]:
 
 def clearances(
     program: Program, rules: Sequence[Rule], wanted: Wanted, engine_of: Callable[[PathScene], SceneEngine],
-    chosen: Sequence[Place], effort: Effort, progress: Progress = unwatched,
+    chosen: Sequence[Place], effort: Effort, least_alone: bool = False, progress: Progress = unwatched,
 ) -> list[Clearance]:  # fmt: skip
     """Return bounds at places of the program, but for those where no rule holds.
 
-    ``effort`` counts the runs; ``progress`` is told of places done, those of each rule.
+    ``effort`` counts the runs; ``least_alone``: places at which others are nearer need no bounds, and have
+    none; ``progress`` is told of places done, those of each rule.
     """
     least = dict[Place, _Bounds]()
     for rule in rules:
@@ -86,12 +87,12 @@ def clearances(
         here = [place for place in chosen if place.move in moves]
         standing = tuple(_standing(moves[place.move], place.part) for place in here)
         for piece in rule.standing(standing) if standing else ():
-            scene = prepare_path(
-                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
-            )
+            scene = rule.scene(piece, wanted)
             looking = _Looking(scene, engine_of(scene), rule.names, effort)
             for place, move in zip(here[piece.first :], piece.moves, strict=False):
-                found, before = looking.bounds(move, least.get(place)), least.get(place)
+                before = least.get(place)
+                nearest_yet = min(least.values(), key=lambda one: one.seen, default=None)
+                found = looking.bounds(move, nearest_yet if least_alone else before)
                 if found is not None:
                     least[place] = found if before is None else before.or_less(found)
                 progress(1)

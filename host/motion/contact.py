@@ -42,6 +42,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.motion.kinematics import Body, Meeting, Piece
 from triaxis.host.motion.machine import STOCK, TOOL, WORKPIECE, Machine, Tool
 from triaxis.host.motion.moves import Move, Program
+from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 from triaxis.host.stl import StlMesh
 
@@ -76,6 +77,11 @@ class Rule:
             if self.meeting
             else iter((Piece(self.a, self.b, moves, moves, 0),))
         )
+
+    def scene(self, piece: Piece, wanted: Wanted) -> PathScene:
+        """Return a piece on the grid; raise InputError where it does not fit."""
+        program = replace(self.program, moves=piece.moves)
+        return prepare_path(piece.a, piece.b, self.files, program, wanted)
 
     def standing(self, moves: tuple[Move, ...]) -> Iterator[Piece]:
         """Yield moves that stay where they are, instead of its own, in pieces between which nothing turns."""

@@ -205,7 +205,7 @@ class Interpreter:
                 continue
             group = GROUPS.get(word.code)
             if group is None:
-                why = "not known: look what it does"
+                why = "not known: see what it does, and whether it moves anything"
                 self.refuse(block.place, word, WHY_REFUSED.get(word.code, why))
             elif group in codes and group != "no modal group":
                 both = f"{codes[group][0].text} and {word.text}"

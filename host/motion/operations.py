@@ -15,7 +15,7 @@ from triaxis.host.motion.follow import Piece, pieces
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import Machine, Tool
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import insides_at
+from triaxis.host.motion.path_check import bulk_engine, insides_at
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.rule_check import check_rule
 from triaxis.host.motion.supervision import Names, Supervision
@@ -34,14 +34,10 @@ def near_turn(setup: Setup, turn: Program, wanted: Wanted) -> NearTurn | None:
     """Return where a turn is near first, of all objects, as `path` finds it; None where it is clear."""
     found = list[NearTurn]()
     for rule in rules_of(setup, turn, 0):
-        near = check_rule(setup.tool, rule, wanted, _bulk, unwatched, True, False).result.near
+        near = check_rule(setup.tool, rule, wanted, bulk_engine, unwatched, True, False).result.near
         if near is not None:
             found.append(NearTurn(near.line, rule.names))
     return min(found, key=lambda near: near.line, default=None)
-
-
-def _bulk(scene: PathScene) -> SceneEngine:
-    return scene_engine(BULK, scene.a, scene.b, scene.grid.width)
 
 
 @dataclass(frozen=True)

@@ -170,12 +170,18 @@ def check_path(
     return result
 
 
+def bulk_engine(scene: PathScene) -> SceneEngine:
+    """Return the quickest engine, for poses that decide nothing, or nothing that a board decides."""
+    return scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+
+
 def _near_at(scene: PathScene, index: int) -> bool:
     """Return whether facets are near at the start of a move, as the bulk checker sees it."""
     start = scene.segment(scene.program.moves[index]).start
     segment = Segment(start, start, Rational(0), Rational(0))
-    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-    return engine.run(segment.sample, scene.path.margin(segment), stop_at_first=True).near_count > 0
+    return (
+        bulk_engine(scene).run(segment.sample, scene.path.margin(segment), stop_at_first=True).near_count > 0
+    )
 
 
 def insides_at(scene: PathScene, index: int = 0) -> Enclosure:

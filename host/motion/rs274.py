@@ -86,14 +86,19 @@ class _Told:
     farthest: Fraction = Fraction(0)
     # The line of the last change of a tool; whether compensation has changed since the last move of Z.
     changed: int = -1
+    numbered: bool = True
     stale: bool = False
     # Lines that were given as two.
     split: frozenset[int] = frozenset()
     moves: list[Move] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
 
-    def told(self, line: int, call: str, text: str) -> None:
-        """Take a call; raise ValueError where it is not understood."""
+    def told(self, line: int, call: str, text: str, numbered: bool) -> None:
+        """Take a call; raise ValueError where it is not understood.
+
+        ``line``: of the program, or of the call of another file, whose lines are not ``numbered``.
+        """
+        self.numbered = numbered
         if call == "NURBS_FEED":
             raise _SplineError
         if call in _REFUSED:
@@ -114,7 +119,7 @@ class _Told:
             ]
             _CALLS[call](self, line, [value * self.unit for value in numbers], numbers)
         elif not _IGNORED.fullmatch(call):
-            raise ValueError(f"{call} is not understood: look what it does")
+            raise ValueError(f"{call} is not understood: see what it does, and whether it moves anything")
 
     def _set_unit(self, line: int, unit: Fraction) -> None:
         if unit != self.unit and any(self.offsets["compensation"]):
@@ -151,7 +156,7 @@ class _Told:
         # Before its first position it is told what the machine file says.
         if self.position is not None:
             self.notes["tool"] = f"line {line}: {note}" if line else note
-        self.loaded, self.changed = tool, line
+        self.loaded, self.changed = tool, line if self.numbered else -1
 
     def _set(self, name: str, line: int, values: list[Fraction], numbers: list[Fraction]) -> None:
         new = vector(values[:3])
@@ -162,7 +167,7 @@ class _Told:
         if name != "compensation":
             self.turned_by[name] = self._angles(numbers[3:])
         if name == "compensation":
-            if line and line == self.changed and line not in self.split:
+            if line and self.numbered and line == self.changed and line not in self.split:
                 raise ValueError("on a line with a change of the tool, which it mistakes: give the next line")
             self.stale |= new != self.offsets[name]
         self.offsets[name], self.errors[name] = new, _HALF * self.unit
@@ -297,7 +302,7 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     lines = _lines_of(path)
     if shutil.which(_PROGRAM) is None:
         raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
-    turns = _refuse_unknown(path, lines, machine)
+    turns, called = _refuse_unknown(path, lines, machine)
     x, y, z = (float(c) for c in start or NOWHERE)
     # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
     first = [f"N0 T{machine.loaded} M6"] if machine.loaded is not None else []
@@ -306,16 +311,21 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     numbered = [
         _NUMBER.sub(rf"\g<1>N{count} ", line, count=1) if line.strip() else line
         for count, parts in enumerate(given, 1)
-        for line in parts
+        # What another file holds has no numbers: a comment that is printed tells that it is called.
+        for line in (*(["(MSG,)"] if _CALLED.search(_bare(parts[0])) else []), *parts)
     ]
     body = [line for line in numbered if _PERCENT.fullmatch(line) is None]
     program = ["%", *first, *body, "N0 M2", "%", ""]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        (folder / "called").mkdir()
         (folder / "program.ngc").write_text("\n".join(program))
         (folder / "tools.tbl").write_text(_tool_table(machine))
         (folder / "offsets.var").write_text(_offsets(machine))
-        (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {path.parent.resolve()}\n")
+        for file in called:
+            bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in _lines_of(file)]
+            (folder / "called" / file.name).write_text("\n".join(bare))
+        (folder / "rs274.ini").write_text("[RS274NGC]\nSUBROUTINE_PATH = called\n")
         command = [_PROGRAM, "-g", "-i", "rs274.ini", "-t", "tools.tbl", "-v", "offsets.var", "program.ngc"]
         try:
             # It keeps its tools in the user's home, which a control that runs there, or another program that
@@ -335,25 +345,23 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
     state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
     state.turns = turns
-    calls, last = [count for count, text in enumerate(lines, 1) if _CALLED.search(_bare(text))], 0
+    line = 0
     for told in done.stdout.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
             if told.strip():
                 raise InputError(f"{path}: {_PROGRAM} says {told.strip()[:40]!r}, which is not understood")
             continue
-        if match[1].isdigit():
-            last = int(match[1])
-        # What stands in another file has no number: it is of the next call.
-        in_program = match[1].isdigit() or not last
-        line = last if in_program else next((call for call in calls if call >= last), last)
+        # What stands in another file has no number: it is of the line before, which is that of the call.
+        numbered = match[1].isdigit()
+        line = int(match[1]) if numbered else line
         try:
-            state.told(line, match[2], match[3])
+            state.told(line, match[2], match[3], numbered)
         except ValueError as error:
             raise Place(path, line).error(match[2], str(error)) from error
         except _SplineError:
             program = read_program(path, start, skip_optional, machine)
-            note = f"line {line}: a spline, which the interpreter does not print: all is by our own reader"
+            note = f"line {line}: a spline, which it does not print: the program was read without rs274"
             return replace(program, notes=(*program.notes, note))
     if not state.moves:
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
@@ -399,9 +407,9 @@ def _bare(line: str) -> str:
     return "".join(_COMMENT.sub("", line).split()).lower()
 
 
-def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> bool:
+def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> tuple[bool, list[Path]]:
     """Raise InputError at words for which the interpreter would take what it is not told for 0, and others
-    that it mistakes; return whether any line may turn a system.
+    that it mistakes; return whether any line may turn a system, and the files that are called.
     """
     tools = machine.tools.values()
     needed = [
@@ -443,7 +451,7 @@ def _refuse_unknown(path: Path, lines: Sequence[str], machine: Machine) -> bool:
     for count, line in enumerate(texts[path], 1):
         if closed is not None and count > closed and line:
             raise Place(path, count).error(line[:20], AFTER_THE_END)
-    return any(_TURNS.search(line) for text in texts.values() for line in text)
+    return any(_TURNS.search(line) for text in texts.values() for line in text), files[1:]
 
 
 def _split(line: str) -> list[str]:

@@ -14,7 +14,7 @@ from triaxis.host.euclidean import ROOT_3
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.machine import Tool
 from triaxis.host.motion.path_check import PathResult, check_path
-from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
+from triaxis.host.motion.path_scene import PathScene, Wanted
 from triaxis.host.scene import AUTOMATIC_WIDTHS
 
 # Bits of the grid's width that a part of a turn takes at most, less than all.
@@ -61,9 +61,7 @@ def check_rule(
         pending = [found]
         while pending:
             piece = pending.pop()
-            scene = prepare_path(
-                piece.a, piece.b, rule.files, replace(rule.program, moves=piece.moves), wanted
-            )
+            scene = rule.scene(piece, wanted)
             watched = unwatched if piece.swept else progress
             result = check_path(scene, engine_of(scene), watched, surfaces_only, asked_again)
             pieces += 1

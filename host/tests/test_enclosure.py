@@ -22,7 +22,15 @@ def ring(scale: float = 1):
 
 
 STOCK = box(0, 100)
-# Four facets of one fold, at a box's corner: nothing is enclosed.
+# With the other diagonals: squares are of two facets each, in this order.
+FLIPPED = np.concatenate(
+    [
+        [[pair[0, 0], pair[0, 1], other], [other, pair[0, 1], pair[0, 2]]]
+        for pair in STOCK.reshape(6, 2, 3, 3)
+        for other in [next(v for v in pair[1] if not (v == pair[0]).all(1).any())]
+    ]
+)
+# A fold at a box's corner.
 FIN = np.array([[[10, 10, 10], [90, 10, 10], [90, 90, 10]], [[10, 10, 10], [10, 90, 90], [90, 90, 10]]])
 # Three boxes side by side: two have a wall with the third.
 CORNER = np.concatenate([box(0, 100), box((100, 0, 0), (200, 100, 100)), box((0, 100, 0), (100, 200, 100))])
@@ -66,7 +74,26 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
         (box(40, 60), np.concatenate([STOCK, TURNED]), State.UNDECIDED, "a"),
         (box(40, 60), np.concatenate([STOCK, STOCK]), State.INSIDE, "a"),
         (box(140, 160), np.concatenate([STOCK, STOCK[:, ::-1]]), State.OUTSIDE, None),
-        (box(20, 40), np.concatenate([box(0, 10), FIN, FIN[:, ::-1]]), State.OUTSIDE, None),
+        # The other side with other diagonals; with a hole in both sides; and of a sheet that is folded.
+        (box(40, 60), np.concatenate([STOCK, FLIPPED[:, ::-1]]), State.UNDECIDED, "a"),
+        (box(140, 160), np.concatenate([STOCK, FLIPPED[:, ::-1]]), State.OUTSIDE, None),
+        *(
+            (
+                box(40, 60),
+                np.concatenate([np.delete(STOCK, k, 0), np.delete(STOCK, k, 0)[:, ::-1]]),
+                State.UNDECIDED,
+                "a",
+            )
+            for k in range(12)
+        ),
+        (box(20, 40), np.concatenate([box(0, 10), FIN, FIN[:, ::-1]]), State.UNDECIDED, "a"),
+        # What rounding made of details has no sides.
+        (
+            box((-2, -2, 0), (2, 2, 3)),
+            np.concatenate([ring(), *(box(k, k) for k in (-9, 9))]),
+            State.OUTSIDE,
+            None,
+        ),
         # Solids that touch have walls twice, and an inside.
         (box((140, 40, 40), (160, 60, 60)), CORNER, State.INSIDE, "a"),
         (box((140, 140, 40), (160, 160, 60)), CORNER, State.OUTSIDE, None),

@@ -616,7 +616,7 @@ def test_splines_are_read_without_linuxcnc(tmp_path):
     program.write_text("G21 G61 F9\nG0 X1\nG5 X4 I1 J1 P-1 Q1\nG1 X9\n")
     ours, theirs = (read(program, ORIGIN, False, Machine()) for read in (read_program, read_by_rs274))
     assert ours.moves == theirs.moves and ours.moves[1].curve
-    assert theirs.notes[-1].startswith("line 3: a spline, which the interpreter does not print")
+    assert theirs.notes[-1].startswith("line 3: a spline, which it does not print")
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
@@ -801,10 +801,29 @@ def test_moves_of_another_file_have_the_line_of_its_call(tmp_path, reader):
     if reader == "rs274" and shutil.which("rs274") is None:
         pytest.skip("rs274 (linuxcnc-uspace) is not installed")
     program = tmp_path / "main.ngc"
-    program.write_text("G21 G61 F9\nG0 X1\n\no<beside> call\nG0 X9\no<beside> call\nM2\n")
-    (tmp_path / "beside.ngc").write_text("o<beside> sub\nG1 X2\nG1 X3\no<beside> endsub\n")
+    program.write_text(
+        "o<beside> call\nG21 G61 F9\nO1 repeat [2]\no<beside> call\no<beside> call\nO1 endrepeat\n"
+        "G0 X9\nO2 if [0]\no<beside> call\nO2 endif\no<beside> call\nM2\n"
+    )
+    (tmp_path / "beside.ngc").write_text("o<beside> sub\nF9 G21 G1 X2\nN100 G1 X3\no<beside> endsub\n")
     read = read_program if reader == "own" else read_by_rs274
-    assert [move.line for move in read(program, ORIGIN, False, Machine()).moves] == [2, 4, 4, 5, 6, 6]
+    found = read(program, ORIGIN, False, Machine())
+    assert [move.line for move in found.moves] == [1, 1, 4, 4, 5, 5, 4, 4, 5, 5, 7, 11, 11]
+    assert "millimetres" not in str(found.notes)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+def test_a_file_of_its_own_changes_the_tool(tmp_path):
+    program, file = tmp_path / "p.ngc", tmp_path / "machine.toml"
+    file.write_text(MACHINE)
+    program.write_text("G21 G61\no<change> call\nG0 X5\n")
+    (tmp_path / "change.ngc").write_text("o<change> sub\nT1 M6\nG43 H1\nG0 Z90\no<change> endsub\n")
+    ours, theirs = (
+        read(program, ORIGIN, False, read_machine(file)) for read in (read_program, read_by_rs274)
+    )
+    assert [(move.line, move.end, move.tool) for move in ours.moves] == [
+        (move.line, move.end, move.tool) for move in theirs.moves
+    ]
 
 
 def test_each_step_of_a_repeated_angle_turns_on(read):

@@ -337,6 +337,15 @@ def test_a_dive_is_found(path, tmp_path):
     assert re.search(r"places: least in line \d at X.*: the tool and the workpiece, 0\.9\d* to 1", said)
 
 
+def test_the_least_clearance_counts_what_a_control_may_leave_the_path_by(path):
+    program = "G21 G61 G0 X0 Y0 Z1.2\nX35 Y25\nZ3\nG64 P1 G1 X30 F100\nG61 G0 Z60"
+    status, said, found = path(program, "--start", 0, 0, 60, "--clearance", 0.1, "--profile", 60)
+    printed = re.search(r"workpiece, ([\d.]+) to ([\d.]+) mm \(Chebyshev\)", said.split("places:")[1])
+    proven, seen = (min(place[key] for place in found["profile"]) for key in ("proven", "seen"))
+    assert status == 0 and printed and proven < 1.1 < seen
+    assert [float(one) for one in printed.groups()] == pytest.approx([proven, seen], rel=1e-3)
+
+
 def test_a_start_that_nobody_gave_is_said(path):
     assert ASSUMED in path("G21 G0 Z500")[1]
     status, said, _ = path("G21 G0 Z500", "--start", 0, 0, 60)
