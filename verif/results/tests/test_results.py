@@ -275,6 +275,7 @@ def test_pages_show_what_was_found_and_need_nothing_else(database, tmp_path):
 
 
 def test_each_line_has_its_mutants_and_what_is_open(database, tmp_path, monkeypatch):
+    monkeypatch.setattr(pages, "CODE_COVERAGE", tmp_path / "none.json")
     text = page(source_page(FILE), database) or ""
     line = re.search(r"id='3'>.*?</div>", text, re.DOTALL)
     assert line and "1 mutant, 1 killed" in line[0] and "by MixedTest in w8_m8" in line[0]
