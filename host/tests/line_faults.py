@@ -1,5 +1,6 @@
-"""A serial line that damages, loses, repeats, reorders and delays frames, and makes some up."""
+"""Serial lines: one that damages, loses, repeats, reorders, delays and makes up frames; and a patient one."""
 
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,17 @@ from triaxis.host.link.wire import END
 _BOUNDARY = bytes([END])
 # Kept to be repeated later, from this session or an earlier one.
 _REMEMBERED = 20
+
+
+def patient(top):
+    """Return a line on which the board's clock waits for a host that gets no core: a second until go ends."""
+
+    def to_board(data: bytes) -> bytes:
+        if top.go and not data:
+            time.sleep(0.005)
+        return data
+
+    return to_board
 
 
 class _Frames:

@@ -22,7 +22,7 @@ from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.exchange import LinkError, SerialLine
 from triaxis.host.link.messages import LOADED_POSE, Mesh, Mode, RunEnd, TrialKind, trial_of
-from triaxis.host.tests.line_faults import LineFaults, StaleReplies
+from triaxis.host.tests.line_faults import LineFaults, StaleReplies, patient
 from triaxis.host.tests.published import read_published
 from triaxis.host.tests.test_cli import TRIAXIS
 from triaxis.sim.pseudo_terminal import ServedBoard, Wire
@@ -51,7 +51,7 @@ def board_check(top, capsys):
     """Return a function that runs `board check` on the simulated board: exit code, output, errors."""
 
     def run(*arguments, wire=None):
-        with ServedBoard(top, wire or Wire()) as served:
+        with ServedBoard(top, wire or Wire(patient(top))) as served:
             status = main(["board", "check", *map(str, arguments), "--port", served.path])
             out, error = capsys.readouterr()
             # At once, not only when the watchdog has run out.
@@ -110,7 +110,7 @@ def test_a_board_is_not_asked_where_one_mesh_may_be_inside_the_other(
     assert "output: stop; the board was not asked to run\n" in out
     # Facets that are near are found as ever.
     assert board_check(*options, "--move", 0, 0, 17.6)[0] == 1
-    with ServedBoard(top) as served:
+    with ServedBoard(top, Wire(patient(top))) as served:
         board = ("board", "--port", served.path)
         found, said = path_on(stock, "G21 G0 X5", *board, "--profile", "2")
         assert (found, top.go_clocks, said["enclosure"]["state"]) == (status, 0, state)
@@ -130,7 +130,7 @@ def test_a_board_that_misses_near_facets_is_not_believed(board_check, boxes, mon
 def test_check_takes_the_board_like_any_other_engine(top, boxes, report, capsys):
     moved = "--rotate z 90 --move 12 0.5 -1.6 --resolution 0.01"
     found = []
-    with ServedBoard(top) as served:
+    with ServedBoard(top, Wire(patient(top))) as served:
         for engine in (("board", "--port", served.path), ("bulk", "--width", "16")):
             words = ("check", *map(str, boxes), *moved.split(), "--json", str(report), "--engine", *engine)
             assert main([*words]) == 1
@@ -157,7 +157,7 @@ def path_on(tmp_path, report):
 
 
 def test_a_path_on_the_board(top, boxes, path_on):
-    with ServedBoard(top) as served:
+    with ServedBoard(top, Wire(patient(top))) as served:
         # Above, down beside it, and into it: A is loaded once, and asked at many poses.
         for gcode, status in (("G21 G0 X20\nG0 Z3", 0), ("G21 G0 X20\nG0 Z5\nG0 X9", 1)):
             asked = path_on(boxes[0], gcode, "board", "--port", served.path)
@@ -299,12 +299,10 @@ def test_a_frame_of_long_ago_is_not_taken_for_the_next(top, rng):
 @pytest.mark.parametrize("loading", [True, False])
 def test_unplugged(loading, top, boxes, report, capsys):
     """While A is loaded, or the output says go: nothing remains in the report or on the line."""
-    due, said, passed = threading.Event(), [], []
+    due, said, passed, wait = threading.Event(), [], [], patient(top)
 
     def count(data):
-        if top.go and not data:
-            # The board's clock waits for a host that does not get its core: 0.6 s before go ends.
-            time.sleep(0.005)
+        wait(data)
         passed.append(data)
         if data and (said or (loading and sum(map(len, passed)) > 200)) and not due.is_set():
             due.set()
@@ -387,7 +385,7 @@ def test_a_fault_in_use_is_unknown_and_a_further_check_is_right(top, board_check
 
 
 def test_a_port_is_for_one_program(top, capsys):
-    with ServedBoard(top) as served, Board(SerialLine(served.path)) as board:
+    with ServedBoard(top, Wire(patient(top))) as served, Board(SerialLine(served.path)) as board:
         board.hello()
         assert main(["board", "status", "--port", served.path]) == 2
         assert capsys.readouterr().err == (
@@ -444,7 +442,7 @@ def test_a_bitstream_of_another_checkout_is_refused_unless_allowed(
     assert (status, out.startswith(f"warning: {OTHER_BUILD}; allowed by --any-bitstream\n")) == (0, True)
     said = read_published(report, "check")
     assert (said["verdict"], said["bitstream"]) == ("clear", {"known": False, "any_allowed": True})
-    with ServedBoard(top) as served:
+    with ServedBoard(top, Wire(patient(top))) as served:
         assert main(["board", "status", "--port", served.path]) == 0
     said = capsys.readouterr().out
     assert f"warning: {OTHER_BUILD}: `board check` refuses it without --any-bitstream\n" in said
