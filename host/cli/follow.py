@@ -15,7 +15,7 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
-from triaxis.host.cli.path import add_program, read_moves
+from triaxis.host.cli.path import add_program, place_words, read_moves
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
@@ -389,15 +389,16 @@ def _told(
             options.json,
             {
                 "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
-                "line": line,
+                "line": line, "position": done.place,
                 "what": names[0] if names else None, "of": names[1] if names else None,
                 "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
                 **(more or {}),
             },
         )  # fmt: skip
     one, other = names or ("", "")
+    at = f", with the tool at about {place_words(done.place, NOWHERE)}" if done.place else ""
     what = {
-        "near": f"NEAR: line {line}: the machine was stopped before it, where {one} comes near {other}",
+        "near": f"NEAR: line {line}: the machine was stopped before it, where {one} comes near {other}{at}",
         "inside": f"NEAR: of {one} and {other} one is inside the other at the start: go was never said",
         "followed": "FOLLOWED: to the end of the program",
         "ended": "ENDED: the positions ended before the program did",

@@ -381,14 +381,14 @@ def _print_effort(result: PathResult) -> None:
 def _print_nearest(profile: list[Clearance], places: int) -> None:
     """Print the least clearance of so many places; nothing is said of what is between them."""
     least, proven = min(profile, key=lambda one: one.seen), min(one.proven for one in profile)
-    place = _at(least.position, least.angles)
+    place = place_words(least.position, least.angles)
     print(
         f"clearance at {places} places: least in line {least.line} at {place}: {least.what} and {least.of}, "
         f"{proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
     )
 
 
-def _at(position: Vector, angles: Vector) -> str:
+def place_words(position: Vector, angles: Vector) -> str:
     """Return the words of a position, to the tenth of a micrometre."""
     place = " ".join(f"{axis}{float(c):.4f}" for axis, c in zip(LINEAR, position, strict=True))
     return place + "".join(f" {axis}{float(c):.4f}" for axis, c in zip(ROTARY, angles, strict=True) if c)
@@ -412,7 +412,7 @@ def _print_verdict(checked: RuleCheck, several: bool) -> None:
         return
     for sentence in result.insides.told(names)[:_LISTED]:
         print(f"NEAR: {start} {sentence}")
-    place = _at(near.position, near.angles)
+    place = place_words(near.position, near.angles)
     print(f"NEAR: line {near.line}: at {place} {names[0]} comes within {clearance} of {names[1]}")
     if not near.within_clearance_for_certain:
         print("  (or within the band beyond it: no facets judged are within it at this very position)")

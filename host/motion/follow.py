@@ -28,7 +28,7 @@ from triaxis.golden.exact import Rational
 from triaxis.host.engines import SceneEngine, Translation
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment
-from triaxis.host.quantise import Vector
+from triaxis.host.quantise import Vector, vector
 
 # How often a piece of a rapid is halved, at most, to see which zones it is beyond.
 _HALVINGS = 8
@@ -236,7 +236,7 @@ class Follower:
         braking: Fraction = Fraction(0), ends: bool = True,
     ) -> None:  # fmt: skip
         """Begin with a tool that is nowhere permitted, and before the first piece."""
-        self._scene, self.pieces, self.ends = scene, found, ends
+        self.scene, self.pieces, self.ends = scene, found, ends
         self._braking = Rational(braking / scene.wanted.resolution)
         self._steps_a_second, self.lag = Rational(speed / scene.wanted.resolution), lag
         self.permitted = 0
@@ -258,7 +258,7 @@ class Follower:
 
     def moved(self, position: Vector) -> None:
         """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
-        place = self._scene.place(position)
+        place = self.scene.place(position)
         among = range(self._first, max(self.permitted, 1))
         held = [number for number in among if self.pieces[number].holds(place)]
         if not held:
@@ -266,7 +266,7 @@ class Follower:
             lines = " to ".join(str(self.pieces[number].line) for number in (among[0], among[-1]))
             raise StrayedError(
                 f"the tool is at {where}, where it is not permitted to be now, in lines {lines} of "
-                f"{self._scene.program.path}; the machine is stopped: check the origin, or begin anew"
+                f"{self.scene.program.path}; the machine is stopped: check the origin, or begin anew"
             )
         self._first, self._last, self._place = held[0], held[-1], place
 
@@ -352,20 +352,31 @@ def _gap(place: GridPoint, piece: Piece) -> Rational:
 
 @dataclass
 class Followed:
-    """How far a machine was followed. ``near``: the piece that was found near, or None."""
+    """How far a machine was followed. ``near``: the piece that was found near, or None; ``place``: in
+    millimetres, where the tool is in the middle of it.
+    """
 
     asked: int = 0
     permitted: int = 0
     near: Piece | None = None
+    place: Vector | None = None
     shortest_hold: int = LONGEST
     longest_lag: float = 0.0
 
     def add(self, other: "Followed") -> None:
         """Take what came of the part that comes next."""
         self.asked, self.permitted = self.asked + other.asked, self.permitted + other.permitted
-        self.near = other.near
+        self.near, self.place = other.near, other.place
         self.shortest_hold = min(self.shortest_hold, other.shortest_hold)
         self.longest_lag = max(self.longest_lag, other.longest_lag)
+
+    def refused(self, follower: Follower, piece: Piece) -> "Followed":
+        """Return it, as it ends before a piece."""
+        scene = follower.scene
+        place = scene.path.position(vector(map(Rational, piece.sample)))
+        self.place = vector(c * scene.wanted.scale for c in place)
+        self.permitted, self.near = follower.permitted, piece
+        return self
 
 
 # Of an answer: the number of its piece, the hold in milliseconds, whether it is clear, the lag in seconds.
@@ -426,8 +437,7 @@ def follow(
         if piece.beside is not None:
             # The board knows nothing of it: what it permitted before ends by itself.
             seen(number, hold, False, now() - since)
-            done.permitted, done.near = follower.permitted, piece
-            return done
+            return done.refused(follower, piece)
         ahead(number, follower.beyond(number, hold))
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)
@@ -436,8 +446,7 @@ def follow(
         done.longest_lag, done.shortest_hold = max(done.longest_lag, lag), min(done.shortest_hold, hold)
         if not clear:
             seen(number, hold, clear, lag)
-            done.permitted, done.near = follower.permitted, piece
-            return done
+            return done.refused(follower, piece)
         if lag > follower.lag:
             raise _late(lag, follower)
         if said is not None and now() > said:

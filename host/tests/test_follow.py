@@ -565,16 +565,18 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
         status, near, said = run("G0 Z30\nX5 Y5\nG1 X-3")
         assert (status, near, said.err) == (0, (None, None, None), "")
         # By X and Y, of which the board knows nothing; by Z; and by all three, which it is asked about.
-        for lines, near in (
-            ("G0 Z60\nX-9.6", (3, "the bed", "the table")),
-            ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head")),
-            ("G0 Z30\nG1 Z20.4", (3, "the head", "the workpiece")),
+        for lines, near, (axis, where) in (
+            ("G0 Z60\nX-9.6", (3, "the bed", "the table"), (0, -9.55)),
+            ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head"), (2, 10.45)),
+            ("G0 Z30\nG1 Z20.4", (3, "the head", "the workpiece"), (2, 20.45)),
         ):
             status, found, said = run(lines)
             assert (status, found) == (1, near), said
             assert (
                 f"NEAR: line {near[0]}: the machine was stopped before it, where {near[1]} comes" in said.out
             )
+            place = read_published(report, "follow")["position"]
+            assert abs(place[axis] - where) < 3 and f"about X{place[0]:.4f} Y{place[1]:.4f} Z" in said.out
         # The bed and the table are 2 mm apart at X-8, 5 at X-5, which is a piece by itself.
         for lines, within in (("G0 Z90\nG1 X-5\nX-8", [4]), ("G0 Z90\nG1 X-5", [])):
             status, _, said = run(lines, words=["--slow", "3"])
