@@ -302,7 +302,7 @@ class Interpreter:
         """Return the value of a word in millimetres, which are assumed where the program says nothing."""
         if self.modal.units is None:
             self.modal = replace(self.modal, units=_MILLIMETRE)
-            self.notes["units"] = f"line {place.line}: no G20 or G21 before it: millimetres assumed"
+            self.notes["units"] = f"line {self.line}: no G20 or G21 before it: millimetres assumed"
         return exact(word.value) * (self.modal.units or 1)
 
     def _change_tool(self, place: Place, word: Word, words: dict[str, Word]) -> None:
@@ -312,11 +312,11 @@ class Interpreter:
         if self.machine.tools:
             if number and number not in self.machine.tools:
                 raise place.error(word.text, f"the machine file has no tool {number}: add it")
-            self.notes["tool"] = f"line {place.line}: how the machine moves to change tools is not checked"
+            self.notes["tool"] = f"line {self.line}: how the machine moves to change tools is not checked"
         elif number != self.loaded and (self.moves or "tool" in self.notes):
             raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
         else:
-            self.notes["tool"] = f"line {place.line}: the tool of {word.text} is taken to be the one given"
+            self.notes["tool"] = f"line {self.line}: the tool of {word.text} is taken to be the one given"
         # Of moves with an empty spindle nothing is known, but by a tool 0.
         self.loaded = number if number in self.machine.tools or not self.machine.tools else None
 
@@ -332,7 +332,7 @@ class Interpreter:
         elif number == 0 or self.loaded not in (None, number):
             raise place.error(word.text, f"the length of tool {number} is not known: give a machine file")
         else:
-            self.notes["length"] = f"line {place.line}: {word.text} is taken for the tool's true length"
+            self.notes["length"] = f"line {self.line}: {word.text} is taken for the tool's true length"
 
     def _length(self, number: int | None) -> Fraction | None:
         tool = self.machine.tools.get(-1 if number is None else number)
@@ -611,7 +611,7 @@ class Interpreter:
             raise begun.place.error("G5.2", str(error)) from error
         self.line, off = begun.line, max(curve.slack for curve in curves)
         told = f"{float(off):.2g} mm are added for the arcs by which controls follow NURBS"
-        self.notes.setdefault("nurbs", f"line {begun.place.line}: {told}")
+        self.notes.setdefault("nurbs", f"line {begun.line}: {told}")
         for curve in curves:
             self._line(begun.place, curve.end, False, curve)
         self.modal = replace(self.modal, motion=None)
@@ -717,7 +717,7 @@ class Interpreter:
         slack = blended if curve is None else blended + curve.slack
         if not (rapid or self.exact_path):
             told = "without G61 or G64 the path is taken for exactly followed"
-            self.notes.setdefault("path mode", f"line {place.line}: {told}")
+            self.notes.setdefault("path mode", f"line {self.line}: {told}")
         turns = self.turned, turned or self.turned
         move = Move(self.line, start, end, rapid, straight, curve, slack, self.loaded or 0, turns)
         try:

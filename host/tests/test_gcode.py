@@ -809,6 +809,8 @@ def test_moves_of_another_file_have_the_line_of_its_call(tmp_path, reader):
     read = read_program if reader == "own" else read_by_rs274
     found = read(program, ORIGIN, False, Machine())
     assert [move.line for move in found.moves] == [1, 1, 4, 4, 5, 5, 4, 4, 5, 5, 7, 11, 11]
+    noted = [note for note in found.notes if "without G61" in note]
+    assert [note.partition(":")[0] for note in noted] == ["line 1"] * (reader == "own")
     assert "millimetres" not in str(found.notes)
 
 
