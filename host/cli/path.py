@@ -2,7 +2,7 @@
 
 import argparse
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -49,8 +49,14 @@ _PLACES, _FEW_PLACES = 200, 50
 # Of a start, in millimetres.
 _FARTHEST = 10**9
 
-# Bounds, what they took, and of how many places.
-_Profile = tuple[list[Clearance], Effort, int]
+
+@dataclass(frozen=True)
+class _Profile:
+    """Bounds of the clearance at places of the path, how many were looked at, and what that took."""
+
+    bounds: list[Clearance]
+    places: int
+    effort: Effort
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -174,9 +180,9 @@ def run(options: argparse.Namespace) -> int:
         from triaxis.host.motion.picture import draw_machine, draw_path
 
         if whole_machine:
-            draw_machine(options.picture, setup, program, first, profile[0] if options.profile else [])
+            draw_machine(options.picture, setup, program, first, profile.bounds if options.profile else [])
         else:
-            draw_path(options.picture, program, first, profile[0])
+            draw_path(options.picture, program, first, profile.bounds)
     for one in (one for one in checked if not one.rule.of_machine):
         _print_scene(one)
         if board is not None:
@@ -184,8 +190,8 @@ def run(options: argparse.Namespace) -> int:
         _print_effort(one.result)
     if objects := [one for one in checked if one.rule.of_machine]:
         _print_objects(objects)
-    if profile[0]:
-        _print_nearest(profile[0], profile[2])
+    if profile.bounds:
+        _print_nearest(profile)
     for note in notes:
         print(f"note: {note}")
     _print_verdict(first, len(checked) > 1 and options.stock is not None)
@@ -265,7 +271,7 @@ def _profile(
     with progress_bar("places", sum(known[place.move] for place in chosen)) as progress:
         wanted = first.scene.wanted
         found = clearances(program, rules, wanted, bulk_engine, chosen, effort, not asked, progress)
-    return found, effort, len(chosen)
+    return _Profile(found, len(chosen), effort)
 
 
 def _report(
@@ -305,8 +311,8 @@ def _report(
         "near": None if near is None else replace(near, move=numbers[near.move]),
         "levels": result.levels,
         "effort": _effort_entry(result.effort),
-        "profile": profile[0],
-        "profile_effort": _effort_entry(profile[1]),
+        "profile": profile.bounds,
+        "profile_effort": _effort_entry(profile.effort),
     }
 
 
@@ -378,13 +384,14 @@ def _print_effort(result: PathResult) -> None:
         )
 
 
-def _print_nearest(profile: list[Clearance], places: int) -> None:
-    """Print the least clearance of so many places; nothing is said of what is between them."""
-    least, proven = min(profile, key=lambda one: one.seen), min(one.proven for one in profile)
+def _print_nearest(profile: _Profile) -> None:
+    """Print the least clearance of all places; nothing is said of what is between them."""
+    least = min(profile.bounds, key=lambda one: one.seen)
+    proven = min(one.proven for one in profile.bounds)
     place = place_words(least.position, least.angles)
     print(
-        f"clearance at {places} places: least in line {least.line} at {place}: {least.what} and {least.of}, "
-        f"{proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
+        f"clearance at {profile.places} places: least in line {least.line} at {place}: {least.what} and "
+        f"{least.of}, {proven:.4g} to {least.seen:.4g} mm (Chebyshev)"
     )
 
 

@@ -81,7 +81,7 @@ def clearances(
     ``effort`` counts the runs; ``least_alone``: places at which others are nearer need no bounds, and have
     none; ``progress`` is told of places done, those of each rule.
     """
-    least = dict[Place, _Bounds]()
+    least, nearest_yet = dict[Place, _Bounds](), None
     for rule in rules:
         moves = dict(zip(rule.numbers, rule.program.moves, strict=True))
         here = [place for place in chosen if place.move in moves]
@@ -91,10 +91,10 @@ def clearances(
             looking = _Looking(scene, engine_of(scene), rule.names, effort)
             for place, move in zip(here[piece.first :], piece.moves, strict=False):
                 before = least.get(place)
-                nearest_yet = min(least.values(), key=lambda one: one.seen, default=None)
                 found = looking.bounds(move, nearest_yet if least_alone else before)
                 if found is not None:
                     least[place] = found if before is None else before.or_less(found)
+                    nearest_yet = found if nearest_yet is None else nearest_yet.or_less(found)
                 progress(1)
     found = list[Clearance]()
     for place, bounds in least.items():

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import partial
 
 from triaxis.host.enclosure import Enclosure
-from triaxis.host.engines import BULK, SceneEngine, scene_engine, unwatched
+from triaxis.host.engines import SceneEngine, unwatched
 from triaxis.host.motion.contact import Setup, rules_of
 from triaxis.host.motion.follow import Piece, pieces
 from triaxis.host.motion.kinematics import ROTARY
@@ -99,7 +99,7 @@ def operation(setup: Setup, program: Program, wanted: Wanted, widths: Sequence[F
     tool, work, off = supervised.tool, supervised.work, supervised.off
     wider = replace(wanted, clearance=wanted.clearance + off)
     scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wider)
-    engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
+    engine = bulk_engine(scene)
     zones = [
         (scene.within(width + off), partial(supervised.within(width).near_beside, scene)) for width in widths
     ]

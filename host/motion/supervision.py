@@ -28,13 +28,13 @@ from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
 from triaxis.host.enclosure import Enclosure
-from triaxis.host.engines import BULK, SceneEngine, scene_engine
+from triaxis.host.engines import SceneEngine
 from triaxis.host.motion.contact import Rule, Setup
 from triaxis.host.motion.kinematics import Body, Meeting
 from triaxis.host.motion.machine import TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_check import PathResult, insides_at, shown_clear
-from triaxis.host.motion.path_scene import PathScene, Segment, Wanted, prepare_path
+from triaxis.host.motion.path_check import PathResult, bulk_engine, insides_at, shown_clear
+from triaxis.host.motion.path_scene import PathScene, Segment, Wanted
 from triaxis.host.quantise import NOWHERE, Vector, vector
 from triaxis.host.stl import StlMesh
 
@@ -245,6 +245,5 @@ def _beside(rule: Rule, wanted: Wanted) -> Beside:
     assert rule.meeting is not None
     # Nothing turns on it, so that all of it is one piece.
     (piece,) = rule.pieces(wanted.step)
-    program = Program(rule.program.path, piece.moves, ())
-    scene = prepare_path(piece.a, piece.b, rule.files, program, wanted)
-    return Beside(rule, rule.meeting, scene, scene_engine(BULK, scene.a, scene.b, scene.grid.width))
+    scene = rule.scene(piece, wanted)
+    return Beside(rule, rule.meeting, scene, bulk_engine(scene))
