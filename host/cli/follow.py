@@ -15,14 +15,14 @@ from triaxis.golden.errors import InputError
 from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers
 from triaxis.host.cli.engine import BOARD, about, add_port, add_trust, board_of, self_tested, width_of
-from triaxis.host.cli.path import add_program, place_words, read_moves
+from triaxis.host.cli.path import add_program, place_words, read_moves, read_stocks
 from triaxis.host.cli.terminal import progress_bar
 from triaxis.host.enclosure import State
 from triaxis.host.link.board import Board
 from triaxis.host.link.board_engine import BoardEngine
 from triaxis.host.link.hal import HalPositions
 from triaxis.host.link.positions import Positions
-from triaxis.host.motion.contact import Setup
+from triaxis.host.motion.contact import NOT_TRACKED, Setup
 from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
@@ -32,9 +32,9 @@ from triaxis.host.motion.follow import (
     StrayedError,
     follow,
 )
-from triaxis.host.motion.operations import Operation, near_turn, operation
+from triaxis.host.motion.operations import Operation, parts_of
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted
-from triaxis.host.motion.supervision import Names, stands_and_turns
+from triaxis.host.motion.supervision import Names
 from triaxis.host.page import Page
 from triaxis.host.quantise import NOWHERE, Vector
 from triaxis.host.report import write_report
@@ -55,8 +55,8 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         "where a piece is near, where the tool is not where it may be, and where an answer or a position is "
         "late. The control says where the tool is, in lines of three numbers in millimetres: X Y Z; their "
         "end is the end of the machining. It says stop while a tool is changed, or A, B, C turn, until the "
-        "machine is where the next part of the program begins. What is cut is not known: give what must not "
-        "be touched."
+        "machine is where the next part of the program begins. What is cut away is not known: give what must "
+        "not be touched, and the blank as --stock."
     )
     add_program(parser, Fraction(1, 100))
     add_numbers(parser, "--speed", "V", "the fastest that any axis moves, in mm/s", None)
@@ -127,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
             f"{options.tool}: turn_tolerance: say by how many degrees {', '.join(sorted(machine.rotary))} "
             "may be off: it decides whether they are where the program has them"
         )
-    work = read_stl(options.work)
+    work, stocks = read_stl(options.work), read_stocks(options, len(program.stretches))
     with board_of(options) as board:
         assert board
         wanted = Wanted(
@@ -135,16 +135,16 @@ def run(options: argparse.Namespace) -> int:
         )
         operations, widths = list[Operation](), _widths(options)
         with progress_bar("parts are cut", len(program.stretches)) as progress:
-            for stretch in program.stretches:
+            for stretch, stock in zip(program.stretches, stocks, strict=True):
                 tool = given or machine.tools[stretch.moves[0].tool]
-                setup = Setup(tool, (work, options.work), None, machine, options.scale)
-                for part in stands_and_turns(stretch, machine.turn_tolerance or Fraction(0)):
-                    if not part.moves[0].turning:
-                        operations.append(operation(setup, part, wanted, widths))
-                    elif near := near_turn(setup, part, wanted):
-                        if not operations:
-                            return _told(options, Followed(), 0, "near", near.names, {"line": near.line})
-                        operations[-1] = operations[-1].stopped_before(near)
+                setup = Setup(tool, (work, options.work), stock, machine, options.scale)
+                for part in parts_of(setup, stretch, wanted, widths):
+                    if isinstance(part, Operation):
+                        operations.append(part)
+                    elif operations:
+                        operations[-1] = operations[-1].stopped_before(part)
+                    else:
+                        return _told(options, Followed(), 0, "near", part.names, {"line": part.line})
                 progress(1)
         if not operations:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
@@ -156,7 +156,7 @@ def run(options: argparse.Namespace) -> int:
                     return _told(options, Followed(), count, "inside", names)
         print(f"board: {about(board.description)}")
         print(f"path: {program.path}, {len(program.moves)} moves, {count} pieces")
-        for note in program.notes:
+        for note in (*program.notes, *((NOT_TRACKED,) if options.stock else ())):
             print(f"note: {note}")
         if lines := sorted({piece.line for one in operations for piece in one.pieces if piece.near}):
             print(
@@ -259,7 +259,7 @@ def _shown(options: argparse.Namespace, one: Operation) -> tuple[Facets, Facets,
     places = [one.pieces[0].start, *(piece.end for piece in one.pieces)]
     ends = np.array([_millimetres(one.scene, place) for place in places])
     title = f"{one.tool.name} along {one.scene.program.path.name}"
-    tool, work = (side.mesh.facets * scale for side in (one.supervised.tool, one.supervised.work))
+    tool, work = (side.mesh.facets * scale for side in (one.supervised.tool, one.supervised.shown))
     return tool, work, ends, title
 
 
@@ -389,7 +389,7 @@ def _told(
             options.json,
             {
                 "verdict": verdict, "pieces": count, "permitted": done.permitted, "asked": done.asked,
-                "line": line, "position": done.place,
+                "line": line, "position": done.place, "stock": options.stock,
                 "what": names[0] if names else None, "of": names[1] if names else None,
                 "shortest_hold_ms": done.shortest_hold, "longest_lag_ms": 1000 * done.longest_lag,
                 **(more or {}),

@@ -82,11 +82,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     add_engine(parser)
     add_distance(parser)
-    parser.add_argument(
-        "--stock", type=Path, action="append", metavar="STOCK.stl",
-        help="the blank, which the cutter may touch while it feeds, and nothing else ever; once, or for each "
-        "part of the program that a change of the tool ends. WORK.stl then is what nothing may touch",
-    )  # fmt: skip
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw the scene, and the clearance")
     parser.add_argument(
         "--profile", type=int, metavar="N",
@@ -116,6 +111,11 @@ def add_program(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
     parser.add_argument(
         "--block-delete", action="store_true", help="leave out lines that begin with / (they are run)"
     )
+    parser.add_argument(
+        "--stock", type=Path, action="append", metavar="STOCK.stl",
+        help="the blank, which the cutter may touch while it feeds, and nothing else ever; once, or for each "
+        "part of the program that a change of the tool ends. WORK.stl then is what nothing may touch",
+    )  # fmt: skip
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
 
@@ -144,15 +144,13 @@ def run(options: argparse.Namespace) -> int:
         check_width(options.width)
     if options.profile is not None and options.profile < 2:
         raise InputError(f"profile {options.profile}: must be at least 2 places")
-    if options.stock and options.surfaces_only:
-        raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     program, machine, given = read_moves(options)
     whole_machine = bool(machine.objects or machine.rotary)
     work = read_stl(options.work), options.work
     operations: list[tuple[Setup, list[Rule]]] = []
     parts = program.stretches
     tools = [given or machine.tools[part.moves[0].tool] for part in parts]
-    for tool, part, stock in zip(tools, parts, _stocks(options, len(parts)), strict=True):
+    for tool, part, stock in zip(tools, parts, read_stocks(options, len(parts)), strict=True):
         first = sum(len(before.moves) for before in parts[: len(operations)])
         setup = Setup(tool, work, stock, machine, options.scale)
         operations.append((setup, rules_of(setup, part, first)))
@@ -202,9 +200,11 @@ def run(options: argparse.Namespace) -> int:
     return DONE if result.verdict == "clear" else NO
 
 
-def _stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path] | None]:
-    """Return the stock of each operation."""
+def read_stocks(options: argparse.Namespace, count: int) -> list[tuple[StlMesh, Path] | None]:
+    """Return the stock of each of so many parts of the program with one tool."""
     files: list[Path] = options.stock or []
+    if files and options.surfaces_only:
+        raise InputError("--surfaces-only: with --stock rapids may begin within it: leave one of them out")
     if len(files) not in (0, 1, count):
         raise InputError(
             f"--stock: {len(files)} files; parts of the program with one tool, in which it moves: {count}: "

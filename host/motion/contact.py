@@ -69,6 +69,11 @@ class Rule:
     meeting: Meeting | None = None
     of_machine: bool = False
 
+    @property
+    def of_stock(self) -> bool:
+        """Return whether it is what the tool must keep of the stock: its moves may begin within that."""
+        return self.names[1] == f"the {STOCK}" and not self.of_machine
+
     def pieces(self, coarse: Fraction) -> Iterator[Piece]:
         """Yield the moves in pieces, as `Meeting.pieces` does."""
         moves = self.program.moves
@@ -93,6 +98,18 @@ class Rule:
         moves = self.program.moves[:count]
         part = replace(self.program, moves=moves)
         return replace(self, program=part, numbers=self.numbers[:count]) if moves else None
+
+    def among(self, first: int, count: int) -> "Rule | None":
+        """Return the rule for so many moves, of which the first gets number 0; None where there is none."""
+        chosen = [
+            (number - first, move)
+            for number, move in zip(self.numbers, self.program.moves, strict=True)
+            if first <= number < first + count
+        ]
+        if not chosen:
+            return None
+        numbers, moves = zip(*chosen, strict=True)
+        return replace(self, program=replace(self.program, moves=moves), numbers=numbers)
 
 
 @dataclass(frozen=True)

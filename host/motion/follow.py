@@ -79,8 +79,8 @@ def _apart(a: GridPoint, b: Sequence[Rational | int]) -> Rational:
 
 
 # Of those that the board is not asked about, the objects that are not clear where the sample of a segment
-# covers it (`supervision`).
-NearBeside = Callable[[Segment], tuple[str, str] | None]
+# covers it, which is of moves with these numbers (`supervision`).
+NearBeside = Callable[[Segment, range], tuple[str, str] | None]
 # The scene, with the clearance that the zone is wide, and what is beside the board with it.
 Zone = tuple[PathScene, NearBeside]
 
@@ -90,7 +90,7 @@ def pieces(
     engine: SceneEngine,
     shortest: Fraction,
     longest: Fraction | None = None,
-    beside: NearBeside = lambda _: None,
+    beside: NearBeside = lambda *_: None,
     zones: Sequence[Zone] = (),
 ) -> tuple[Piece, ...]:
     """Return the pieces of a path in its order: as long as an engine finds them clear, short moves together.
@@ -110,7 +110,7 @@ def pieces(
         together = min(together, len(moves) - first)
         if together > 1:
             group = scene.group(first, first + together)
-            if cut.beyond(group) != len(zones):
+            if cut.beyond(group, range(first, first + together)) != len(zones):
                 together //= 2
                 continue
             way = sum((_way(scene, number) for number in range(first, first + together)), Rational(0))
@@ -137,7 +137,7 @@ class _Cut:
         """Return the scene with the clearance of the board."""
         return self.around[0][0]
 
-    def beyond(self, segment: Segment) -> int:
+    def beyond(self, segment: Segment, moves: range) -> int:
         """Return how many zones all of a segment is beyond by one pose; -1 where it is near, or too long.
 
         The outermost is asked first: far from everything one question answers all of them.
@@ -145,23 +145,23 @@ class _Cut:
         if self.longest and segment.length > self.longest:
             return -1
         numbers = range(len(self.around) - 1, -1, -1)
-        return next((number for number in numbers if self._shown(segment, *self.around[number])), -1)
+        return next((number for number in numbers if self._shown(segment, moves, *self.around[number])), -1)
 
-    def _shown(self, segment: Segment, scene: PathScene, beside: NearBeside) -> bool:
+    def _shown(self, segment: Segment, moves: range, scene: PathScene, beside: NearBeside) -> bool:
         margin = scene.path.margin(segment)
         if margin > scene.largest_margin:
             return False
         run = self.engine.run(segment.sample, margin, stop_at_first=True)
-        return not run.near_count and beside(segment) is None
+        return not run.near_count and beside(segment, moves) is None
 
     def move(self, number: int) -> Iterator[Piece]:
         """Yield the pieces of one move, in the order in which the tool comes to them."""
-        move = self.scene.program.moves[number]
+        move, only = self.scene.program.moves[number], range(number, number + 1)
         whole = self.scene.segment(move)
         pending = [whole]
         while pending:
             segment = pending.pop()
-            beyond = self.beyond(segment)
+            beyond = self.beyond(segment, only)
             enough = len(self.around) - 1
             if segment.length > self.shortest and beyond < (0 if whole.between else enough):
                 pending += reversed(segment.halves())
@@ -173,17 +173,17 @@ class _Cut:
                 way = Rational(0) if pending else _way(self.scene, number)
                 piece = _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
             if beyond >= 0:
-                yield replace(piece, beyond=self._in_parts(segment) if beyond < enough else beyond)
+                yield replace(piece, beyond=self._in_parts(segment, only) if beyond < enough else beyond)
             else:
                 _, beside = self.around[0]
-                yield replace(piece, near=True, beside=beside(segment))
+                yield replace(piece, near=True, beside=beside(segment, only))
 
-    def _in_parts(self, whole: Segment) -> int:
+    def _in_parts(self, whole: Segment, moves: range) -> int:
         """Return how many zones a segment that is clear is beyond, seen part by part."""
         pending, least = [whole], len(self.around) - 1
         while pending and least > 0:
             part = pending.pop()
-            beyond = self.beyond(part)
+            beyond = self.beyond(part, moves)
             if beyond < least:
                 if part.length > self.shortest and part.level < whole.level + _HALVINGS:
                     pending += part.halves()
@@ -425,19 +425,19 @@ def follow(
         number = follower.next(_AHEAD * longest)
         left = int(1000 * (until - since - float(follower.lag)) // 1)
         hold = min(max(follower.hold(number), left), longest)
-        if hold < 1:
-            raise LateError(
-                f"line {follower.pieces[number].line}: the tool may be at the end of what is permitted "
-                f"sooner than in the {float(follower.lag):g} s that an answer may take: begin with a longer "
-                "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
-            )
         piece = follower.pieces[number]
         if now() - since > follower.lag:
             raise _late(now() - since, follower)
         if piece.beside is not None:
             # The board knows nothing of it: what it permitted before ends by itself.
-            seen(number, hold, False, now() - since)
+            seen(number, 0, False, now() - since)
             return done.refused(follower, piece)
+        if hold < 1:
+            raise LateError(
+                f"line {piece.line}: the tool may be at the end of what is permitted "
+                f"sooner than in the {float(follower.lag):g} s that an answer may take: begin with a longer "
+                "move, use a larger --length, a lower --speed, a shorter --lag or --braking"
+            )
         ahead(number, follower.beyond(number, hold))
         said, until = until if follower.permitted else None, now() + hold / 1000
         clear = permit(piece.sample, piece.margin, hold)

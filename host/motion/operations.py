@@ -10,7 +10,7 @@ from functools import partial
 
 from triaxis.host.enclosure import Enclosure
 from triaxis.host.engines import SceneEngine, unwatched
-from triaxis.host.motion.contact import Setup, rules_of
+from triaxis.host.motion.contact import Rule, Setup, rules_of
 from triaxis.host.motion.follow import Piece, pieces
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import Machine, Tool
@@ -18,7 +18,7 @@ from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import bulk_engine, insides_at
 from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.motion.rule_check import check_rule
-from triaxis.host.motion.supervision import Names, Supervision
+from triaxis.host.motion.supervision import Names, Supervision, stands_and_turns
 from triaxis.host.quantise import Vector
 
 
@@ -30,13 +30,21 @@ class NearTurn:
     names: Names
 
 
-def near_turn(setup: Setup, turn: Program, wanted: Wanted) -> NearTurn | None:
-    """Return where a turn is near first, of all objects, as `path` finds it; None where it is clear."""
+def _near_turn(tool: Tool, rules: Sequence[Rule], wanted: Wanted) -> NearTurn | None:
+    """Return where a turn is near first, by any of its rules, as `path` finds it; None where it is clear.
+
+    Objects are outside of each other, as they were at the start; raises InputError where nobody knows whether
+    something is inside of the stock.
+    """
     found = list[NearTurn]()
-    for rule in rules_of(setup, turn, 0):
-        near = check_rule(setup.tool, rule, wanted, bulk_engine, unwatched, True, False).result.near
-        if near is not None:
-            found.append(NearTurn(near.line, rule.names))
+    for rule in rules:
+        checked = check_rule(tool, rule, wanted, bulk_engine, unwatched, not rule.of_stock, False)
+        moves, result = rule.program.moves, checked.result
+        if checked.near_at is not None:
+            found.append(NearTurn(moves[rule.numbers.index(checked.near_at)].line, rule.names))
+        elif result.verdict == "unknown":
+            at = f" at the start of line {moves[result.asked_at].line}"
+            result.insides.refuse_undecided(rule.files, False, at)
     return min(found, key=lambda near: near.line, default=None)
 
 
@@ -82,7 +90,9 @@ class Operation:
         files, names = (sides[0].files, sides[1].files), (sides[0].name, sides[1].name)
         yield insides_at(self.scene), files, names
         for beside in self.supervised.beside:
-            yield beside.insides, beside.rule.files, beside.rule.names
+            # Of a stock that is asked where a move begins on which it counts.
+            if not beside.rule.of_stock:
+                yield beside.insides, beside.rule.files, beside.rule.names
 
     def near_objects(self, piece: Piece) -> Names:
         """Return two objects that are near in a piece, by the engine that cut it."""
@@ -93,9 +103,28 @@ class Operation:
         return self.supervised.tool.named(a), self.supervised.work.named(b)
 
 
-def operation(setup: Setup, program: Program, wanted: Wanted, widths: Sequence[Fraction]) -> Operation:
-    """Cut a part of a program in pieces; ``widths``: of zones, from the innermost, in millimetres."""
-    supervised = Supervision.of(setup, program, wanted)
+def parts_of(
+    setup: Setup, stretch: Program, wanted: Wanted, widths: Sequence[Fraction]
+) -> Iterator[Operation | NearTurn]:
+    """Yield the parts of a program with one tool, in its order; of turns those that are near.
+
+    ``widths``: of zones, from the innermost, in millimetres.
+    """
+    rules, first = rules_of(setup, stretch, 0), 0
+    for part in stands_and_turns(stretch, setup.machine.turn_tolerance or Fraction(0)):
+        kept = [one for rule in rules if (one := rule.among(first, len(part.moves))) is not None]
+        first += len(part.moves)
+        if not part.moves[0].turning:
+            yield _operation(setup, part, kept, wanted, widths)
+        elif near := _near_turn(setup.tool, kept, wanted):
+            yield near
+
+
+def _operation(
+    setup: Setup, program: Program, rules: Sequence[Rule], wanted: Wanted, widths: Sequence[Fraction]
+) -> Operation:
+    """Cut a part of a program in pieces; ``rules``: what must stay clear of what on its moves."""
+    supervised = Supervision.of(setup, program, rules, wanted)
     tool, work, off = supervised.tool, supervised.work, supervised.off
     wider = replace(wanted, clearance=wanted.clearance + off)
     scene = prepare_path(tool.mesh, work.mesh, (tool.files, work.files), program, wider)

@@ -14,6 +14,10 @@ and X, Y, Z stand still, a program is cut in *stands* with a turn between them. 
 for all objects, as `path` does; of each stand the board holds the meshes as they stand then. Axes that may be
 off move points by at most the sum of the radii of both objects times that (`kinematics`): the largest of all
 pairs of the board is added to its clearance.
+
+A stock (`contact`) is beside the board as well: it is no place where nothing may be. What of the tool must
+stay clear of it, on some moves, is shown so in the pieces of these. Where it would be inside of it at the
+start of one of them, the first piece of that move is near.
 """
 
 from collections.abc import Sequence
@@ -27,11 +31,11 @@ import numpy as np
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.pairs import coordinate_range
-from triaxis.host.enclosure import Enclosure
+from triaxis.host.enclosure import Enclosure, State
 from triaxis.host.engines import SceneEngine
 from triaxis.host.motion.contact import Rule, Setup
 from triaxis.host.motion.kinematics import Body, Meeting
-from triaxis.host.motion.machine import TOOL, WORKPIECE
+from triaxis.host.motion.machine import STOCK, TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import PathResult, bulk_engine, insides_at, shown_clear
 from triaxis.host.motion.path_scene import PathScene, Segment, Wanted
@@ -92,25 +96,35 @@ class Joined:
 
 @dataclass(frozen=True)
 class Beside:
-    """Two objects that the board is not asked about, and their scene: the whole program in the frame of B."""
+    """Two objects that the board is not asked about, and their scene: its moves in the frame of B."""
 
     rule: Rule
-    meeting: Meeting
     scene: PathScene
     engine: SceneEngine
 
     @cached_property
+    def _factors(self) -> Vector:
+        """Return how far A moves, as B sees it, by X, Y and Z."""
+        return self.rule.meeting.factors if self.rule.meeting else vector([Fraction(1)] * 3)
+
+    @cached_property
     def _by(self) -> Vector:
         """Return where A is, as B sees it, with the tool at the program's zero."""
-        return self.meeting.seen_from(self.rule.program.moves[0])[2]
+        meeting = self.rule.meeting
+        return meeting.seen_from(self.rule.program.moves[0])[2] if meeting else NOWHERE
 
     @cached_property
     def _off(self) -> Rational:
         """Return how far A may be off that, in steps, as axes that turn may be."""
-        moves = self.rule.program.moves
-        turned = self.meeting.off_by([max(move.turn_slack for move in moves)] * 3)
-        off = self.meeting.seen_from(moves[0])[3] + turned
+        meeting, moves = self.rule.meeting, self.rule.program.moves
+        if meeting is None:
+            return Rational(0)
+        off = meeting.seen_from(moves[0])[3] + meeting.off_by([max(move.turn_slack for move in moves)] * 3)
         return Rational(off / self.scene.wanted.resolution)
+
+    @cached_property
+    def _numbers(self) -> frozenset[int]:
+        return frozenset(self.rule.numbers)
 
     @property
     def insides(self) -> Enclosure:
@@ -118,16 +132,43 @@ class Beside:
         return insides_at(self.scene)
 
     @cached_property
+    def _starts(self) -> dict[int, int]:
+        """Return the moves before which the rule is not kept, or does not count: their places in the rule."""
+        starts = self.scene.program.starts if self.rule.of_stock else []
+        return {self.rule.numbers[start]: start for start in starts}
+
+    @cached_property
+    def _inside(self) -> dict[int, bool]:
+        """Whether one is inside the other where one of these begins, as far as it was asked."""
+        return {}
+
+    def _begins_inside(self, number: int) -> bool:
+        """Return whether one is inside the other at a start, where no facets are near.
+
+        Raises InputError where nobody knows.
+        """
+        if number not in self._inside:
+            start = self._starts[number]
+            found = insides_at(self.scene, start)
+            at = f" at the start of line {self.rule.program.moves[start].line}"
+            found.refuse_undecided(self.rule.files, False, at)
+            self._inside[number] = found.state != State.OUTSIDE
+        return self._inside[number]
+
+    @cached_property
     def _clear_still(self) -> bool:
         """Return whether they are clear where X, Y and Z move neither against the other."""
         return self._clear(NOWHERE, NOWHERE)
 
-    def clear(self, low: Vector, high: Vector) -> bool:
-        """Return whether they are clear with the tool anywhere in a box, in millimetres."""
-        return self._clear(low, high) if any(self.meeting.factors) else self._clear_still
+    def clear(self, low: Vector, high: Vector, moves: range) -> bool:
+        """Return whether the rule is kept with the tool anywhere in a box, in millimetres, on some moves."""
+        if self._numbers.isdisjoint(moves):
+            return True
+        clear = self._clear(low, high) if any(self._factors) else self._clear_still
+        return clear and not any(self._begins_inside(one) for one in moves if one in self._starts)
 
     def _clear(self, low: Vector, high: Vector) -> bool:
-        factors, by = self.meeting.factors, self._by
+        factors, by = self._factors, self._by
         start, end = (
             self.scene.place(vector(f * c + b for f, c, b in zip(factors, corner, by, strict=True)))
             for corner in (low, high)
@@ -143,17 +184,22 @@ class Beside:
 class Supervision:
     """The two meshes of the board for a part of a program with one tool, and the pairs beside them.
 
-    ``off``: how far, in millimetres, axes that turn may move points of the two meshes against each other.
+    ``off``: how far, in millimetres, axes that turn may move points of the two meshes against each other;
+    ``shown``: what a page shows that does not move with the tool: a stock, too.
     """
 
     tool: Joined
     work: Joined
     beside: Sequence[Beside]
     off: Fraction
+    shown: Joined
 
     @staticmethod
-    def of(setup: Setup, program: Program, wanted: Wanted) -> "Supervision":
-        """Put the objects of a machine together; raise InputError where the board cannot be asked so."""
+    def of(setup: Setup, program: Program, rules: Sequence[Rule], wanted: Wanted) -> "Supervision":
+        """Put the objects of a machine together; raise InputError where the board cannot be asked so.
+
+        ``rules``: what must stay clear of what, by the numbers of the program's moves.
+        """
         tool = setup.carried(TOOL, setup.tool.mesh, setup.tool.name)
         work = setup.carried(WORKPIECE, setup.work[0], str(setup.work[1]))
         with_tool, with_work = (
@@ -167,33 +213,34 @@ class Supervision:
                 f"may_touch: {' and '.join(touching[0])}: the board is asked about all that moves with the "
                 "tool against all that moves with the workpiece: leave one mesh out, or check with path"
             )
-        rules = [
-            rule
-            for rule in setup.rules(program, 0)
-            if rule.meeting and frozenset((rule.meeting.a.name, rule.meeting.b.name)) not in on_board
-        ]
+        decided = {frozenset(f"the {name}" for name in names) for names in on_board}
+        beside = [_beside(rule, wanted) for rule in rules if frozenset(rule.names) not in decided]
         angles, degrees = program.moves[0].turns[0], [max(move.turn_slack for move in program.moves)] * 3
         one, other = ([_standing(body, angles, setup.scale) for body in side] for side in sides)
         # What is there with the machine's axes at 0 is at the workpiece's origin with the program's at 0.
         zero = vector(c - b for c, b in zip(other[0].at, setup.base, strict=True))
+        shown = [*other, *(_standing(one, angles, setup.scale) for one in setup.bodies if one.name == STOCK)]
         return Supervision(
-            Joined(one, setup.scale, zero), Joined(other, setup.scale, other[0].at),
-            [_beside(rule, wanted) for rule in rules],
+            Joined(one, setup.scale, zero), Joined(other, setup.scale, other[0].at), beside,
             max(setup.meeting(a, b).off_by(degrees) for a, b in product(*sides)),
+            Joined(shown, setup.scale, other[0].at),
         )  # fmt: skip
 
     def within(self, clearance: Fraction) -> "Supervision":
         """Return the same with another clearance, in millimetres; raise InputError where it does not fit."""
         return replace(self, beside=[replace(one, scene=one.scene.within(clearance)) for one in self.beside])
 
-    def near_beside(self, scene: PathScene, segment: Segment) -> Names | None:
-        """Return two objects beside the board that are not shown clear where a segment's sample covers it."""
+    def near_beside(self, scene: PathScene, segment: Segment, moves: range) -> Names | None:
+        """Return two objects beside the board that are not shown clear where a segment's sample covers it.
+
+        ``moves``: the numbers of those that it is of.
+        """
         reach, scale = segment.reach, scene.wanted.scale
         low, high = (
             vector(c * scale for c in scene.path.position(vector(t + side * reach for t in segment.sample)))
             for side in (-1, 1)
         )
-        return next((one.rule.names for one in self.beside if not one.clear(low, high)), None)
+        return next((one.rule.names for one in self.beside if not one.clear(low, high, moves)), None)
 
 
 def _moved(meeting: Meeting) -> bool:
@@ -242,8 +289,7 @@ def _check_order(turn: Program, apart: Fraction) -> None:
 
 
 def _beside(rule: Rule, wanted: Wanted) -> Beside:
-    assert rule.meeting is not None
     # Nothing turns on it, so that all of it is one piece.
     (piece,) = rule.pieces(wanted.step)
     scene = rule.scene(piece, wanted)
-    return Beside(rule, rule.meeting, scene, bulk_engine(scene))
+    return Beside(rule, scene, bulk_engine(scene))

@@ -12,10 +12,12 @@ from triaxis.host.engines import scene_engine
 from triaxis.host.motion.contact import Setup, rules_of
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move, Program
+from triaxis.host.motion.operations import parts_of
 from triaxis.host.motion.path_check import _near_at, check_path
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
 from triaxis.host.quantise import vector
+from triaxis.host.stl import read_stl
 from triaxis.host.tests.published import read_published
 
 HERE = (Fraction(0), Fraction(0), Fraction(20))
@@ -72,9 +74,7 @@ def checked(tmp_path, capsys):
 
 
 CLEAR = (None, "the cutter", "the stock")
-
-
-@pytest.mark.parametrize(
+CUTS_AND_CRASHES = pytest.mark.parametrize(
     ("parts", "program", "near"),
     [
         # In, along, straight up; without the stock's rule the first cut is near.
@@ -108,6 +108,9 @@ CLEAR = (None, "the cutter", "the stock")
         (BLADE, "G0 Z2\nG1 Z-14\nG0 X5", (None, "the cutter", "the stock")),
     ],
 )
+
+
+@CUTS_AND_CRASHES
 def test_cutting_is_allowed_and_crashing_is_not(checked, parts, program, near):
     found = checked(program, parts)
     inside = "the cutter is inside the stock" in found.said
@@ -116,6 +119,29 @@ def test_cutting_is_allowed_and_crashing_is_not(checked, parts, program, near):
     if near[0] is not None:
         assert f"{near[1]} comes within 0.5 mm of {near[2]}" in found.said
         assert found.report["near"]["move"] == near[0] - 2
+
+
+def pieces_of(folder, program, start, clearance=Fraction(1, 2), shortest=Fraction(1, 16)):
+    """Return the pieces by which `board follow` would follow a program, with a stock, of one tool."""
+    machine = read_machine(folder / "m.toml")
+    work, stock = ((read_stl(folder / name), folder / name) for name in ("work.stl", "stock.stl"))
+    wanted = Wanted(clearance, Fraction(1, 100), shortest, Fraction(1), None)
+    setup = Setup(machine.tools[1], work, stock, machine)
+    (part,) = parts_of(setup, read_program(program, start, False, machine), wanted, ())
+    return part.pieces
+
+
+@CUTS_AND_CRASHES
+def test_a_machine_is_stopped_before_what_a_path_finds(checked, tmp_path, parts, program, near):
+    inside = "the cutter is inside the stock" in checked(program, parts).said
+    first = next((piece for piece in pieces_of(tmp_path, tmp_path / "p.nc", HERE) if piece.near), None)
+    if near[0] is None and not inside:
+        assert first is None
+    else:
+        # What is inside the stock is so at the start of line 4.
+        due = (4, *near[1:]) if inside else near
+        on_board = ("the tool", "the workpiece")
+        assert first is not None and (first.line, *(first.beside or on_board)) == due
 
 
 def test_without_a_stock_nothing_may_be_touched(checked, tmp_path):
@@ -353,6 +379,11 @@ def test_no_crash_is_missed_whatever_was_cut_before(rng, tmp_path, programs, lea
             assert first is None, (lines, parts, first)
         elif first is not None and said["near"] is not None:
             assert said["near"]["move"] <= first, (lines, parts, first)
+        # Followed, it would be stopped before.
+        found = pieces_of(tmp_path, tmp_path / "p.nc", start, Fraction(0))
+        if first is not None:
+            assert any(piece.near and piece.line <= moves[first].line for piece in found), (lines, first)
+        assert status or not any(piece.near for piece in found), lines
         told["clear" if status == 0 else "near" if first is None else "near, and a crash"] += 1
         rapids += sum(move.rapid and move.start[2] < 0 for move in moves) * (status == 0)
     assert min(told["clear"], told["near, and a crash"]) > 20 and rapids > least_rapids, (told, rapids)

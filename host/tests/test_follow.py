@@ -185,7 +185,7 @@ ZONES = Fraction(2), Fraction(6)
 
 def cut_for_zones(scene, shortest=4):
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
-    zones = [(scene.within(width), lambda _: None) for width in ZONES]
+    zones = [(scene.within(width), lambda *_: None) for width in ZONES]
     return pieces(scene, engine, Fraction(shortest), Fraction(20), zones=zones)
 
 
@@ -455,6 +455,7 @@ number = 2
 length = 0
 parts = [{ diameter = 4, length = 9 }]
 """
+CUTTERS = TOOLS.replace("length = 9 }", "length = 9, cuts = true }, { diameter = 9, length = 20 }")
 
 
 @pytest.mark.long
@@ -477,7 +478,8 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             where = () if words else ("--positions", str(positions))
             arguments = [str(machine), str(work), str(program), "--port", served.path, *where, *words]
             arguments += ["--speed", "100", "--lag", "50", "--hold", "500", "--start", "0", "0", "40"]
-            arguments += ["--surfaces-only", "--json", str(report), "--skip-self-test"]
+            arguments += ["--json", str(report), "--skip-self-test"]
+            arguments += [] if "--stock" in words else ["--surfaces-only"]
             status = main(["board", "follow", *arguments])
             return status, capsys.readouterr()
 
@@ -498,6 +500,27 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)
+        # The cutter may be in the stock where it feeds, the shank never, and neither of them on a rapid.
+        machine.write_text(CUTTERS)
+        scenes.write_stl(tmp_path / "blank.stl", scenes.box((5, -9, 10), (30, 9, 30)))
+        whole = program.read_text()
+        for lines, near in (
+            ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nX20\nG0 Z40\nT2 M6\nG0 X0", (None, None, None)),
+            ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nG0 X20", (4, "the cutter", "the stock")),
+            ("G0 X9 Y0\nG1 Z25 F900\nZ19", (4, "the tool's body", "the stock")),
+            # By another tool, which was not there.
+            ("G0 X9 Y0\nG1 Z25 F900\nT2 M6\nG0 Z28", (5, "the cutter", "the stock")),
+        ):
+            program.write_text(f"G21 G90 G61\n{lines}\n")
+            status, said = run([], "--simulate", "--stock", str(tmp_path / "blank.stl"), "--length", "0.5")
+            found = read_published(report, "follow")
+            assert (found["line"], found["what"], found["of"]) == near, said
+            assert status == int(near[0] is not None) and "what is cut away is not tracked" in said.out
+            assert found["stock"] == [str(tmp_path / "blank.stl")]
+        machine.write_text(TOOLS)
+        status, said = run([], "--simulate", "--stock", str(tmp_path / "blank.stl"))
+        assert status == 2 and "nobody said what of it cuts" in said.err
+        program.write_text(whole)
         # Tool 0 is one as all others.
         machine.write_text(TOOLS.replace("= 1\n", "= 0\n"))
         for lines in (program.read_text(), "G21 G90 G61\nG0 X10\n"):

@@ -18,7 +18,7 @@ from triaxis.host import figures, scenes
 from triaxis.host.cli import main
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.motion import picture, rule_check
-from triaxis.host.motion.contact import Setup
+from triaxis.host.motion.contact import Setup, rules_of
 from triaxis.host.motion.follow import pieces
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine_file import read_machine
@@ -416,7 +416,7 @@ def test_wherever_a_piece_permits_the_tool_each_two_objects_are_clear(tmp_path, 
     wanted = Wanted(Fraction(3, 10), Fraction(1, 100), Fraction(2), Fraction(1), None)
     work = read_stl(tmp_path / "work.stl"), tmp_path / "work.stl"
     setup = Setup(machine.tools[1], work, None, machine)
-    supervised = Supervision.of(setup, read, wanted)
+    supervised = Supervision.of(setup, read, rules_of(setup, read, 0), wanted)
     tool, fixed = supervised.tool, supervised.work
     wanted = replace(wanted, clearance=wanted.clearance + supervised.off)
     scene = prepare_path(tool.mesh, fixed.mesh, (tool.files, fixed.files), read, wanted)
