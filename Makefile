@@ -24,7 +24,7 @@ WHOLE ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup signoff regress nightly four-state mutate faults formal theorem netlist results gate evidence test unit lint format
-.PHONY: upsets test-long sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-follow bench-skipping peers stress tritest fpga-report
+.PHONY: upsets test-long sim exhaustive code-coverage bench bench-sim bench-mesh bench-path bench-programs bench-follow bench-skipping peers stress tritest fpga-report
 .PHONY: fpga-timing activity bitstream cold docs package lock clean
 
 help: ## list the targets
@@ -165,6 +165,10 @@ stress: $(READY) ## turn inputs from easy to impossible; count wrong answers of 
 
 bench-path: $(READY) ## check 100,000 moves against 100,000 facets; plant collisions; ask others about motion
 	@$(BIN)/triaxis bench path
+
+PROGRAMS ?= .
+bench-programs: $(READY) ## count the G-code programs that are read, of those that LinuxCNC completes: make bench-programs PROGRAMS=FOLDER
+	@$(BIN)/triaxis bench programs $(PROGRAMS)
 
 bench-follow: $(READY) ## supervise 100,000 segments of a moving tool on the simulated board; plant collisions: an hour
 	@$(BIN)/triaxis bench follow

@@ -1,11 +1,13 @@
-"""The benchmark of paths: what is planted is there, and a miss is a problem."""
+"""The benchmarks of paths: what is planted is there, and a miss is a problem; which programs are read."""
 
+import shutil
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
+from triaxis.bench.paths import reading
 from triaxis.bench.paths import report as paths
 from triaxis.bench.peers.peer import Peer, Question
 from triaxis.golden.judge import judge
@@ -40,3 +42,35 @@ def test_answers_of_others_are_compared():
     peer = Peer("x", "x", "x", lambda: "1", lambda a, b: Question(lambda: np.array([True, False] * 3)))
     found = paths.asked(peer, truth, 8)
     assert (len(moves), found.moves, found.missed, found.false) == (6, 6, 1, 1)
+
+
+def test_programs_are_read_where_the_interpreter_completes_them(tmp_path):
+    if shutil.which("rs274") is None:
+        pytest.skip("rs274 is not installed")
+    folder = tmp_path / "in" / "here"
+    folder.mkdir(parents=True)
+    for name, lines in {
+        "plain.ngc": "G21 G0 X1 Y2\nM2", "tool.NC": "G21 T7 M6\nG43\nG0 Z9\nM2", "turn.nc": "G0 X1 C30\nM2",
+        # Radius compensation takes the interpreter, a probe nobody knows; others it does not complete.
+        "offset.nc": "G21 T3 M6\nG41\nG1 F100 X40\nY40\nG40\nM2", "probe.nc": "G38.2 Z-1 F9\nM2",
+        "wrong.ngc": "G0 X\nM2", "still.ngc": "M2", "no.txt": "G0 X1\nM2",
+    }.items():  # fmt: skip
+        (folder / name).write_text(f"{lines}\n")
+    files = sorted(path for path in tmp_path.rglob("*") if path.suffix.lower() in reading.SUFFIXES)
+    assert len(files) == 7
+    found = [one for path in files if (one := reading.read(tmp_path, path)) is not None]
+    refused = {one.file.rsplit("/", 1)[1]: (bool(one.by_rs274), bool(one.by_own)) for one in found}
+    both = (False, False)
+    assert refused == {
+        "plain.ngc": both, "tool.NC": both, "turn.nc": both,
+        "offset.nc": (False, True), "probe.nc": (True, True),
+    }  # fmt: skip
+    told = reading.findings(found, 7)
+    assert told.summary.startswith(
+        "5 programs that rs274 completes, of 7 files: 4 accepted with it, 3 by our"
+    )
+    assert told.problems == [
+        "with --reader rs274: 4 of 5 accepted: fewer than 95%",
+        "our own reader: 3 of 5 accepted: fewer than 75%",
+    ]
+    assert not reading.findings([one for one in found if not one.by_own], 7).problems

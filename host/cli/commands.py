@@ -154,6 +154,10 @@ COMMANDS = {
         "supervise a moving tool on the simulated board, and plant collisions", "bench.paths.supervised",
         ("no false stop, nothing missed, every stop in time", "not"),
     ),
+    "bench programs": Command(
+        "count the G-code programs of a folder that are read, and say why others are not",
+        "bench.paths.reading", ("as many are read as must be", "fewer"),
+    ),
     "bench skipping": Command(
         "measure what skipping saves, and compare it with other broad phases", "bench.skipping.report",
         ("all bounds reached and all answers right", "not"),

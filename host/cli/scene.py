@@ -30,6 +30,7 @@ from triaxis.host.cli import DONE, NO
 from triaxis.host.cli.arguments import add_numbers, named_folder, number, positive
 from triaxis.host.cli.terminal import progress_bar, table
 from triaxis.host.engines import BULK, RTL, MeshEngineScene
+from triaxis.host.motion.example import write_mill
 from triaxis.host.quantise import NOWHERE, Box, Steps, Vector, check_clearance, check_scale, vector
 from triaxis.host.report import milliseconds, write_report
 from triaxis.host.scenes import write_scenes
@@ -43,7 +44,10 @@ _KEPT = BUILD / "fpga" / "dsp_counts.json"
 
 def add_examples(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``scene examples``."""
-    parser.description = "Write the scenes of the sign-off as pairs of binary STL files, in millimetres."
+    parser.description = (
+        "Write the scenes of the sign-off as pairs of binary STL files, in millimetres, and a mill with five "
+        "axes: a machine file, meshes, programs."
+    )
     parser.add_argument("folder", type=named_folder, metavar="FOLDER", help="where to write them")
     parser.set_defaults(run=_examples)
 
@@ -51,6 +55,8 @@ def add_examples(parser: argparse.ArgumentParser) -> None:
 def _examples(options: argparse.Namespace) -> int:
     for scene, a, b in write_scenes(options.folder):
         print(f"{a} {b}: {scene.name}")
+    for file, what in write_mill(options.folder / "mill"):
+        print(f"{file}: {what}")
     return DONE
 
 

@@ -95,6 +95,9 @@ def clearances(
                 if found is not None:
                     least[place] = found if before is None else before.or_less(found)
                     nearest_yet = found if nearest_yet is None else nearest_yet.or_less(found)
+                elif least_alone and before is not None and nearest_yet is not None:
+                    # It is beyond the nearest yet, and not shown to be beyond what was seen here.
+                    least[place] = replace(before, proven=min(before.proven, nearest_yet.seen))
                 progress(1)
     found = list[Clearance]()
     for place, bounds in least.items():

@@ -32,6 +32,8 @@ from triaxis.host.motion.words import ARCS, CYCLES, GROUPS, TAKERS, TAKING_AXES,
 from triaxis.host.quantise import Vector, added, vector
 
 _AXES = "XYZ"
+# Of M60.
+PALLET = "what comes with a change of the pallet is not known: the workpiece is taken to be the same"
 _INCH, _MILLIMETRE = Rational(254, 10), Rational(1)
 ORIGIN: Vector = vector((Rational(0),) * 3)
 # Of a plane the two axes of its arcs, counter-clockwise from the first to the second, then the third.
@@ -96,7 +98,8 @@ class Interpreter:
     # Whose length G43 adds; None without compensation.
     offset: int | None = None
     compensation: Vector = ORIGIN
-    chosen: int = 0
+    # By T; None before the first: what the control has selected then nobody tells.
+    chosen: int | None = None
     cycle: dict[str, Fraction] = field(default_factory=dict)
     # Where a series of cycles began; what must not change within it.
     level: Fraction | None = None
@@ -118,10 +121,12 @@ class Interpreter:
             named = {f"_{axis.lower()}": x / scale for axis, x in zip(_AXES, here, strict=True)}
             flags = {
                 "_metric": scale == 1, "_imperial": scale != 1, "_absolute": not self.modal.relative,
-                "_incremental": self.modal.relative, "_selected_tool": self.chosen,
+                "_incremental": self.modal.relative,
             }  # fmt: skip
-            if key == "_current_tool":
-                return None if self.loaded is None else Fraction(self.loaded)
+            numbers = {"_current_tool": self.loaded, "_selected_tool": self.chosen}
+            if key in numbers:
+                number = numbers[key]
+                return None if number is None else Fraction(number)
             return named.get(key, Fraction(flags[key]) if key in flags else None)
         if 5420 <= key < 5423:
             return here[key - 5420] / scale
@@ -181,6 +186,8 @@ class Interpreter:
             self.chosen = int(words["T"].value)
         for word in codes.get("tool change", ()):
             self._change_tool(place, word, words)
+        if "M60" in on_line:
+            self.notes["pallet"] = f"line {self.line}: {PALLET}"
         for word in codes.get("length compensation", ()):
             self._compensate(place, word, words)
         for word in codes.get("work offset", ()):
@@ -310,6 +317,9 @@ class Interpreter:
             raise place.error(word.text, "which tool it is: give Q")
         number = int(words["Q"].value) if word.code == "M61" else self.chosen
         if self.machine.tools:
+            if number is None:
+                why = "changes to the tool that the control has selected, which nobody says: give T before it"
+                raise place.error(word.text, why)
             if number and number not in self.machine.tools:
                 raise place.error(word.text, f"the machine file has no tool {number}: add it")
             self.notes["tool"] = f"line {self.line}: how the machine moves to change tools is not checked"
@@ -325,6 +335,9 @@ class Interpreter:
         if word.code == "G49":
             return
         number = int(words["H"].value) if "H" in words else self.loaded
+        if "H" in words and number == 0 != self.loaded:
+            why = "the tool in the spindle to some controls, and tool 0 to others: give G43 alone, or G49"
+            raise place.error(words["H"].text, why)
         self.offset = -1 if number is None else number
         length = self._length(number)
         if length is not None:

@@ -152,7 +152,10 @@ def _place(table: _Table, key: str) -> Vector | None:
 
 
 def _places(table: _Table, name: str, keys: tuple[str, ...]) -> dict[str, Vector]:
-    inner = _Table(table.path, f"{name}: ", table.take(name, dict, {}))
+    content = table.take(name, dict, {})
+    if dotted := [key for key, value in content.items() if isinstance(value, dict)]:
+        raise table.wrong(name, f'of keys in quotes where these have a point, as in "{dotted[0]}.1" = [..]')
+    inner = _Table(table.path, f"{name}: ", content)
     found: dict[str, Vector] = {}
     for key in keys:
         place = _place(inner, key)

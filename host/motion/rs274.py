@@ -11,6 +11,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
@@ -24,6 +25,7 @@ from triaxis.golden.input_file import Place, read_input
 from triaxis.host.motion.curves import SLACK, Curve, Turned, arc
 from triaxis.host.motion.expression import ARGUMENTS, number
 from triaxis.host.motion.gcode import AFTER_THE_END
+from triaxis.host.motion.interpreter import PALLET
 from triaxis.host.motion.kinematics import ROTARY
 from triaxis.host.motion.machine import SYSTEMS, Machine
 from triaxis.host.motion.moves import Move, Program, assumed_start
@@ -32,11 +34,15 @@ from triaxis.host.quantise import NOWHERE, Vector, added, vector
 
 _PROGRAM = "rs274"
 _INCH = Rational(254, 10)
-# Seconds: against hanging alone. What it printed until then is not looked at.
-_LONGEST = 3600
+# Seconds of the processor, and bytes printed: against loops without an end alone.
+_LONGEST, _MOST_BYTES = 3600, 1 << 32
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
 # Six digits of a line leave no blank before the call.
 _CALL = re.compile(r"\s*\d+ N(\d+|\.+)\s*([A-Z][\w.]*)\((.*)\)\s*", re.ASCII)
+# What it prints, by the names of files.
+_PRINTED, _ERRORS = "printed.txt", "errors.txt"
+_ENDLESS = (-signal.SIGXCPU, -signal.SIGXFSZ, -signal.SIGKILL)
+_MOTION = re.compile(r"\b(STRAIGHT_|ARC_FEED|NURBS_FEED|RIGID_TAP)")
 _ERROR = re.compile(r"^(?!executing|File ended).*\S", re.MULTILINE)
 # Of the last decimal that is printed.
 _HALF = Rational(1, 20000)
@@ -54,7 +60,7 @@ _REFUSED = {
 _IGNORED = re.compile(
     r"(ENABLE|DISABLE|START|STOP|SET_(FEED|SPINDLE|AUX|TOOL|G54|MOTION_OUTPUT)|CLEAR|FLOOD|MIST|LOG|"
     r"TURN_PROBE|USE_SPINDLE)\w*|COMMENT|MESSAGE|DWELL|ON_RESET|PROGRAM_\w+|"
-    r"OPTIONAL_PROGRAM_STOP|PALLET_SHUTTLE|FINISH|SELECT_TOOL"
+    r"OPTIONAL_PROGRAM_STOP|FINISH"
 )
 
 
@@ -89,6 +95,8 @@ class _Told:
     changed: int = -1
     numbered: bool = True
     stale: bool = False
+    # Whether a T has been told.
+    chosen: bool = False
     # Lines that were given as two.
     split: frozenset[int] = frozenset()
     moves: list[Move] = field(default_factory=list)
@@ -112,7 +120,13 @@ class _Told:
             self.angle = math.radians(float(text))
         elif call == "SET_MOTION_CONTROL_MODE":
             self._path_mode(line, text)
+        elif call == "SELECT_TOOL":
+            self.chosen |= line > 0
+        elif call == "PALLET_SHUTTLE":
+            self.notes["pallet"] = f"line {line}: {PALLET}"
         elif call in ("CHANGE_TOOL", "CHANGE_TOOL_NUMBER"):
+            if line and self.machine.tools and not self.chosen and call == "CHANGE_TOOL":
+                raise ValueError("changes to the tool that the control has selected: give T before it")
             self._change_tool(line, int(text))
         elif call in _CALLS:
             numbers = [
@@ -298,11 +312,50 @@ _CALLS: dict[str, Callable[[_Told, int, list[Fraction], list[Fraction]], None]] 
 }
 
 
+def completes(path: Path, machine: Machine, seconds: int) -> bool:
+    """Return whether the interpreter comes to the end of a program as it is, and moves anything.
+
+    ``seconds`` of the processor that it takes at most; raises InputError where it is not installed.
+    """
+    _check_installed()
+    with tempfile.TemporaryDirectory() as name:
+        folder, given = Path(name), path.resolve()
+        if _interpret(folder, machine, False, given, given.parent, seconds):
+            return False
+        with (folder / _PRINTED).open(errors="replace") as lines:
+            return any(_MOTION.search(line) for line in lines)
+
+
+def _check_installed() -> None:
+    if shutil.which(_PROGRAM) is None:
+        raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
+
+
+def _interpret(
+    folder: Path, machine: Machine, skip_optional: bool, given: Path, called: Path, seconds: int
+) -> int:
+    """Run the interpreter in a folder of its own, on what it is given; return its exit code.
+
+    ``called``: where subroutines are. What it prints is in the folder.
+    """
+    (folder / "tools.tbl").write_text(_tool_table(machine))
+    (folder / "offsets.var").write_text(_offsets(machine))
+    (folder / "rs274.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {called}\n")
+    words = ["-b"] * skip_optional + ["-i", "rs274.ini", "-t", "tools.tbl", "-v", "offsets.var", str(given)]
+    limits = [f"--cpu={seconds}:{seconds + 5}", f"--fsize={_MOST_BYTES}"]
+    # It keeps its tools in the user's home, which a control that runs there, or another program that
+    # is read, would share with it.
+    with (folder / _PRINTED).open("w") as told, (folder / _ERRORS).open("w") as errors:
+        return subprocess.run(
+            ["prlimit", *limits, _PROGRAM, "-g", *words], cwd=folder, stdout=told, stderr=errors,
+            check=False, env={**os.environ, "HOME": str(folder)},
+        ).returncode  # fmt: skip
+
+
 def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine: Machine) -> Program:
     """Read a program as `program.read_program` does; raise InputError where the interpreter refuses it."""
     lines = _lines_of(path)
-    if shutil.which(_PROGRAM) is None:
-        raise InputError(f"{_PROGRAM} is not installed: install linuxcnc-uspace, or leave --reader out")
+    _check_installed()
     turns, called = _refuse_unknown(path, lines, machine)
     x, y, z = (float(c) for c in start or NOWHERE)
     # Where it begins, with which tool; then no motion is in force. What waits at the end goes with M2.
@@ -321,33 +374,22 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         folder = Path(name)
         (folder / "called").mkdir()
         (folder / "program.ngc").write_text("\n".join(program))
-        (folder / "tools.tbl").write_text(_tool_table(machine))
-        (folder / "offsets.var").write_text(_offsets(machine))
         for file in called:
             bare = [_NUMBER.sub(r"\g<1>", line, count=1) for line in _lines_of(file)]
             (folder / "called" / file.name).write_text("\n".join(bare))
-        (folder / "rs274.ini").write_text("[RS274NGC]\nSUBROUTINE_PATH = called\n")
-        command = [_PROGRAM, "-g", "-i", "rs274.ini", "-t", "tools.tbl", "-v", "offsets.var", "program.ngc"]
-        try:
-            # It keeps its tools in the user's home, which a control that runs there, or another program that
-            # is read, would share with it.
-            done = subprocess.run(
-                [*command[:2], *["-b"] * skip_optional, *command[2:]], cwd=folder, capture_output=True,
-                text=True, errors="replace", timeout=_LONGEST, check=False,
-                env={**os.environ, "HOME": str(folder)},
-            )  # fmt: skip
-        except subprocess.TimeoutExpired as error:
-            raise InputError(
-                f"{path}: {_PROGRAM} did not end within {_LONGEST} s: correct its loops"
-            ) from error
-    if done.returncode:
-        told = _ERROR.findall(done.stderr)
-        raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
+        done = _interpret(folder, machine, skip_optional, Path("program.ngc"), Path("called"), _LONGEST)
+        if done in _ENDLESS:
+            most = f"within {_LONGEST} s, or {_MOST_BYTES >> 30} GB of moves"
+            raise InputError(f"{path}: {_PROGRAM} did not end {most}: correct its loops")
+        if done:
+            told = _ERROR.findall((folder / _ERRORS).read_text(errors="replace"))
+            raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
+        calls = (folder / _PRINTED).read_text(errors="replace")
     split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
     state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
     state.turns = turns
     line = 0
-    for told in done.stdout.splitlines():
+    for told in calls.splitlines():
         match = _CALL.fullmatch(told)
         if match is None:
             if told.strip():

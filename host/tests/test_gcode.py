@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
+from triaxis.host.motion import rs274
 from triaxis.host.motion.curves import SLACK
 from triaxis.host.motion.machine import Machine
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.program import read_program
-from triaxis.host.motion.rs274 import read_by_rs274
+from triaxis.host.motion.rs274 import completes, read_by_rs274
 from triaxis.host.motion.words import TAKERS, WHY_REFUSED
 
 ORIGIN = (Fraction(0), Fraction(0), Fraction(0))
@@ -465,6 +466,7 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
         ("[offsets]\nG54 = [true, 0, 0]", "three numbers"), ("loaded = 1e9", "no TOML: 1e9"),
         ("[[tools]]\nnumber = 1\nlength = -1", "must be not negative"),
         ("path_tolerance = 9999999", "at most"),
+        ("[offsets]\nG59.3 = [1, 2, 3]", "keys in quotes where these have a point"),
     ):  # fmt: skip
         file.write_text(text)
         with pytest.raises(InputError, match=why):
@@ -475,7 +477,20 @@ def test_a_machine_file_says_what_a_program_does_not(read, tmp_path):
         read("T0 M6\nG0 X1", machine=machine)
     assert [move.tool for move in read("T0 M6\nT1 M6\nG0 X1", machine=machine).moves] == [1]
     file.write_text(MACHINE + "[[tools]]\nnumber = 0\nlength = 0\nparts = [{ diameter = 60, length = 9 }]\n")
-    assert [move.tool for move in read("T0 M6\nG0 X1", machine=read_machine(file)).moves] == [0]
+    with_empty = read_machine(file)
+    assert [move.tool for move in read("T0 M6\nG43 H0\nG0 X1", machine=with_empty).moves] == [0]
+    # Of two meanings that controls give it, one has the tool too low.
+    with pytest.raises(InputError, match="'H0': the tool in the spindle to some controls"):
+        read("G43 H0\nG0 X1", machine=with_empty)
+    # What the control has selected before nobody tells.
+    with pytest.raises(InputError, match="'M6': changes to the tool that the control has selected"):
+        read("M6\nG0 X1", machine=with_empty)
+    with pytest.raises(InputError, match=r"may be the control's|does not give it"):
+        read("G0 X#<_selected_tool>", machine=with_empty)
+    assert [move.tool for move in read("T1 M6\nM6\nG0 X1", machine=with_empty).moves] == [1]
+    for text, tells in (("M0", False), ("M60", True)):
+        notes = read(f"G0 X1\n{text}\nG0 X2", machine=machine).notes
+        assert any("change of the pallet" in note for note in notes) == tells
 
 
 BOTH = (
@@ -642,6 +657,7 @@ NOT_KNOWN_THERE = [
     ("%\nG0 X1\n%\nG0 X2", "", "after the end"), ("F9 G38.2 Z-1", "", "ends where the part is"),
     ("G0 A1", "", "none of the machine's"), ("M61 Q2", MACHINE, "change tools with M6"),
     ("T0 M6\nG0 X1", MACHINE, "no tool is in the spindle"),
+    ("M6\nG0 X1", MACHINE, "that the control has selected"),
     ("T0 M6\nG43\nG0 X1", MACHINE, "compensation of an empty spindle"),
     ("T0 M6 G43 H0\nG0 X1", MACHINE, "compensation of an empty spindle"),
     ("o<changing> call\nG0 X1", MACHINE, "in a file of its own"),
@@ -663,6 +679,21 @@ def test_linuxcnc_is_not_asked_what_it_is_not_told(tmp_path, text, machine, why)
     file.write_text(machine)
     with pytest.raises(InputError, match=re.escape(why)):
         read_by_rs274(program, ORIGIN, False, read_machine(file) if machine else Machine())
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
+@pytest.mark.parametrize(("text", "limit"), [("", "_LONGEST"), ("G0 X1\nX2\n", "_MOST_BYTES")])
+def test_a_program_without_an_end_is_told(tmp_path, monkeypatch, text, limit):
+    monkeypatch.setattr(rs274, limit, 1)
+    program = tmp_path / "p.ngc"
+    program.write_text(f"G21\nO1 while [1 EQ 1]\n{text}O1 endwhile\nM2\n")
+    with pytest.raises(InputError, match="rs274 did not end within"):
+        read_by_rs274(program, ORIGIN, False, Machine())
+    assert not completes(program, Machine(), 1)
+    program.write_text("G21 G0 X1\nM60\nM2\n")
+    if limit == "_LONGEST":
+        assert "change of the pallet" in " ".join(read_by_rs274(program, ORIGIN, False, Machine()).notes)
+        assert completes(program, Machine(), 9)
 
 
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")

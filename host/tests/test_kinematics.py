@@ -353,18 +353,11 @@ def test_machines_made_up(checked, tmp_path, rng, number):
     if not lines:
         return
     first = [str(c) for c in start + np.array([0, 0, LENGTH])]
-    status, said, report = checked(
-        machine,
-        "\n".join(lines),
-        "--surfaces-only",
-        "--clearance",
-        "0.3",
-        "--resolution",
-        "0.01",
-        "--profile",
-        "7",
-        start=first,
-    )
+    words = ["--surfaces-only", "--clearance", "0.3", "--resolution", "0.01"]
+    # Without a profile of those alone that were nearest.
+    asked = number % 3 > 0
+    words += ["--profile", "7"] * asked
+    status, said, report = checked(machine, "\n".join(lines), *words, start=first)
     assert status < 2, said
     near = partial(near_by, things, meshes)
     moving = [
@@ -372,7 +365,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         for one, other in combinations(meshes, 2)
         if axes_of(things, meshes[one][0]) != axes_of(things, meshes[other][0])
     ]
-    assert len(report["profile"]) >= (1 if status else 7)
+    assert len(report["profile"]) >= (7 if asked and not status else asked or not status)
     for place in report["profile"]:
         pose, (here, to) = np.array([*place["position"], *place["angles"]], np.float64), ways[place["move"]]
         moves = to != here
@@ -385,7 +378,7 @@ def test_machines_made_up(checked, tmp_path, rng, number):
         )
         assert near(what, of, pose, place["seen"] + 1e-5), place
         assert not (proven > 0 and any(near(*pair, pose, proven) for pair in moving)), place
-        assert place["seen"] - place["proven"] < 0.15 + place["seen"] / 16
+        assert not asked or place["seen"] - place["proven"] < 0.15 + place["seen"] / 16
     if status:
         found = report["near"]
         pose = np.array([float(c) for c in (*found["position"], *found["angles"])])

@@ -1,0 +1,125 @@
+"""How many programs of a folder are read: of those that LinuxCNC's own interpreter completes.
+
+A machine that has all that a program may ask for is made up: each tool with its length, all offsets, homes.
+Each program is tried with it, with the same whose A, B and C turn, and without any machine file.
+"""
+
+import argparse
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+
+from rich.table import Table
+
+from triaxis.bench.harness import FOLDER, Findings, report
+from triaxis.golden.errors import InputError
+from triaxis.golden.processes import in_processes
+from triaxis.host.cli.terminal import progress_bar
+from triaxis.host.motion.kinematics import ROTARY, Axis
+from triaxis.host.motion.machine import SYSTEMS, Machine, Tool
+from triaxis.host.motion.program import read_program
+from triaxis.host.motion.rs274 import completes, read_by_rs274
+from triaxis.host.quantise import NOWHERE, vector
+from triaxis.host.scenes import box
+from triaxis.host.stl import StlMesh
+
+RESULT = FOLDER / "programs.json"
+SUFFIXES = frozenset((".ngc", ".nc", ".gcode", ".tap"))
+# Of the programs that the interpreter completes, with it and by our own reader.
+_LEAST_WITH, _LEAST_OWN = 0.95, 0.75
+# Seconds of the processor: what takes longer is taken for a loop without an end.
+_LONGEST = 60
+_LISTED = 12
+_TOOL_NUMBER = re.compile(r"[Tt]\s*(\d{1,5})(?!\d)", re.ASCII)
+# Before the reason: the file, and others.
+_PLACE = re.compile(r"^.*?(?:line \d+: |: )", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A program that the interpreter completes, and why our readers refuse it; "" where they accept it."""
+
+    file: str
+    by_rs274: str
+    by_own: str
+
+
+def machines(text: str) -> list[Machine]:
+    """Return machines that a program may be for, with the tools that it names."""
+    mesh = StlMesh(box((-3, -3, 0), (3, 3, 30)), Fraction(0))
+    numbers = sorted({1, *map(int, _TOOL_NUMBER.findall(text))})
+    tools = {
+        number: Tool(number, mesh, "a tool", Fraction(50 + number % 50), Fraction(6)) for number in numbers
+    }
+    zeros = {name: vector(map(Fraction, (100 + 10 * k, 100, -200))) for k, name in enumerate(SYSTEMS)}
+    mill = Machine(
+        tools, zeros, {"G28": NOWHERE, "G30": NOWHERE}, tolerance=Fraction(1, 100), loaded=1,
+        turn_tolerance=Fraction(1, 100),
+    )  # fmt: skip
+    turning = Machine(**{**vars(mill), "axes": tuple(Axis("table", letter, 1) for letter in ROTARY)})
+    return [mill, turning, Machine()]
+
+
+def read(root: Path, path: Path) -> Reading | None:
+    """Return what becomes of a program; None where the interpreter does not complete it, or moves nothing."""
+    own, with_rs274 = list[str](), list[str]()
+    made_up = machines(path.read_text(encoding="utf-8", errors="replace"))
+    if not completes(path, made_up[0], _LONGEST):
+        return None
+    for readers, found in ((read_program, own), (read_by_rs274, with_rs274)):
+        for machine in made_up:
+            try:
+                readers(path, NOWHERE, False, machine)
+            except InputError as error:
+                found.append(str(error))
+            else:
+                found[:] = [""]
+                break
+    return Reading(str(path.relative_to(root)), with_rs274[0], own[0])
+
+
+def findings(found: Sequence[Reading], tried: int) -> Findings:
+    """Return what is shown and written; ``tried``: files that were there."""
+    counts = {name: sum(not getattr(one, name) for one in found) for name in ("by_rs274", "by_own")}
+    problems = [
+        f"{what}: {counts[name]} of {len(found)} accepted: fewer than {least:.0%}"
+        for name, what, least in (
+            ("by_rs274", "with --reader rs274", _LEAST_WITH), ("by_own", "our own reader", _LEAST_OWN),
+        )
+        if counts[name] < least * len(found)
+    ]  # fmt: skip
+    table = Table("refused by our own reader", "programs", "as")
+    reasons = Counter(_PLACE.sub("", one.by_own)[:100] for one in found if one.by_own)
+    first = {_PLACE.sub("", one.by_own)[:100]: one.file for one in reversed(found) if one.by_own}
+    for reason, count in reasons.most_common(_LISTED):
+        table.add_row(reason, str(count), first[reason])
+    summary = (
+        f"{len(found)} programs that rs274 completes, of {tried} files: {counts['by_rs274']} accepted with "
+        f"it, {counts['by_own']} by our own reader"
+    )
+    content = {"files": tried, "completed": len(found), **counts, "programs": [asdict(one) for one in found]}
+    return Findings("triaxis bench programs", summary, problems, content, [table])
+
+
+def _measured(options: argparse.Namespace) -> Findings:
+    root: Path = options.folder
+    files = sorted(path for path in root.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+    if not files:
+        raise InputError(f"{root}: no program there ({', '.join(sorted(SUFFIXES))}): name another folder")
+    with progress_bar("programs", len(files)) as progress:
+        found = in_processes(partial(read, root), files, lambda _: progress(1))
+    return findings([one for one in found if one is not None], len(files))
+
+
+def add_programs(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.description = (
+        "Read all programs of a folder that LinuxCNC's interpreter completes (Debian: linuxcnc-uspace), with "
+        "it and by our own reader, for a machine that has whatever they ask for, and say what is refused."
+    )
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="with programs, also in folders of it")
+    parser.set_defaults(run=lambda options: report(RESULT, lambda: _measured(options)))
