@@ -6,7 +6,6 @@ Each program is tried with it, with the same whose A, B and C turn, and without 
 
 import argparse
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
@@ -30,13 +29,13 @@ from triaxis.host.stl import StlMesh
 RESULT = FOLDER / "programs.json"
 SUFFIXES = frozenset((".ngc", ".nc", ".gcode", ".tap"))
 # Of the programs that the interpreter completes, with it and by our own reader.
-_LEAST_WITH, _LEAST_OWN = 0.95, 0.75
+_DEMANDS = (("by_rs274", "with --reader rs274", 0.95), ("by_own", "by our own reader", 0.75))
 # Seconds of the processor: what takes longer is taken for a loop without an end.
 _LONGEST = 60
 _LISTED = 12
 _TOOL_NUMBER = re.compile(r"[Tt]\s*(\d{1,5})(?!\d)", re.ASCII)
-# Before the reason: the file, and others.
-_PLACE = re.compile(r"^.*?(?:line \d+: |: )", re.ASCII)
+# Why a program is refused, after where.
+_REASON = re.compile(r".*?: (?:line \d+: )?(?:word '[^']*': )?([^;]*).*", re.ASCII | re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -82,27 +81,33 @@ def read(root: Path, path: Path) -> Reading | None:
     return Reading(str(path.relative_to(root)), with_rs274[0], own[0])
 
 
+def _refusals(title: str, found: Sequence[Reading], name: str) -> Table:
+    """Return a table of the reasons for which a reader refuses programs, the most frequent first."""
+    files: dict[str, list[str]] = {}
+    for one in found:
+        if told := getattr(one, name):
+            files.setdefault(_REASON.sub(r"\1", told), []).append(one.file)
+    table = Table(title, "programs", "as")
+    for reason, of in sorted(files.items(), key=lambda entry: -len(entry[1]))[:_LISTED]:
+        table.add_row(reason, str(len(of)), of[0])
+    return table
+
+
 def findings(found: Sequence[Reading], tried: int) -> Findings:
     """Return what is shown and written; ``tried``: files that were there."""
     counts = {name: sum(not getattr(one, name) for one in found) for name in ("by_rs274", "by_own")}
     problems = [
         f"{what}: {counts[name]} of {len(found)} accepted: fewer than {least:.0%}"
-        for name, what, least in (
-            ("by_rs274", "with --reader rs274", _LEAST_WITH), ("by_own", "our own reader", _LEAST_OWN),
-        )
+        for name, what, least in _DEMANDS
         if counts[name] < least * len(found)
-    ]  # fmt: skip
-    table = Table("refused by our own reader", "programs", "as")
-    reasons = Counter(_PLACE.sub("", one.by_own)[:100] for one in found if one.by_own)
-    first = {_PLACE.sub("", one.by_own)[:100]: one.file for one in reversed(found) if one.by_own}
-    for reason, count in reasons.most_common(_LISTED):
-        table.add_row(reason, str(count), first[reason])
+    ]
+    tables = [_refusals(f"refused {what}", found, name) for name, what, _ in _DEMANDS]
     summary = (
         f"{len(found)} programs that rs274 completes, of {tried} files: {counts['by_rs274']} accepted with "
         f"it, {counts['by_own']} by our own reader"
     )
     content = {"files": tried, "completed": len(found), **counts, "programs": [asdict(one) for one in found]}
-    return Findings("triaxis bench programs", summary, problems, content, [table])
+    return Findings("triaxis bench programs", summary, problems, content, tables)
 
 
 def _measured(options: argparse.Namespace) -> Findings:

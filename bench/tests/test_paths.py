@@ -71,6 +71,7 @@ def test_programs_are_read_where_the_interpreter_completes_them(tmp_path):
     )
     assert told.problems == [
         "with --reader rs274: 4 of 5 accepted: fewer than 95%",
-        "our own reader: 3 of 5 accepted: fewer than 75%",
+        "by our own reader: 3 of 5 accepted: fewer than 75%",
     ]
+    assert [len(table.rows) for table in told.tables] == [1, 2]
     assert not reading.findings([one for one in found if not one.by_own], 7).problems

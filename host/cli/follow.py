@@ -4,6 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -40,7 +41,7 @@ from triaxis.host.quantise import NOWHERE, Vector
 from triaxis.host.report import write_report
 from triaxis.host.stl import Facets, read_stl
 
-_LENGTH, _HOLD, _LAG = Fraction(5), 50, Fraction(20)
+_LENGTH, _HOLD, _LAG, _DEVIATION = Fraction(5), 50, Fraction(20), Fraction(1, 100)
 # What a tool is told to be in that is beyond none, or the first, of the zones asked for; else "free".
 _ZONES = ("slow", "warn")
 # Lines that are listed; between two signs of life: the board's watchdog waits 100 ms.
@@ -76,6 +77,11 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         f"longest time from a position to the answer of the piece asked after it, in ms ({_LAG})", _LAG,
     )  # fmt: skip
     add_numbers(parser, "--braking", "B", "the way in which the machine stops, in mm (0)", Fraction(0))
+    off = (
+        "how far positions may be off the path, in mm, beyond what the program lets the control leave it by "
+        f"({float(_DEVIATION):g})"
+    )
+    add_numbers(parser, "--deviation", "D", off, _DEVIATION)
     parser.add_argument(
         "--hold", type=int, default=_HOLD, metavar="MS",
         help=f"how long a permission counts at most, in ms ({_HOLD})",
@@ -112,8 +118,9 @@ def run(options: argparse.Namespace) -> int:
     for name in ("length", "lag"):
         if getattr(options, name) <= 0:
             raise InputError(f"--{name}: must be more than 0: correct it")
-    if options.braking < 0:
-        raise InputError("--braking: must not be negative: correct it")
+    for name in ("braking", "deviation"):
+        if getattr(options, name) < 0:
+            raise InputError(f"--{name}: must not be negative: correct it")
     if options.warn is not None and options.slow is None:
         raise InputError("--warn: is around the zone of --slow: give that, too")
     widths = [options.clearance, *_widths(options)]
@@ -122,6 +129,8 @@ def run(options: argparse.Namespace) -> int:
     if not 1 <= options.hold <= LONGEST:
         raise InputError(f"hold {options.hold}: must be 1..{LONGEST} ms")
     program, machine, given = read_moves(options)
+    deviating = (replace(move, slack=move.slack + options.deviation) for move in program.moves)
+    program = replace(program, moves=tuple(deviating))
     if machine.rotary and machine.turn_tolerance is None:
         raise InputError(
             f"{options.tool}: turn_tolerance: say by how many degrees {', '.join(sorted(machine.rotary))} "

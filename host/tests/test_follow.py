@@ -497,6 +497,9 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
             ([*first[:2], "8 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
             ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
+            # Off the path, at its start, by as much as it may be, and by more.
+            (["-0.01 0 40 1", *first[1:], *away[:3]], 1, "ENDED"),
+            (["-0.02 0 40 1"], 2, "where it is not permitted to be"),
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)

@@ -19,6 +19,7 @@ from triaxis.host.cli import main
 from triaxis.host.engines import BULK, scene_engine
 from triaxis.host.motion import picture, rule_check
 from triaxis.host.motion.contact import Setup, rules_of
+from triaxis.host.motion.example import write_mill
 from triaxis.host.motion.follow import pieces
 from triaxis.host.motion.kinematics import Axis, Body, Meeting
 from triaxis.host.motion.machine_file import read_machine
@@ -674,3 +675,27 @@ def test_a_machining_centre(tmp_path, capsys):
         assert status == wanted, said
         if status:
             assert "the carousel comes within 0.5 mm of the head" in said
+
+
+def test_the_mill_to_try(tmp_path, capsys):
+    """As host.md has it."""
+    files = [str(file) for file, _ in write_mill(tmp_path)]
+    for program, near in (("part.nc", None), ("crash.nc", (9, "the cutter", "the stock"))):
+        words = [files[0], tmp_path / "vise.stl", tmp_path / program, "--stock", tmp_path / "blank.stl"]
+        words += [
+            "--start",
+            0,
+            0,
+            400,
+            "--engine",
+            "bulk",
+            "--resolution",
+            0.01,
+            "--json",
+            tmp_path / "r.json",
+        ]
+        status = main(["path", *map(str, words)])
+        said, report = capsys.readouterr().out, read_published(tmp_path / "r.json", "path")
+        found = (report["near"]["line"], report["what"], report["of"]) if report["near"] else None
+        assert (status, found) == (int(near is not None), near), said
+    assert "NEAR: line 9: at X0.0000 Y0.0000 Z62.0000 A9.2798 the cutter comes within 0.5 mm" in said
