@@ -12,7 +12,7 @@ from triaxis.host.engines import scene_engine
 from triaxis.host.motion.contact import Setup, rules_of
 from triaxis.host.motion.machine_file import read_machine
 from triaxis.host.motion.moves import Move, Program
-from triaxis.host.motion.operations import parts_of
+from triaxis.host.motion.operations import Operation, parts_of
 from triaxis.host.motion.path_check import _near_at, check_path
 from triaxis.host.motion.path_scene import Wanted, prepare_path
 from triaxis.host.motion.program import read_program
@@ -128,6 +128,7 @@ def pieces_of(folder, program, start, clearance=Fraction(1, 2), shortest=Fractio
     wanted = Wanted(clearance, Fraction(1, 100), shortest, Fraction(1), None)
     setup = Setup(machine.tools[1], work, stock, machine)
     (part,) = parts_of(setup, read_program(program, start, False, machine), wanted, ())
+    assert isinstance(part, Operation)
     return part.pieces
 
 
