@@ -36,6 +36,7 @@ class Command(NamedTuple):
 
 
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
+_PICTURE = {"--picture": Answer(endings=(".png", ".svg"))}
 # How a report begins; a file of anything else is not to be lost.
 _OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
@@ -44,7 +45,7 @@ COMMANDS = {
     "check": Command(_MESHES, "host.cli.check", ("clear", "near"), _REPORT),
     "path": Command(
         "decide whether a tool stays clear of a workpiece along a G-code program", "host.cli.path",
-        ("clear", "near"), _REPORT | {"--picture": Answer(endings=(".png", ".svg"))},
+        ("clear", "near"), _REPORT | _PICTURE,
     ),
     "verdict": Command(
         "decide pairs of triangles from a .npy file", "host.cli.verdict", ("decided",), {"--out": Answer()}
@@ -52,7 +53,7 @@ COMMANDS = {
     "board check": Command(_MESHES, "host.cli.board", ("clear", "near"), _REPORT),
     "board follow": Command(
         "permit a machine to go through a program without a stop", "host.cli.follow",
-        ("to the end", "near, or ended before"), _REPORT,
+        ("to the end", "near, or ended before"), _REPORT | _PICTURE,
     ),
     "board status": Command("print what the board is, and its status", "host.cli.board", ("done",)),
     "board simulate": Command("serve a simulated board at a pseudo-terminal", "host.cli.board", ("done",)),

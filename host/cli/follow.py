@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from triaxis.host.motion.follow import (
     LONGEST,
     Followed,
     Follower,
+    Piece,
     Report,
     SimulatedTool,
     StrayedError,
@@ -103,6 +105,9 @@ def add_follow(parser: argparse.ArgumentParser) -> None:
         "--page", type=int, metavar="PORT",
         help="show it in a browser of this computer, at a port (0: any): scene, go or stop, and until when",
     )  # fmt: skip
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE.png", help="draw the objects where two of them came near"
+    )
     add_port(parser)
     add_trust(parser)
     parser.set_defaults(run=run, engine=BOARD, width=None)
@@ -254,12 +259,23 @@ def _through(
         finally:
             display.nothing()
         if done.near:
-            return done, "near", one.near_objects(done.near)
+            names = one.near_objects(done.near)
+            if options.picture is not None and done.place is not None:
+                _draw(options.picture, one, done.near, names, done.place)
+            return done, "near", names
         if not follower.at_the_end:
             return done, "ended", None
         # What was permitted is of this part: the next is entered under its own.
         board.abort()
     return done, "followed", None
+
+
+def _draw(path: Path, one: Operation, near: Piece, names: Names, place: Vector) -> None:
+    # Matplotlib loads for a picture alone.
+    from triaxis.host.motion.picture import draw_refused
+
+    told = f"{one.scene.program.path.name}: stopped before line {near.line}: {names[0]} comes near {names[1]}"
+    draw_refused(path, one.setup, told, names, place, one.angles)
 
 
 def _shown(options: argparse.Namespace, one: Operation) -> tuple[Facets, Facets, NDArray[np.float64], str]:

@@ -46,6 +46,8 @@ from triaxis.host.motion.path_scene import PathScene, Wanted, prepare_path
 from triaxis.host.quantise import NOWHERE, Vector, added, vector
 from triaxis.host.stl import StlMesh
 
+# What is checked of a tool: all of it, what does not cut, what does, and what is on top of that.
+PARTS_OF_TOOL = ("the tool", "the tool's body", "the cutter", "the cutter's top")
 NOT_TRACKED = (
     "the stock is as it is before the operation: what is cut away is not tracked, and whether the spindle "
     "turns is not known"
@@ -179,7 +181,8 @@ def rules_of(setup: Setup, program: Program, first: int) -> list[Rule]:
         return Rule((what, f"the {of}"), mesh, other[0], files, part, numbers, meeting)
 
     everything = range(len(program.moves))
-    found = [rule("the tool", tool.mesh, WORKPIECE, work, everything)]
+    whole, body, cutter, top = PARTS_OF_TOOL
+    found = [rule(whole, tool.mesh, WORKPIECE, work, everything)]
     found += setup.rules(program, first)
     if stock is None:
         return found
@@ -189,17 +192,17 @@ def rules_of(setup: Setup, program: Program, first: int) -> list[Rule]:
             "cuts = true for those that do, or cuts = false"
         )
     if tool.body is not None:
-        found.append(rule("the tool's body", tool.body, STOCK, stock, everything))
+        found.append(rule(body, tool.body, STOCK, stock, everything))
     if tool.cutter is None:
         return found
     rising, others = _rapids_into_stock(
         program.moves, [axis.number for axis in setup.machine.spindle if axis.rotary]
     )
     if tool.top is not None:
-        found.append(rule("the cutter's top", tool.top, STOCK, stock, rising))
+        found.append(rule(top, tool.top, STOCK, stock, rising))
     elif not tool.covered:
         others = sorted([*rising, *others])
-    found.append(rule("the cutter", tool.cutter, STOCK, stock, others))
+    found.append(rule(cutter, tool.cutter, STOCK, stock, others))
     return [one for one in found if one.numbers]
 
 

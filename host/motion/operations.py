@@ -52,12 +52,21 @@ def _near_turn(tool: Tool, rules: Sequence[Rule], wanted: Wanted) -> NearTurn | 
 class Operation:
     """A part of the program with one tool, on which A, B, C stand still, and its pieces."""
 
-    tool: Tool
+    setup: Setup
     supervised: Supervision
     scene: PathScene
     engine: SceneEngine
     pieces: Sequence[Piece]
-    machine: Machine
+
+    @property
+    def tool(self) -> Tool:
+        """Return the tool in the spindle."""
+        return self.setup.tool
+
+    @property
+    def machine(self) -> Machine:
+        """Return the machine, with all of its tools."""
+        return self.setup.machine
 
     @property
     def angles(self) -> Vector:
@@ -134,4 +143,4 @@ def _operation(
     ]
     beside = partial(supervised.near_beside, scene)
     found = pieces(scene, engine, wanted.step, beside=beside, zones=zones)
-    return Operation(setup.tool, supervised, scene, engine, found, setup.machine)
+    return Operation(setup, supervised, scene, engine, found)

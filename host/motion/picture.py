@@ -1,6 +1,6 @@
 """The picture of a path: what moves and what it passes in space; the proven clearance along the path."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +16,19 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from triaxis.host.enclosure import State
 from triaxis.host.figures import GAP, LARGE, NORMAL, SMALL, A, B, write_figure
 from triaxis.host.motion.clearance import Clearance, lengths
-from triaxis.host.motion.contact import Setup
+from triaxis.host.motion.contact import PARTS_OF_TOOL, Setup
 from triaxis.host.motion.kinematics import LINEAR, ROTARY, signs
 from triaxis.host.motion.machine import TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import PathResult
 from triaxis.host.motion.path_scene import PathScene
 from triaxis.host.motion.rule_check import RuleCheck
-from triaxis.host.quantise import vector
+from triaxis.host.quantise import Vector, vector
 from triaxis.host.stl import Facets
 
 _INCHES, _OF_MACHINE = (13.5, 7.0), (10.0, 8.5)
+# Where a machine by itself is, in parts of the picture.
+_WHOLE = (0.02, 0.02, 0.96, 0.86)
 # Where the chart of the clearance is, in parts of the picture.
 _CHART = (0.57, 0.11, 0.4, 0.73)
 _DPI = 110
@@ -69,21 +71,13 @@ def draw_machine(
     if result.verdict == "clear":
         told = f"all is clear by more than {float(checked.scene.wanted.clearance):g} mm all along"
     figure = _titled(_INCHES if profile else _OF_MACHINE, program, told, result)
-    axes = figure.add_axes((0.0, 0.02, 0.52, 0.86) if profile else (0.02, 0.02, 0.96, 0.86), projection="3d")
+    axes = figure.add_axes((0.0, 0.02, 0.52, 0.86) if profile else _WHOLE, projection="3d")
     assert isinstance(axes, Axes3D)
     if profile:
         _draw_clearance(figure.add_axes(_CHART), program, checked, profile)
-    axes.computed_zorder = False
-    machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
-    shown: list[npt.NDArray[np.floating]] = []
     colours = dict(zip(names, (A.colour, B.colour), strict=True)) if result.verdict != "clear" else {}
-    for body in setup.bodies:
-        facets = body.standing(machine, angles, setup.scale)
-        # A part of the tool is drawn as the tool.
-        called = names[0] if body.name == TOOL and not checked.rule.of_machine else f"the {body.name}"
-        colour = colours.get(called)
-        _add_mesh(axes, facets, colour or _WORK, 0.55 if colour else 0.18)
-        shown.append(facets)
+    shown = _draw_objects(axes, setup, place, angles, colours)
+    machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
     mesh, file = setup.work
     work = setup.carried(WORKPIECE, mesh, str(file)).at
     turning = any(move.turning or any(move.turns[0]) for move in program.moves)
@@ -99,18 +93,64 @@ def draw_machine(
     write_figure(figure, path)
 
 
+def draw_refused(
+    path: Path, setup: Setup, told: str, names: tuple[str, str], place: Vector, angles: Vector
+) -> None:
+    """Draw all objects with the tool at a place, of which it is told what two of them are. As above."""
+    figure = _figure(_OF_MACHINE, told, _place_words(place, angles))
+    axes = figure.add_axes(_WHOLE, projection="3d")
+    assert isinstance(axes, Axes3D)
+    colours = dict(zip(names, (A.colour, B.colour), strict=True))
+    shown = _draw_objects(axes, setup, place, angles, colours)
+    _frame(axes, np.concatenate([facets.reshape(-1, 3) for facets in shown]))
+    entries = [(name.removeprefix("the "), _of(colour)) for name, colour in colours.items()]
+    _add_legend(axes, [*entries, ("all else", _of(_WORK))])
+    write_figure(figure, path)
+
+
+def _draw_objects(
+    axes: Axes3D, setup: Setup, place: Vector, angles: Vector, colours: Mapping[str, str]
+) -> list[npt.NDArray[np.floating]]:
+    """Draw all objects where they are with the tool at a place; return their facets, in millimetres.
+
+    Where the machine has no objects, in the frame of the workpiece.
+    """
+    axes.computed_zorder = False
+    machine = vector(c + b for c, b in zip(place, setup.base, strict=True))
+    whole, shown = setup.machine.objects or setup.machine.rotary, list[npt.NDArray[np.floating]]()
+    for body in setup.bodies:
+        if whole:
+            facets = body.standing(machine, angles, setup.scale)
+        else:
+            by = np.array([float(c) for c in place]) * (body.name == TOOL)
+            facets = body.mesh.facets * float(setup.scale) + by
+        # A part of the tool is drawn as the tool.
+        of_tool = [colour for name, colour in colours.items() if body.name == TOOL and name in PARTS_OF_TOOL]
+        colour = of_tool[0] if of_tool else colours.get(f"the {body.name}")
+        _add_mesh(axes, facets, colour or _WORK, 0.55 if colour else 0.18)
+        shown.append(facets)
+    return shown
+
+
 def _titled(inches: tuple[float, float], program: Program, told: str, result: PathResult) -> Figure:
     """Return a figure that says what was found."""
-    figure = Figure(figsize=inches, dpi=_DPI)
-    FigureCanvasAgg(figure)
-    figure.text(0.03, 0.94, f"{program.path.name}: {told}", fontsize=LARGE, weight="bold")
     length = f"{lengths(program).sum():.5g} mm"
     lines = f"{len(program.moves)} moves, {length}; {result.effort.poses} poses asked"
     if (near := result.near) is not None:
-        place = [(axis, c) for axis, c in zip(LINEAR + ROTARY, (*near.position, *near.angles), strict=True)]
-        where = "  ".join(f"{axis} {float(c):.3f}" for axis, c in place if c or axis in LINEAR)
-        lines += f"; first near pose at {where}"
-    figure.text(0.03, 0.9, lines, fontsize=NORMAL)
+        lines += f"; first near pose at {_place_words(near.position, near.angles)}"
+    return _figure(inches, f"{program.path.name}: {told}", lines)
+
+
+def _place_words(position: Vector, angles: Vector) -> str:
+    place = zip(LINEAR + ROTARY, (*position, *angles), strict=True)
+    return "  ".join(f"{axis} {float(c):.3f}" for axis, c in place if c or axis in LINEAR)
+
+
+def _figure(inches: tuple[float, float], title: str, line: str) -> Figure:
+    figure = Figure(figsize=inches, dpi=_DPI)
+    FigureCanvasAgg(figure)
+    figure.text(0.03, 0.94, title, fontsize=LARGE, weight="bold")
+    figure.text(0.03, 0.9, line, fontsize=NORMAL)
     return figure
 
 

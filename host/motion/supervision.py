@@ -15,6 +15,9 @@ for all objects, as `path` does; of each stand the board holds the meshes as the
 off move points by at most the sum of the radii of both objects times that (`kinematics`): the largest of all
 pairs of the board is added to its clearance.
 
+The board is asked about all pairs of the two meshes: an object that may touch one of the other side is in
+neither, and beside the board with all of that side.
+
 A stock (`contact`) is beside the board as well: it is no place where nothing may be. What of the tool must
 stay clear of it, on some moves, is shown so in the pieces of these. Where it would be inside of it at the
 start of one of them, the first piece of that move is near.
@@ -206,13 +209,8 @@ class Supervision:
             [body for body in setup.machine.objects if not _moved(setup.meeting(body, carrier))]
             for carrier in (tool, work)
         )
-        sides = [tool, *with_tool], [work, *with_work]
+        sides = _apart([tool, *with_tool], [work, *with_work], setup)
         on_board = {frozenset((a.name, b.name)) for a in sides[0] for b in sides[1]}
-        if touching := sorted(map(sorted, on_board & setup.machine.may_touch)):
-            raise InputError(
-                f"may_touch: {' and '.join(touching[0])}: the board is asked about all that moves with the "
-                "tool against all that moves with the workpiece: leave one mesh out, or check with path"
-            )
         decided = {frozenset(f"the {name}" for name in names) for names in on_board}
         beside = [_beside(rule, wanted) for rule in rules if frozenset(rule.names) not in decided]
         angles, degrees = program.moves[0].turns[0], [max(move.turn_slack for move in program.moves)] * 3
@@ -241,6 +239,21 @@ class Supervision:
             for side in (-1, 1)
         )
         return next((one.rule.names for one in self.beside if not one.clear(low, high, moves)), None)
+
+
+def _apart(tool: list[Body], work: list[Body], setup: Setup) -> tuple[list[Body], list[Body]]:
+    """Return what moves with the tool, and with the workpiece, without objects that may touch the other side.
+
+    All others of theirs are beside the board then.
+    """
+    carriers, touching = (tool[0], work[0]), setup.machine.may_touch
+    for a, b in product(tool, work):
+        if frozenset((a.name, b.name)) in touching:
+            one = b if a in carriers else a
+            return _apart(
+                [body for body in tool if body is not one], [body for body in work if body is not one], setup
+            )
+    return tool, work
 
 
 def _moved(meeting: Meeting) -> bool:

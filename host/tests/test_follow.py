@@ -13,6 +13,7 @@ from functools import partial
 from itertools import count, pairwise, product
 from pathlib import Path
 from types import SimpleNamespace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -506,7 +507,7 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         # The cutter may be in the stock where it feeds, the shank never, and neither of them on a rapid.
         machine.write_text(CUTTERS)
         scenes.write_stl(tmp_path / "blank.stl", scenes.box((5, -9, 10), (30, 9, 30)))
-        whole = program.read_text()
+        whole, picture = program.read_text(), tmp_path / "near.svg"
         for lines, near in (
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nX20\nG0 Z40\nT2 M6\nG0 X0", (None, None, None)),
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nG0 X20", (4, "the cutter", "the stock")),
@@ -515,7 +516,14 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
             ("G0 X9 Y0\nG1 Z25 F900\nT2 M6\nG0 Z28", (5, "the cutter", "the stock")),
         ):
             program.write_text(f"G21 G90 G61\n{lines}\n")
-            status, said = run([], "--simulate", "--stock", str(tmp_path / "blank.stl"), "--length", "0.5")
+            picture.write_bytes(b"old")
+            words = ["--stock", str(tmp_path / "blank.stl"), "--length", "0.5", "--picture", str(picture)]
+            status, said = run([], "--simulate", *words)
+            # What was there before is never taken for what was found now.
+            assert picture.exists() == (status == 1)
+            if status:
+                drawn = " ".join(ElementTree.fromstring(picture.read_text()).itertext())
+                assert f"p.nc: stopped before line {near[0]}: {near[1]} comes near {near[2]}" in drawn
             found = read_published(report, "follow")
             assert (found["line"], found["what"], found["of"]) == near, said
             assert status == int(near[0] is not None) and "what is cut away is not tracked" in said.out
@@ -609,8 +617,14 @@ def test_objects_are_on_the_board_or_shown_clear_before(top, tmp_path, capsys, m
             (zone,) = read_published(report, "follow")["zones"]
             assert (status, zone["within"], zone["lines"]) == (0, 3, within), said
             assert zone["pieces"] == len(within) == said.out.count("zone: slow, line 4")
+        # What may touch something on the board is looked at beside it, against all else.
         touching = OBJECTS.replace("[spindle]", 'may_touch = ["workpiece"]\n[spindle]')
-        assert "may_touch: head and workpiece: the board is asked" in run("G0 Z60", touching)[2].err
+        for lines, near in (("G0 Z30\nG1 Z20.4", None), ("G0 Z60\nX60\nZ10.4", (4, "the bed", "the head"))):
+            status, found, said = run(lines, touching)
+            assert (status, found) == (int(near is not None), near or (None, None, None)), said
+        scenes.write_stl(tmp_path / "post.stl", scenes.box((200, 200, 0), (201, 201, 1)))
+        status, found, said = run("G0 X60\nZ-49.6", touching)
+        assert (status, found) == (1, (3, "the table", "the head")), said
         # A table that has a bed inside it.
         scenes.write_stl(tmp_path / "post.stl", scenes.box((-5, -5, -7), (5, 5, -3)))
         status, found, said = run("G0 Z60")
