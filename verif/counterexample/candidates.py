@@ -116,8 +116,9 @@ def _values_replaced(points: _Points) -> Iterator[_Points]:
     """Yield the pair with one value replaced by another wherever it stands."""
     values = np.unique(points)
     for value in values.tolist():
-        half = int(np.sign(value)) * (abs(value) // 2)
-        for other in {*values.tolist(), 0, half, value - 1, value + 1, -value} - {value}:
+        sign = int(np.sign(value))
+        less = (value - sign * (1 << k) for k in range(abs(value).bit_length()))
+        for other in {*values.tolist(), 0, sign * (abs(value) // 2), *less, value + sign, -value} - {value}:
             yield np.where(points == value, other, points)[None]
 
 

@@ -164,3 +164,17 @@ def test_damaged_contexts_are_refused(tmp_path):
     assert first.context is None
     assert second.context is not None
     assert (second.context.pairs == FAR).all()
+
+
+def test_equal_values_shrink_together_in_few_calls():
+    """What fails where two coordinates are equal and large: one by one neither can be smaller."""
+    pair = np.zeros((2, 3, 3), np.int64)
+    pair[0, 0, 2] = pair[0, 1, 0] = 32_280
+
+    def fails(pairs, _):
+        first, second = pairs[:, 0, 0, 0, 2], pairs[:, 0, 0, 1, 0]
+        return (first == second) & (first >= 26_755)
+
+    budget = Budget(calls=60)
+    found = minimise(Stream(pair[None], np.zeros(1, np.int64)), fails, budget)
+    assert found.pairs[0, 0, 0, 2] == found.pairs[0, 0, 1, 0] == 26_755 and budget.calls
