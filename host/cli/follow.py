@@ -35,7 +35,7 @@ from triaxis.host.motion.follow import (
     StrayedError,
     follow,
 )
-from triaxis.host.motion.operations import Operation, parts_of
+from triaxis.host.motion.operations import Operation, check_told_apart, parts_of
 from triaxis.host.motion.path_scene import GridPoint, PathScene, Wanted
 from triaxis.host.motion.supervision import Names
 from triaxis.host.page import Page
@@ -162,6 +162,9 @@ def run(options: argparse.Namespace) -> int:
                 progress(1)
         if not operations:
             raise InputError(f"{program.path}: no line moves X, Y or Z: there is nothing to follow")
+        check_told_apart(operations)
+        ends = not (program.changes or program.moves[-1].turning)
+        operations[-1] = replace(operations[-1], ends=ends)
         count = sum(len(one.pieces) for one in operations)
         for one in operations if not options.surfaces_only else ():
             for insides, files, names in one.insides():
@@ -240,16 +243,15 @@ def _through(
         start = f", with {one.tool.name} from line {one.pieces[0].line} on" if len(operations) > 1 else ""
         start += f", at {one.words(one.angles)}" if one.machine.rotary else ""
         print(f"ready: the machine may start where go is said{start}", flush=True)
-        ends = one is operations[-1]
-        follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking, ends)
+        follower = Follower(scene, one.pieces, options.speed, options.lag / 1000, options.braking, one.ends)
         if positions is None:
             tool_of = SimulatedTool(
                 scene.program, options.speed, time.monotonic, partial(getattr, on_board, "says_go")
             )
             report = tool_of.report
         else:
-            report = partial(_as_expected, positions, one, follower)
             several = len({id(other.tool) for other in operations}) > 1
+            report = partial(_as_expected, positions, one, follower, several)
             if not _come_to_start(board, positions, one, follower, several, number > 0):
                 return done, "ended", None
         display = _Display(follower, scene, len(_widths(options)), done.asked, positions, page)
@@ -351,10 +353,7 @@ def _come_to_start(
         here = positions.report()
         if here is None:
             return False
-        if several and positions.tool is None:
-            raise InputError(
-                "several tools: positions must say which one is in the spindle: X Y Z and its number"
-            )
+        _check_told(positions, several)
         try:
             if positions.tool in (None, one.tool.number) and one.stands(_angles(positions, one)):
                 follower.moved(here[0])
@@ -363,6 +362,14 @@ def _come_to_start(
             pass
         board.status()
     return True
+
+
+def _check_told(positions: Source, several: bool) -> None:
+    """Raise InputError where positions do not say which of several tools is in the spindle."""
+    if several and positions.tool is None:
+        raise InputError(
+            "several tools: positions must say which one is in the spindle: X Y Z and its number"
+        )
 
 
 def _angles(positions: Source, one: Operation) -> Vector:
@@ -375,14 +382,16 @@ def _angles(positions: Source, one: Operation) -> Vector:
     return positions.angles or NOWHERE
 
 
-def _as_expected(positions: Source, one: Operation, follower: Follower) -> Report:
+def _as_expected(positions: Source, one: Operation, follower: Follower, several: bool) -> Report:
     """Return the last position; raise InputError where it is of another tool, or of other angles.
 
-    The tool of an STL file may have any number. At the end of a part the next turn may have begun.
+    ``several``: the program has several tools. The tool of an STL file may have any number. At the end of a
+    part the next turn may have begun.
     """
     here = positions.report()
     if here is None:
         return None
+    _check_told(positions, several)
     if one.machine.tools and positions.tool not in (None, one.tool.number):
         raise InputError(
             f"tool {positions.tool} is in the spindle, and not {one.tool.number}; the machine is stopped: "

@@ -23,11 +23,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import takewhile
 
+import numpy as np
+
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.host.engines import SceneEngine, Translation
 from triaxis.host.motion.moves import Program
-from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment
+from triaxis.host.motion.path_scene import GridPoint, PathScene, Segment, nearest, upwards
 from triaxis.host.quantise import Vector, vector
 
 # How often a piece of a rapid is halved, at most, to see which zones it is beyond.
@@ -243,6 +245,10 @@ class Follower:
         self._first = self._last = 0
         self._place = scene.place(scene.program.moves[0].start)
         self._slack = Rational(max(move.slack for move in scene.program.moves) / scene.wanted.resolution)
+        # How far the path goes from its end at least, and the tool was seen from there.
+        end = np.array(nearest(found[-1].end))
+        self._far = int(np.abs(scene.extents - end).max()) - upwards(self._slack) - 2
+        self._away = Rational(0)
 
     @property
     def place(self) -> GridPoint:
@@ -251,10 +257,17 @@ class Follower:
 
     @property
     def at_the_end(self) -> bool:
-        """Return whether the tool is at the end of the path, and has no piece before it that is elsewhere."""
-        rest = self.pieces[self._first :]
-        here = _apart(self._place, self.pieces[-1].end) <= self._slack + 1
-        return here and self.permitted == len(self.pieces) and all(one.holds(self._place) for one in rest)
+        """Return whether the tool is at the end of the path, and has no piece before it that is elsewhere.
+
+        Where a path goes away from there and comes back, it has been away as far, but for what it may go
+        between two looks, of which each is at most a lag old and a lag after the last.
+        """
+        rest, here = self.pieces[self._first :], self._slack + 1
+        if self.permitted < len(self.pieces) or _apart(self._place, self.pieces[-1].end) > here:
+            return False
+        unseen = 2 * Rational(self.lag) * self._steps_a_second + 2 * self._slack
+        been = self._far <= here or (self._away > here and self._away >= self._far - unseen)
+        return been and all(one.holds(self._place) for one in rest)
 
     def moved(self, position: Vector) -> None:
         """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
@@ -269,6 +282,7 @@ class Follower:
                 f"{self.scene.program.path}; the machine is stopped: check the origin, or begin anew"
             )
         self._first, self._last, self._place = held[0], held[-1], place
+        self._away = max(self._away, _apart(place, self.pieces[-1].end))
 
     def hold(self, number: int) -> int:
         """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less.

@@ -323,7 +323,7 @@ class Interpreter:
             if number and number not in self.machine.tools:
                 raise place.error(word.text, f"the machine file has no tool {number}: add it")
             self.notes["tool"] = f"line {self.line}: how the machine moves to change tools is not checked"
-        elif number != self.loaded and (self.moves or "tool" in self.notes):
+        elif (number is None or number != self.loaded) and (self.moves or "tool" in self.notes):
             raise place.error(word.text, "changes the tool, and so its shape: give a machine file with tools")
         else:
             self.notes["tool"] = f"line {self.line}: the tool of {word.text} is taken to be the one given"

@@ -68,11 +68,15 @@ class Move:
 
 @dataclass(frozen=True)
 class Program:
-    """The moves of a file, and what was assumed in reading it, a line each."""
+    """The moves of a file, and what was assumed in reading it, a line each.
+
+    ``changes``: whether the tool is changed after the last move.
+    """
 
     path: Path
     moves: tuple[Move, ...]
     notes: tuple[str, ...]
+    changes: bool = False
 
     @property
     def stretches(self) -> "list[Program]":

@@ -7,7 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 
+from triaxis.golden.errors import InputError
 from triaxis.host.enclosure import Enclosure
 from triaxis.host.engines import SceneEngine, unwatched
 from triaxis.host.motion.contact import Rule, Setup, rules_of
@@ -50,13 +52,17 @@ def _near_turn(tool: Tool, rules: Sequence[Rule], wanted: Wanted) -> NearTurn | 
 
 @dataclass(frozen=True)
 class Operation:
-    """A part of the program with one tool, on which A, B, C stand still, and its pieces."""
+    """A part of the program with one tool, on which A, B, C stand still, and its pieces.
+
+    ``ends``: the program does: no turn, and no change of the tool, comes after it.
+    """
 
     setup: Setup
     supervised: Supervision
     scene: PathScene
     engine: SceneEngine
     pieces: Sequence[Piece]
+    ends: bool = False
 
     @property
     def tool(self) -> Tool:
@@ -110,6 +116,22 @@ class Operation:
         near = self.engine.run(piece.sample, piece.margin, stop_at_first=True).near
         a, b = map(int, near[0]) if len(near) else (0, 0)
         return self.supervised.tool.named(a), self.supervised.work.named(b)
+
+
+def check_told_apart(parts: Sequence[Operation]) -> None:
+    """Raise InputError where a part begins with the tool and the angles of the one before it.
+
+    What is between them, nothing that positions tell would show.
+    """
+    for one, other in pairwise(parts):
+        apart = 2 * (one.machine.turn_tolerance or 0)
+        alike = all(abs(a - b) <= apart for a, b in zip(one.angles, other.angles, strict=True))
+        if one.tool.number == other.tool.number and alike:
+            raise InputError(
+                f"{other.scene.program.path}: line {other.pieces[0].line}: the same tool and angles as "
+                "before the changes that come first, so that nothing tells when these are over: move X, Y or "
+                "Z between them, or check with path"
+            )
 
 
 def parts_of(

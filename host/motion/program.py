@@ -54,7 +54,8 @@ def read_program(
     if start is None:
         state.notes["start"] = assumed_start(state.moves)
     state.notes |= machine.assumed
-    return Program(path, tuple(state.moves), tuple(state.notes.values()))
+    changes = (state.loaded or 0) != state.moves[-1].tool
+    return Program(path, tuple(state.moves), tuple(state.notes.values()), changes)
 
 
 def _run(

@@ -416,7 +416,8 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
     if machine.tolerance is None and not all(move.rapid for move in state.moves):
         told = "without G61 or G64 the path is taken for exactly followed"
         state.notes.setdefault("path mode", f"line {line}: {told}")
-    return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())))
+    changes = (state.loaded or 0) != state.moves[-1].tool
+    return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
 
 
 # What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.

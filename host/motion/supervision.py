@@ -167,8 +167,16 @@ class Beside:
         """Return whether the rule is kept with the tool anywhere in a box, in millimetres, on some moves."""
         if self._numbers.isdisjoint(moves):
             return True
-        clear = self._clear(low, high) if any(self._factors) else self._clear_still
-        return clear and not any(self._begins_inside(one) for one in moves if one in self._starts)
+        if not (self._clear(low, high) if any(self._factors) else self._clear_still):
+            return False
+        return not any(self._begins_inside(one) for one in moves if self._begins_there(one, low, high))
+
+    def _begins_there(self, number: int, low: Vector, high: Vector) -> bool:
+        """Return whether it is a move of `_starts` that begins in a box."""
+        if number not in self._starts:
+            return False
+        start = self.rule.program.moves[self._starts[number]].start
+        return all(a <= c <= b for a, c, b in zip(low, start, high, strict=True))
 
     def _clear(self, low: Vector, high: Vector) -> bool:
         factors, by = self._factors, self._by

@@ -228,6 +228,11 @@ def test_insides_are_told_with_their_place(checked):
 def test_of_an_open_stock_nothing_is_known_inside(checked, tmp_path):
     scenes.write_stl(tmp_path / "open.stl", STOCK[1:])
     found = checked("G0 Z2\nG1 Z-14\nG0 X5", BLADE, stocks=(tmp_path / "open.stl",))
+    # Where facets are near, nobody asks.
+    scenes.write_stl(tmp_path / "stock.stl", STOCK[1:])
+    (tmp_path / "p.nc").write_text("G21 G90 G61 F100\nG0 Z2\nG1 X37\nG1 Z-14\nG0 X60")
+    near = [piece for piece in pieces_of(tmp_path, tmp_path / "p.nc", HERE) if piece.near]
+    assert near and {piece.line for piece in near} == {5}
     assert found.status == 2 and "not closed" in found.said and "--surfaces-only" not in found.said
     assert "may be inside" in found.said and "at the start of line 4: verdict unknown" in found.said
 

@@ -495,6 +495,7 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         assert read_published(report, "follow")["verdict"] == "followed"
         for lines, status, what in (
             ([*first, *away[:3]], 1, "ENDED"),
+            ([first[0], "4 0 40"], 2, "positions must say which one is in the spindle"),
             ([*first, *["10 0 40"] * 2], 2, "positions must say which one is in the spindle"),
             ([*first[:2], "8 0 40 2"], 2, "tool 2 is in the spindle, and not 1"),
             ([*first, *away, *second[:2], "18 0 60 2"], 2, "where it is not permitted to be"),
@@ -504,10 +505,15 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
         ):
             found, said = run(lines)
             assert found == status and what in said.out + said.err, (lines, said)
+        # What ends with a change of the tool ends before it, with stop.
+        whole = program.read_text()
+        program.write_text("G21 G90 G61\nG0 X10\nT2 M6\nM30\n")
+        status, said = run([*first, "10 0 40 1", "10 0 40 2"])
+        assert (status, said.err) == (0, "") and "FOLLOWED: to the end" in said.out and top.stop
         # The cutter may be in the stock where it feeds, the shank never, and neither of them on a rapid.
         machine.write_text(CUTTERS)
         scenes.write_stl(tmp_path / "blank.stl", scenes.box((5, -9, 10), (30, 9, 30)))
-        whole, picture = program.read_text(), tmp_path / "near.svg"
+        picture = tmp_path / "near.svg"
         for lines, near in (
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nX20\nG0 Z40\nT2 M6\nG0 X0", (None, None, None)),
             ("G0 X2 Y0 Z32\nG1 X9 Z26 F900\nG0 X20", (4, "the cutter", "the stock")),
@@ -699,6 +705,16 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
         # Go is ended before it turns, and nothing permitted before the angle is there.
         end = went.index("abort")
         assert went[end - 1 : end + 7] == [0, "abort", 5, 12, 19.98, 20, 20, "permit"]
+        # What ends with a turn ends before it, with stop.
+        status, _, said = run("G0 Z30\nC20", [*down, *[(0, 0, 30, 0)] * 3, *turn])
+        assert (status, said.err, went[-1]) == (0, "", "abort") and "FOLLOWED" in said.out, (said.err, went)
+        # A part that ends where it begins is not over before it has begun; looked at three times before it.
+        there = [(x, 0, 30, 20) for x in (0, 0, 0, 0, 3, 7, 12, 16, 13, 9, 4, 0, 0, 0)]
+        last = [(x, 0, 30, 40) for x in (0, 2, 4, 5, 5, 5)]
+        positions = [*down, *turn, *there, (0, 0, 30, 30), *last]
+        bare = TURNING.replace('mesh = "table.stl"', "")
+        status, _, said = run("G0 Z30\nC20\nG1 X16\nX0\nC40\nG1 X5", positions, bare)
+        assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.out, said.err, went)
         for positions, status, what in (
             ([*down[:4], (0, 0, 96, 0.02)], 2, "axes are at C0.02, not at C0; the machine is stopped"),
             ([*down, *turn[:2], (1, 0, 30, 12)], 1, "ENDED"),
@@ -715,9 +731,11 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
             ("G0 C45\nZ30", (2, "the bed", "the table")), ("G0 Z90\nX1\nC45", (4, "the bed", "the table")),
             ("G0 Z30\nG1 X9\nX-6\nC18\nX0", (5, "the tool", "the workpiece")),
         ):  # fmt: skip
-            text = TURNING.replace('mesh = "table.stl"', "") if "C90" in lines else TURNING
+            text = bare if "C90" in lines else TURNING
             status, found, said = run(lines, text=text)
             assert (status, found) == (int(near is not None), near or (None, None, None)), (lines, said)
+        tool = TURNING[TURNING.index("[[tools]]") : TURNING.index("[[objects]]")]
+        two = TURNING.replace(tool, tool + tool.replace("number = 1", "number = 2"))
         # The table is 1 mm from the post, and would be within it at C25.
         for tolerance, near in ((0.01, None), (3, (5, "the bed", "the table"))):
             text = TURNING.replace("turn_tolerance = 0.01", f"turn_tolerance = {tolerance}")
@@ -728,6 +746,7 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
             ("G0 C30\nC0\nX1", "line 3: the angles at the end of this turn are passed", TURNING),
             ("G0 C0.015\nX1", "line 2: the angles at the end of this turn are passed, or nearly", TURNING),
             ("G0 C20", "no line moves X, Y or Z", TURNING),
+            ("G0 Z30\nT2 M6 G43 H2\nC90\nT1 M6 G43 H1\nC0\nX5", "line 7: the same tool and angles", two),
             ("G0 X1", "turn_tolerance: say by how many degrees C may be off", OBJECTS_WITHOUT),
         ):
             status, _, said = run(lines, text=text)
