@@ -714,6 +714,8 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
         positions = [*down, *turn, *there, (0, 0, 30, 30), *last]
         bare = TURNING.replace('mesh = "table.stl"', "")
         status, _, said = run("G0 Z30\nC20\nG1 X16\nX0\nC40\nG1 X5", positions, bare)
+        first, second, *_ = (number for number, what in enumerate(went) if what == "abort")
+        assert went[first:second].count("permit") > 9, went
         assert (status, said.err) == (0, "") and "FOLLOWED" in said.out, (said.out, said.err, went)
         for positions, status, what in (
             ([*down[:4], (0, 0, 96, 0.02)], 2, "axes are at C0.02, not at C0; the machine is stopped"),
