@@ -14,7 +14,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -35,7 +35,7 @@ from triaxis.host.quantise import NOWHERE, Vector, added, vector
 _PROGRAM = "rs274"
 _INCH = Rational(254, 10)
 # Seconds of the processor, and bytes printed: against loops without an end alone.
-_LONGEST, _MOST_BYTES = 3600, 1 << 32
+_LONGEST, _MOST_BYTES = 3600, 1 << 30
 _NUMBER = re.compile(r"^(\s*/?)\s*(?:[Nn]\s*\d+)?", re.ASCII)
 # Six digits of a line leave no blank before the call.
 _CALL = re.compile(r"\s*\d+ N(\d+|\.+)\s*([A-Z][\w.]*)\((.*)\)\s*", re.ASCII)
@@ -384,28 +384,15 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         if done:
             told = _ERROR.findall((folder / _ERRORS).read_text(errors="replace"))
             raise InputError(f"{path}: {_PROGRAM} refuses it: {' / '.join(told[-3:]) or 'no reason given'}")
-        calls = (folder / _PRINTED).read_text(errors="replace")
-    split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
-    state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
-    state.turns = turns
-    line = 0
-    for told in calls.splitlines():
-        match = _CALL.fullmatch(told)
-        if match is None:
-            if told.strip():
-                raise InputError(f"{path}: {_PROGRAM} says {told.strip()[:40]!r}, which is not understood")
-            continue
-        # What stands in another file has no number: it is of the line before, which is that of the call.
-        numbered = match[1].isdigit()
-        line = int(match[1]) if numbered else line
-        try:
-            state.told(line, match[2], match[3], numbered)
-        except ValueError as error:
-            raise Place(path, line).error(match[2], str(error)) from error
-        except _SplineError:
-            program = read_program(path, start, skip_optional, machine)
-            note = f"line {line}: a spline, which it does not print: the program was read without rs274"
-            return replace(program, notes=(*program.notes, note))
+        split = frozenset(count for count, parts in enumerate(given, 1) if len(parts) > 1)
+        state = _Told(path, machine, machine.loaded, tolerance=machine.tolerance or Fraction(0), split=split)
+        state.turns = turns
+        with (folder / _PRINTED).open(errors="replace") as calls:
+            spline = _take(state, calls)
+    if spline is not None:
+        program = read_program(path, start, skip_optional, machine)
+        note = f"line {spline}: a spline, which it does not print: the program was read without rs274"
+        return replace(program, notes=(*program.notes, note))
     if not state.moves:
         raise InputError(f"{path}: no moves: a program with at least one G0 or G1 move is needed")
     if start is None:
@@ -418,6 +405,31 @@ def read_by_rs274(path: Path, start: Vector | None, skip_optional: bool, machine
         state.notes.setdefault("path mode", f"line {line}: {told}")
     changes = (state.loaded or 0) != state.moves[-1].tool
     return Program(path, tuple(state.moves), tuple(filter(None, state.notes.values())), changes)
+
+
+def _take(state: _Told, calls: Iterable[str]) -> int | None:
+    """Take calls, a line each; return the program's line of the first that is a spline, which ends it.
+
+    Raises InputError where one is not understood.
+    """
+    line = 0
+    for told in calls:
+        match = _CALL.fullmatch(told)
+        if match is None:
+            if told.strip():
+                what = f"{_PROGRAM} says {told.strip()[:40]!r}, which is not understood"
+                raise InputError(f"{state.path}: {what}")
+            continue
+        # What stands in another file has no number: it is of the line before, which is that of the call.
+        numbered = match[1].isdigit()
+        line = int(match[1]) if numbered else line
+        try:
+            state.told(line, match[2], match[3], numbered)
+        except ValueError as error:
+            raise Place(state.path, line).error(match[2], str(error)) from error
+        except _SplineError:
+            return line
+    return None
 
 
 # What the interpreter would take for 0, in words that say that it is needed: of lines without blanks.
