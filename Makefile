@@ -86,7 +86,7 @@ mutate: $(READY) $(YOSYS) ## change dut/ in 8,100 ways; see each noticed by a te
 faults: $(READY) ## put in the faults of the replaced design and of the board, and see each caught
 	@$(BIN)/triaxis prove faults --seed $(SEED)
 
-upsets: $(READY) ## invert bits of the running board, and count what comes of it: an hour and a half
+upsets: $(READY) ## invert bits of the running board, and count what comes of it: an hour
 	@$(BIN)/triaxis prove upsets --seed $(SEED)
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs
@@ -192,7 +192,7 @@ bitstream: $(READY) ## build the board's bitstream with Vivado, if the sign-off 
 docs: $(SITE) ## make a site of the documents, with search, in build/site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q -f .ci/site.yml && echo "written to build/site/: \`$(PYTHON) -m http.server -d build/site\` serves it"
 
-package: $(READY) ## make the wheel in dist/: check, path, verdict, scene, sim outside a checkout
+package: $(READY) ## make the wheel in dist/: check, path, verdict, scene outside a checkout; with [signoff] sim
 	rm -rf build/package && mkdir -p build/package dist
 	git archive HEAD | tar -x -C build/package
 	$(BIN)/python -m pip wheel -q --no-deps --no-build-isolation -w dist build/package

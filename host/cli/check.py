@@ -68,7 +68,7 @@ def add_meshes(parser: argparse.ArgumentParser, resolution: Fraction) -> None:
     add_numbers(parser, "--resolution", "R", step, resolution)
     wanted = "wanted clearance, in the files' unit (0.5); 0 is touching"
     add_numbers(parser, "--clearance", "C", wanted, Fraction(1, 2))
-    add_numbers(parser, "--move", "X Y Z", "move A, after it was turned (0 0 0)", NOWHERE)
+    add_numbers(parser, "--move", "X Y Z", "move A (0 0 0), after it was turned, if it is", NOWHERE)
     add_surfaces_only(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
 

@@ -1,6 +1,7 @@
 """The machine file, which says what a program does not: tools, offsets, homes, what carries and moves what.
 
     path_tolerance = 0.01        # mm that a control leaves the path where it rounds corners (G64)
+    turn_tolerance = 0.01        # degrees that A, B, C may be off
     rapids = "straight"          # G0 is a straight line; else each axis takes its own time
     loaded = 1                   # the tool in the spindle at the start
     [offsets]                    # machine coordinates of the zero of G54 (WORK.stl's), G55, ..
@@ -13,7 +14,6 @@
     mesh = "mill.stl"            # or parts, from the tip on
     parts = [{ diameter = 6, length = 20, cuts = true }, { diameter = 20, length = 45 },
              { mesh = "holder.stl" }]
-    turn_tolerance = 0.01        # degrees that A, B, C may be off
     [[objects]]                  # what the machine is of (`kinematics`), what carries others before them
     name = "table"
     on = "saddle"                # what carries it; left out where it stands still, or moves on that
