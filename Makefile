@@ -86,7 +86,7 @@ mutate: $(READY) $(YOSYS) ## change dut/ in 8,100 ways; see each noticed by a te
 faults: $(READY) ## put in the faults of the replaced design and of the board, and see each caught
 	@$(BIN)/triaxis prove faults --seed $(SEED)
 
-upsets: $(READY) ## invert bits of the running board, and count what comes of it: an hour
+upsets: $(READY) ## invert bits of the running board, and count what comes of it: about an hour
 	@$(BIN)/triaxis prove upsets --seed $(SEED)
 
 formal: $(READY) $(YOSYS) ## prove what holds for all inputs

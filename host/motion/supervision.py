@@ -38,7 +38,7 @@ from triaxis.host.enclosure import Enclosure, State
 from triaxis.host.engines import SceneEngine
 from triaxis.host.motion.contact import Rule, Setup
 from triaxis.host.motion.kinematics import Body, Meeting
-from triaxis.host.motion.machine import STOCK, TOOL, WORKPIECE
+from triaxis.host.motion.machine import CARRIED, STOCK, TOOL, WORKPIECE
 from triaxis.host.motion.moves import Program
 from triaxis.host.motion.path_check import PathResult, bulk_engine, insides_at, shown_clear
 from triaxis.host.motion.path_scene import PathScene, Segment, Wanted
@@ -136,7 +136,7 @@ class Beside:
 
     @cached_property
     def _starts(self) -> dict[int, int]:
-        """Return the moves before which the rule is not kept, or does not count: their places in the rule."""
+        """Return, of a stock, the moves before which it does not count: their places in the rule."""
         starts = self.scene.program.starts if self.rule.of_stock else []
         return {self.rule.numbers[start]: start for start in starts}
 
@@ -254,10 +254,9 @@ def _apart(tool: list[Body], work: list[Body], setup: Setup) -> tuple[list[Body]
 
     All others of theirs are beside the board then.
     """
-    carriers, touching = (tool[0], work[0]), setup.machine.may_touch
     for a, b in product(tool, work):
-        if frozenset((a.name, b.name)) in touching:
-            one = b if a in carriers else a
+        if frozenset((a.name, b.name)) in setup.machine.may_touch:
+            one = b if a.name in CARRIED else a
             return _apart(
                 [body for body in tool if body is not one], [body for body in work if body is not one], setup
             )
