@@ -707,3 +707,10 @@ def test_the_mill_to_try(tmp_path, capsys):
         found = (report["near"]["line"], report["what"], report["of"]) if report["near"] else None
         assert (status, found) == (int(near is not None), near), said
     assert "NEAR: line 9: at X0.0000 Y0.0000 Z62.0000 A9.2798 the cutter comes within 0.5 mm" in said
+
+
+def test_without_a_profile_no_place_has_more_than_the_least_of_all(checked):
+    """The bed is 10 mm from the table all along, which nobody looks at once the tool is nearer elsewhere."""
+    status, said, report = checked(MILL, "G1 Z22")
+    assert status == 0 and {place["position"][2] for place in report["profile"]} > {50, 22}, said
+    assert all(place["proven"] <= 10 for place in report["profile"]), report["profile"]
