@@ -7,7 +7,7 @@ Each program is tried with it, with the same whose A, B and C turn, and without 
 import argparse
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -59,7 +59,7 @@ def machines(text: str) -> list[Machine]:
         tools, zeros, {"G28": NOWHERE, "G30": NOWHERE}, tolerance=Fraction(1, 100), loaded=1,
         turn_tolerance=Fraction(1, 100),
     )  # fmt: skip
-    turning = Machine(**{**vars(mill), "axes": tuple(Axis("table", letter, 1) for letter in ROTARY)})
+    turning = replace(mill, axes=tuple(Axis("table", letter, 1) for letter in ROTARY))
     return [mill, turning, Machine()]
 
 

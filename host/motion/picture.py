@@ -125,8 +125,8 @@ def _draw_objects(
             by = np.array([float(c) for c in place]) * (body.name == TOOL)
             facets = body.mesh.facets * float(setup.scale) + by
         # A part of the tool is drawn as the tool.
-        of_tool = [colour for name, colour in colours.items() if body.name == TOOL and name in PARTS_OF_TOOL]
-        colour = of_tool[0] if of_tool else colours.get(f"the {body.name}")
+        names = PARTS_OF_TOOL if body.name == TOOL else (f"the {body.name}",)
+        colour = next((colours[name] for name in names if name in colours), None)
         _add_mesh(axes, facets, colour or _WORK, 0.55 if colour else 0.18)
         shown.append(facets)
     return shown

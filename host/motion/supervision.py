@@ -169,7 +169,9 @@ class Beside:
             return True
         if not (self._clear(low, high) if any(self._factors) else self._clear_still):
             return False
-        return not any(self._begins_inside(one) for one in moves if self._begins_there(one, low, high))
+        # Most have none of these, and a group has very many moves.
+        begins = moves if self._starts else ()
+        return not any(self._begins_inside(one) for one in begins if self._begins_there(one, low, high))
 
     def _begins_there(self, number: int, low: Vector, high: Vector) -> bool:
         """Return whether it is a move of `_starts` that begins in a box."""
