@@ -15,9 +15,8 @@ import numpy as np
 
 from triaxis.bench import harness
 from triaxis.bench.harness import Findings, Progress, report
-from triaxis.golden.bulk import bulk_verdicts
 from triaxis.host.cli.terminal import progress_bar, table
-from triaxis.host.engines import DecidingEngine, Integers, MeshEngineScene, SceneRun
+from triaxis.host.engines import BULK, Integers, MeshEngineScene, SceneRun, scene_engine
 from triaxis.host.quantise import centred_grid, margin_for, quantise
 from triaxis.host.scenes import Scene, machine_scenes, mesh_data, scenes
 from triaxis.host.stl import Facets
@@ -172,7 +171,7 @@ def bench_mesh(chosen: list[Case], progress: Progress) -> list[Row]:
     rows: list[Row] = []
     for case in chosen:
         run = MeshEngineScene(case.a, case.b, CONFIGURATION).run((0, 0, 0), case.margin)
-        exact = DecidingEngine(case.a, case.b, bulk_verdicts).run((0, 0, 0), case.margin)
+        exact = scene_engine(BULK, case.a, case.b, CONFIGURATION.width).run((0, 0, 0), case.margin)
         right = np.array_equal(run.near, exact.near) and run.tested == exact.tested
         rows.append(Row(case, run, right))
         progress(1)

@@ -101,74 +101,115 @@ class Work:
     compared: int = 0
 
 
-def overlapping(
-    a: BoxTree, b: BoxTree, move: Integers, margin: int, most: int | None, work: Work
-) -> tuple[Integers, Integers] | None:
-    """Return the numbers (K,), (K,) of all pairs of boxes within a margin, in no order.
+@dataclass(frozen=True)
+class Poses:
+    """Translations of A (P, 3) from where its tree has it, each with its margin (P,)."""
 
-    ``move`` (3,): how far those of A are from where their tree has them. None where there are more than
-    ``most`` of them, or of pairs of nodes on the way: so the memory is bounded.
+    moves: Integers
+    margins: Integers
+
+    def room(self, sign: int) -> Integers:
+        """Return what corners of A, or with -1 of B, may exceed their limits in the other by: (6, P)."""
+        move = sign * self.moves
+        return np.concatenate([self.margins[:, None] - move, self.margins[:, None] + move], 1).T
+
+    def __getitem__(self, chosen: Integers) -> "Poses":
+        """Return some of them."""
+        return Poses(self.moves[chosen], self.margins[chosen])
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self.margins)
+
+
+# Numbers of poses, of boxes of A and of boxes of B, (K,) each.
+Meetings = tuple[Integers, Integers, Integers]
+
+
+def overlapping(
+    a: BoxTree, b: BoxTree, poses: Poses, most: int | None, work: Work, partly: bool = False
+) -> tuple[Meetings, npt.NDArray[np.bool_]] | None:
+    """Return pairs of boxes that come within a pose's margin, in no order, and at which poses all are there.
+
+    ``most``: pairs of nodes that are followed on at a pose. Where there are more, the others are left out if
+    ``partly``: those that overlap by less along the axis where they do least. Else None is returned. So the
+    memory is bounded.
     """
     height_a, height_b = len(a.levels) - 1, len(b.levels) - 1
-    i = j = np.zeros(1, np.int64)
-    # What a corner of A may exceed its limit in B by, and the other way round.
-    room_a, room_b = (np.concatenate([margin - by, margin + by])[:, None] for by in (move, -move))
+    room_a, room_b = poses.room(1), poses.room(-1)
+    complete = np.ones(len(poses), bool)
     # The roots themselves: each is its tree's only node, but they may be apart.
-    if not _meet(a.levels[-1], b.levels[-1], room_a[:, 0]):
-        return i[:0], j[:0]
-    while height_a or height_b:
+    limits = room_a - np.roll(b.levels[-1][0], 3)[:, None]
+    pose = np.flatnonzero((limits >= a.levels[-1].T).all(0))
+    i = j = np.zeros(len(pose), np.int64)
+    while len(pose) and (height_a or height_b):
         # The larger nodes are opened: small ones that meet a large one are as many as they are for long.
         if not height_a or (height_b and b.sizes[height_b] > a.sizes[height_a]):
             height_b -= 1
-            opened = _opened(b.levels[height_b], a.levels[height_a], j, i, room_b, most, work)
-            j, i = opened or (j, i)
+            pose, j, i = _opened(b.levels[height_b], a.levels[height_a], (pose, j, i), room_b, work)
         else:
             height_a -= 1
-            opened = _opened(a.levels[height_a], b.levels[height_b], i, j, room_a, most, work)
-            i, j = opened or (i, j)
-        if opened is None:
-            return None
-    return a.order[i], b.order[j]
+            pose, i, j = _opened(a.levels[height_a], b.levels[height_b], (pose, i, j), room_a, work)
+        if most is None or len(pose) <= most:
+            continue
+        many = np.bincount(pose, minlength=len(poses)) > most
+        if many.any():
+            if not partly:
+                return None
+            complete &= ~many
+            kept = _deepest(a.levels[height_a], b.levels[height_b], (pose, i, j), room_a, many, most)
+            pose, i, j = pose[kept], i[kept], j[kept]
+    return (pose, a.order[i], b.order[j]), complete
 
 
-def _meet(root: Integers, other: Integers, room: Integers) -> bool:
-    """Return whether two roots (1, 6) overlap, but for room (6,)."""
-    return bool((root[0] <= room - np.roll(other[0], 3)).all())
+def _deepest(
+    level_a: Integers,
+    level_b: Integers,
+    met: Meetings,
+    room: Integers,
+    many: npt.NDArray[np.bool_],
+    most: int,
+) -> Integers:
+    """Return which pairs of nodes are followed on: all at most poses, at those with many the deepest."""
+    among = many[met[0]]
+    chosen = np.flatnonzero(among)
+    pose, i, j = (numbers[chosen] for numbers in met)
+    # A corner of the one and the opposite corner of the other: how far they are beyond the margin.
+    apart = np.ascontiguousarray(level_a[i].T)
+    apart += np.roll(level_b[j].T, 3, 0)
+    apart -= room[:, pose]
+    order = np.lexsort((apart.max(0), pose))
+    counts = np.bincount(pose, minlength=len(many))[many]
+    rank = np.arange(len(pose)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.concatenate([np.flatnonzero(~among), chosen[order[rank < most]]])
 
 
-def _opened(
-    below: Integers, other: Integers, node: Integers, opposite: Integers, room: Integers, most: int | None,
-    work: Work,
-) -> tuple[Integers, Integers] | None:  # fmt: skip
-    """Return which nodes of ``below``, the level under ``node`` (K,), overlap their node's opposite one.
+def _opened(below: Integers, other: Integers, met: Meetings, room: Integers, work: Work) -> Meetings:
+    """Return which nodes of ``below``, the level under those of ``met``, overlap their node's opposite one.
 
-    ``opposite`` (K,) numbers nodes of the level ``other``; ``room`` (6, 1): what a corner may exceed its
-    limit by. None where more than ``most`` do.
+    The opposite ones are nodes of the level ``other``; ``room`` (6, P): what a corner may exceed its limit by
+    at each pose.
     """
-    families, room_across = below.reshape(-1, FAN * 6), np.roll(room, 3)
-    nodes: list[Integers] = [node[:0]]
-    opposites: list[Integers] = [opposite[:0]]
-    found = 0
-    for start in range(0, len(node), _SLICE):
-        parent, facing = node[start : start + _SLICE], opposite[start : start + _SLICE]
+    families, room_across = below.reshape(-1, FAN * 6), np.roll(room, 3, 0)
+    parts: list[Meetings] = []
+    for start in range(0, len(met[0]), _SLICE):
+        pose, parent, facing = (numbers[start : start + _SLICE] for numbers in met)
         count = len(parent)
         # Corners first and pairs last: the comparisons run along contiguous memory.
         children = np.ascontiguousarray(families[parent].T).reshape(FAN, 6, count)
         limits = np.ascontiguousarray(other[facing].T)
-        np.subtract(room_across, limits, out=limits)
+        # One pose serves all pairs.
+        np.subtract(room_across if len(room.T) == 1 else room_across[:, pose], limits, out=limits)
         overlap = children[:, 0] <= limits[3]
         for corner in range(1, 6):
             overlap &= children[:, corner] <= limits[(corner + 3) % 6]
         hit = np.flatnonzero(overlap)
         child = hit // count
         pair = hit - child * count
-        nodes.append(parent[pair] * FAN + child)
-        opposites.append(facing[pair])
+        parts.append((pose[pair], parent[pair] * FAN + child, facing[pair]))
         work.compared += FAN * count
-        found += len(hit)
-        if most is not None and found > most:
-            return None
-    return np.concatenate(nodes), np.concatenate(opposites)
+    pose, node, opposite = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return pose, node, opposite
 
 
 # Pairs in a block, and facets of A in it: they bound the memory, whatever the meshes.
@@ -197,8 +238,9 @@ class FacetTrees:
         ``in_order``: within a block, too.
         """
         work = Work() if work is None else work
-        for start in range(0, len(self._a) if self._b else 0, _FACETS):
-            for i, j in self._of(start, min(start + _FACETS, len(self._a)), move, margin, work):
+        pose = Poses(move[None], np.array([margin], np.int64))
+        for start, end in self._pieces():
+            for i, j in self._of(start, end, pose, work):
                 if in_order:
                     # One number a pair sorts several times faster than two.
                     key = np.sort(i * self._count_b + j)
@@ -207,20 +249,41 @@ class FacetTrees:
                 else:
                     yield i, j
 
-    def _of(
-        self, start: int, end: int, move: Integers, margin: int, work: Work
-    ) -> Iterator[tuple[Integers, Integers]]:
-        assert self._b
+    def some(self, poses: Poses, most: int) -> tuple[Meetings, npt.NDArray[np.bool_]]:
+        """Return candidates of each pose, and at which all are there: where they are at most so many."""
+        complete, work = np.ones(len(poses), bool), Work()
+        none = np.empty(0, np.int64)
+        found: list[Meetings] = [(none, none, none)]
+        for start, end in self._pieces():
+            assert self._b
+            met = overlapping(self._tree(start, end), self._b, poses, most, work, partly=True)
+            assert met
+            (pose, i, j), whole = met
+            found.append((pose, i + start, j))
+            complete &= whole
+        pose, i, j = (np.concatenate(part) for part in zip(*found, strict=True))
+        return (pose, i, j), complete
+
+    def _pieces(self) -> Iterator[tuple[int, int]]:
+        """Yield which facets of A have a tree of their own."""
+        for start in range(0, len(self._a) if self._b else 0, _FACETS):
+            yield start, min(start + _FACETS, len(self._a))
+
+    def _tree(self, start: int, end: int) -> BoxTree:
         if (start, end) not in self._kept:
             self._kept[start, end] = BoxTree(self._a[start:end])
+        return self._kept[start, end]
+
+    def _of(self, start: int, end: int, pose: Poses, work: Work) -> Iterator[tuple[Integers, Integers]]:
+        assert self._b
         most = _BLOCK if end - start > 1 else None
-        found = overlapping(self._kept[start, end], self._b, move, margin, most, work)
+        found = overlapping(self._tree(start, end), self._b, pose, most, work)
         if found is None:
             middle = (start + end) // 2
-            yield from self._of(start, middle, move, margin, work)
-            yield from self._of(middle, end, move, margin, work)
-        elif len(found[0]):
-            yield found[0] + start, found[1]
+            yield from self._of(start, middle, pose, work)
+            yield from self._of(middle, end, pose, work)
+        elif len(found[0][0]):
+            yield found[0][1] + start, found[0][2]
 
 
 def candidates(

@@ -14,9 +14,10 @@ import gmpy2
 import numpy as np
 import numpy.typing as npt
 
+from triaxis.golden.bulk import bulk_claims
 from triaxis.golden.errors import InputError
 from triaxis.golden.judge import judge
-from triaxis.golden.pairs import Pairs, Verdicts
+from triaxis.golden.pairs import NO_AXIS, Pairs
 from triaxis.host.broadphase import candidates
 from triaxis.host.quantise import (
     NOWHERE,
@@ -117,8 +118,14 @@ def _turned(mesh: StlMesh, turn: Turn) -> StlMesh:
 AUTOMATIC_WIDTHS = (16, 24, 32)
 
 NOT_MOVED = np.zeros(3, np.int64)
-Decide = Callable[[Pairs, npt.NDArray[np.int64]], Verdicts]
+# Which of pairs (N, 2, 3, 3) at margins (N,) are near, (N,).
+Decide = Callable[[Pairs, npt.NDArray[np.int64]], npt.NDArray[np.bool_]]
 FacetPairs = npt.NDArray[np.int64]
+
+
+def bulk_near(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return which pairs are near, as the bulk checker has it."""
+    return bulk_claims(pairs, margins) == NO_AXIS
 
 
 @dataclass(frozen=True)
@@ -176,7 +183,7 @@ def near_of(
         for start in range(0, len(i), at_once):
             k, m = i[start : start + at_once], j[start : start + at_once]
             pairs = np.stack([a[k] + move, b[m]], 1)
-            near = decide(pairs, np.full(len(k), margin, np.int64))["near"]
+            near = decide(pairs, np.full(len(k), margin, np.int64))
             yield len(k), np.stack([k[near], m[near]], 1)
 
 

@@ -34,7 +34,7 @@ from triaxis.host.quantise import (
     quantise,
     vector,
 )
-from triaxis.host.scene import distance_of, near_facets
+from triaxis.host.scene import bulk_near, distance_of, near_facets
 from triaxis.host.stl import StlMesh
 
 _WIDTH = 32
@@ -75,7 +75,7 @@ def exact_near(
         count += len(i)
         if count > most_pairs:
             raise TooManyError
-    found = [pairs for _, pairs in near_facets(a, b, at_most, bulk_verdicts)]
+    found = [pairs for _, pairs in near_facets(a, b, at_most, bulk_near)]
     possible = np.concatenate([np.empty((0, 2), np.int64), *found])
     sure = np.zeros(len(possible), np.bool_)
     if surely >= 0 and len(possible):

@@ -2,11 +2,16 @@
 
 The objects' boxes, swept along a segment, may prove it clear: along a face they do so where a margin,
 which grows in all directions, cannot. Else the engine is asked about one pose at the middle of it, with a
-margin that covers half of it (`path_scene`). Where that is near, both halves are looked at in turn, down
-to the step. Far from the workpiece one question serves for many moves.
+margin that covers half of it (`path_scene`). Where that is near, both halves are looked at, down to the step.
+Far from the workpiece one question serves for many moves.
+
+Pieces of the path are asked about in its order, as many at once as are worth it to the engine: where one is
+near, the questions about those behind it were for nothing.
 """
 
 from bisect import bisect_left, bisect_right
+from collections import deque
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -14,15 +19,30 @@ import numpy as np
 
 from triaxis.golden.exact import Rational
 from triaxis.host.enclosure import NOT_ASKED, Enclosure, State, enclosure
-from triaxis.host.engines import BULK, Counts, Progress, SceneEngine, SceneRun, scene_engine, unwatched
+from triaxis.host.engines import (
+    BULK,
+    NO_PAIRS,
+    Counts,
+    DecidingEngine,
+    Progress,
+    Question,
+    SceneEngine,
+    SceneRun,
+    scene_engine,
+    some_of,
+    unwatched,
+)
 from triaxis.host.euclidean import euclidean_distance
-from triaxis.host.motion.moves import Move
 from triaxis.host.motion.path_scene import PathScene, Segment, nearest
 from triaxis.host.quantise import NOWHERE, Vector, vector
-from triaxis.host.scene import distance_of
+from triaxis.host.scene import FacetPairs, distance_of
 
 # Near facet pairs whose exact distance is computed.
 _JUDGED = 500
+# Near facet pairs of a piece that its halves are asked about first.
+_LIKELY = 16
+# Of the groups of moves asked about at once: so many clear, and they get longer; fewer, and they get shorter.
+_MOST, _HALF = Fraction(3, 4), Fraction(1, 2)
 
 
 @dataclass(frozen=True)
@@ -128,7 +148,7 @@ def check_path(
 
     ``insides_first``: where one is inside the other at the start, or may be, the engine is not asked at all.
     """
-    result, asked = PathResult(), 0
+    moves, result, asked = scene.program.moves, PathResult(), 0
     starts = scene.program.starts
     for start in starts if insides_first and not surfaces_only else ():
         insides = insides_at(scene, start)
@@ -138,27 +158,11 @@ def check_path(
         result.insides, result.asked_at, asked = insides, start, asked + 1
         if insides.state != State.OUTSIDE:
             return result
-    moves = scene.program.moves
-    # Moves that a pose is asked for at once: more after each that is clear, fewer after one that is not.
-    index, together = 0, 1
-    while index < len(moves):
-        together = min(together, len(moves) - index)
-        if together > 1:
-            if shown_clear(scene, engine, scene.group(index, index + together), result):
-                progress(together)
-                index, together = index + together, 2 * together
-            else:
-                together //= 2
-            continue
-        found = _first_near(scene, engine, scene.segment(moves[index]), result)
-        if isinstance(found, tuple):
-            result.near = _near_pose(scene, index, moves[index], *found)
-            break
-        progress(1)
-        # Where a move took several poses, more of them would take as many.
-        index, together = index + 1, 2 if found == 1 else 1
-    # Segments are proven in the order of the path: where any is, so is the start.
-    proven = any(level.by_boxes or level.by_pose for level in result.levels)
+    found = _first_near_piece(scene, engine, result, progress)
+    if found is not None:
+        result.near = _near_pose(scene, *found)
+    # What is before a near piece is clear: so is the start, but for the first piece.
+    proven = found is None or found[0].first > 0 or found[0].segment.first > 0
     if surfaces_only or not proven:
         result.insides = NOT_ASKED
     else:
@@ -202,17 +206,78 @@ def insides_at(scene: PathScene, index: int = 0) -> Enclosure:
 
 def shown_clear(scene: PathScene, engine: SceneEngine, segment: Segment, result: PathResult) -> bool:
     """Return whether a pose, or the objects' boxes, show that all of a segment is clear."""
-    level = _level(result, segment)
-    if _boxes_apart(scene, segment):
-        level.by_boxes += 1
-        return True
-    margin = scene.path.margin(segment)
-    if margin > scene.largest_margin:
-        return False
-    run = engine.run(segment.sample, margin, stop_at_first=True)
-    result.effort.add(run)
-    level.by_pose += not run.near_count
-    return not run.near_count
+    [near] = _looked_at(scene, engine, [_Piece(segment, 0, 1, NO_PAIRS)], result)
+    return near is None
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A segment of a move, or of the box around several: from ``first`` to the one before ``last``.
+
+    ``likely`` (K, 2): facet pairs that may well be near.
+    """
+
+    segment: Segment
+    first: int
+    last: int
+    likely: FacetPairs
+
+    @property
+    def several(self) -> bool:
+        """Return whether it is of several moves."""
+        return self.last - self.first > 1
+
+    def halves(self, scene: PathScene, likely: FacetPairs) -> Iterator["_Piece"]:
+        """Yield both halves, in the order of the path."""
+        if self.several:
+            middle = (self.first + self.last) // 2
+            yield _moves(scene, self.first, middle, likely)
+            yield _moves(scene, middle, self.last, likely)
+        else:
+            for half in self.segment.halves():
+                yield _Piece(half, self.first, self.last, likely)
+
+
+def _moves(scene: PathScene, first: int, last: int, likely: FacetPairs) -> _Piece:
+    """Return moves from one to the one before another, as a piece."""
+    alone = last - first == 1
+    segment = scene.segment(scene.program.moves[first]) if alone else scene.group(first, last)
+    return _Piece(segment, first, last, likely)
+
+
+def _looked_at(
+    scene: PathScene, engine: SceneEngine, pieces: Sequence[_Piece], result: PathResult
+) -> list[FacetPairs | None]:
+    """Return None for each piece that a pose, or the objects' boxes, show to be clear, else what is near.
+
+    Nothing is where the margin is more than can be asked for.
+    """
+    found: list[FacetPairs | None] = [None] * len(pieces)
+    numbers: list[int] = []
+    asked: list[Question] = []
+    for number, piece in enumerate(pieces):
+        margin = scene.path.margin(piece.segment)
+        if _boxes_apart(scene, piece.segment):
+            _level(result, piece.segment).by_boxes += 1
+        elif margin > scene.largest_margin:
+            found[number] = piece.likely
+        else:
+            numbers.append(number)
+            asked.append(Question(piece.segment.sample, margin, piece.likely))
+    for number, run in zip(numbers, _runs(engine, asked) if asked else (), strict=True):
+        result.effort.add(run)
+        if run.near_count:
+            found[number] = some_of(run.near, _LIKELY)
+        else:
+            _level(result, pieces[number].segment).by_pose += 1
+    return found
+
+
+def _runs(engine: SceneEngine, asked: Sequence[Question]) -> list[SceneRun]:
+    """Go on to a first near pair for each question."""
+    if isinstance(engine, DecidingEngine):
+        return engine.first_near(asked)
+    return [engine.run(one.translation, one.margin, stop_at_first=True) for one in asked]
 
 
 def _level(result: PathResult, segment: Segment) -> Level:
@@ -220,30 +285,54 @@ def _level(result: PathResult, segment: Segment) -> Level:
     return result.levels[segment.level]
 
 
-def _first_near(
-    scene: PathScene, engine: SceneEngine, move: Segment, result: PathResult
-) -> tuple[Segment, SceneRun] | int:
-    """Return the first segment of a move, no longer than the step, that is near; in how many all is clear."""
-    pending, clear = [move], 0
-    while pending:
-        segment = pending.pop()
-        if shown_clear(scene, engine, segment, result):
-            clear += 1
-            continue
-        margin = scene.path.margin(segment)
-        if segment.length <= scene.step and margin <= scene.largest_margin:
+def _first_near_piece(
+    scene: PathScene, engine: SceneEngine, result: PathResult, progress: Progress
+) -> tuple[_Piece, SceneRun] | None:
+    """Return the first piece, no longer than the step, that is near, and all that is near there."""
+    at_once = engine.at_once if isinstance(engine, DecidingEngine) else 1
+    # Moves in a piece; the pieces that are still to be shown clear; the first move that is in none yet.
+    together, pending, index = 1, deque[_Piece](), 0
+    count = len(scene.program.moves)
+    near: tuple[_Piece, SceneRun] | None = None
+    done = 0
+    while pending or index < count:
+        while len(pending) < at_once and index < count:
+            last = min(index + together, count)
+            pending.append(_moves(scene, index, last, NO_PAIRS))
+            index = last
+        pieces = [pending.popleft() for _ in range(min(at_once, len(pending)))]
+        left: list[_Piece] = []
+        groups, clear = 0, 0
+        for piece, likely in zip(pieces, _looked_at(scene, engine, pieces, result), strict=True):
+            groups += piece.segment.level == 0
+            clear += piece.segment.level == 0 and likely is None
+            if likely is None:
+                continue
+            margin = scene.path.margin(piece.segment)
+            if piece.several or piece.segment.length > scene.step or margin > scene.largest_margin:
+                _level(result, piece.segment).halved += not piece.several
+                left += piece.halves(scene, likely)
+                continue
             # Which facets are near is asked where that ends the check.
-            run = engine.run(segment.sample, margin)
+            run = engine.run(piece.segment.sample, margin)
             result.effort.add(run)
             if run.near_count:
-                return segment, run
+                # Nothing behind it matters.
+                near, index = (piece, run), count
+                pending.clear()
+                break
             # Euclid's distance is not asked of many pairs where one would do.
-            _level(result, segment).by_pose += 1
-            clear += 1
-            continue
-        _level(result, segment).halved += 1
-        pending += reversed(segment.halves())
-    return clear
+            _level(result, piece.segment).by_pose += 1
+        pending.extendleft(reversed(left))
+        if groups and clear >= _MOST * groups:
+            together *= 2
+        elif clear < _HALF * groups:
+            together = max(1, together // 2)
+        now = pending[0].first if pending else index
+        if near is None:
+            progress(now - done)
+            done = now
+    return near
 
 
 def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
@@ -258,7 +347,8 @@ def _boxes_apart(scene: PathScene, segment: Segment) -> bool:
     return False
 
 
-def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: SceneRun) -> NearPose:
+def _near_pose(scene: PathScene, piece: _Piece, run: SceneRun) -> NearPose:
+    segment, move = piece.segment, scene.program.moves[piece.first]
     half = (segment.first + segment.last) / 2
     along, scale = Fraction(int(half.numerator), int(half.denominator)), scene.wanted.scale
     place = scene.path.position(segment.middle)
@@ -271,4 +361,4 @@ def _near_pose(scene: PathScene, index: int, move: Move, segment: Segment, run: 
     judged.sort(key=lambda found: (found.distance, found.tool_facet, found.work_facet))
     certain = not segment.between and judged[0].distance + move.slack <= scene.wanted.clearance
     margin = scene.path.margin(segment)
-    return NearPose(index, move.line, position, along, margin, run.near_count, tuple(judged), certain)
+    return NearPose(piece.first, move.line, position, along, margin, run.near_count, tuple(judged), certain)

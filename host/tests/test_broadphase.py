@@ -5,7 +5,7 @@ import pytest
 
 from triaxis.golden.scene import apart, boxes_of
 from triaxis.host import broadphase
-from triaxis.host.broadphase import candidates
+from triaxis.host.broadphase import FacetTrees, Poses, candidates
 
 
 def found(a, b, margin):
@@ -89,3 +89,20 @@ def test_blocks_are_bounded(rng, monkeypatch):
     for i, _ in candidates(a, b, 5):
         assert len(i) <= 100 or i[0] == i[-1]
     assert_same(a, b, 5)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("most", [1, 30, 1 << 12])
+def test_some_are_all_where_that_is_said(rng, monkeypatch, kind, most):
+    """At several poses at once: a part of what is there, or all of it."""
+    monkeypatch.setattr(broadphase, "_FACETS", 32)
+    a, b = KINDS[kind](rng, 45), spread(rng, 70)
+    poses = Poses(rng.integers(-200, 200, (9, 3)), rng.integers(0, 60, 9))
+    (pose, i, j), complete = FacetTrees(a, b).some(poses, most)
+    # A tree each for the first and the last facets of A.
+    assert np.bincount(pose, minlength=9).max() <= 2 * most and complete.all() >= (most > 45 * 70)
+    for number in range(9):
+        got = set(zip(i[pose == number].tolist(), j[pose == number].tolist(), strict=True))
+        wanted = {tuple(pair) for pair in found(a + poses.moves[number], b, poses.margins[number]).tolist()}
+        assert len(got) == (pose == number).sum() and got <= wanted
+        assert got == wanted or not complete[number]

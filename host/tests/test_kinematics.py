@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from triaxis.golden.bulk import bulk_verdicts
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.host import figures, scenes
@@ -30,7 +29,7 @@ from triaxis.host.motion.program import read_program
 from triaxis.host.motion.rs274 import read_by_rs274
 from triaxis.host.motion.supervision import Supervision, stands_and_turns
 from triaxis.host.quantise import NOWHERE, vector
-from triaxis.host.scene import near_facets
+from triaxis.host.scene import bulk_near, near_facets
 from triaxis.host.stl import StlMesh, read_stl
 from triaxis.host.tests.published import read_published
 
@@ -187,7 +186,7 @@ def within(a, b, distance):
     """Return whether any two facets (N, 3, 3) are within a distance, but for a millionth."""
     step = 1e-6
     a, b = (np.rint(mesh / step).astype(np.int64) for mesh in (a, b))
-    found = near_facets(a, b, round(distance / step), bulk_verdicts)
+    found = near_facets(a, b, round(distance / step), bulk_near)
     return any(len(near) for _, near in found)
 
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from triaxis.golden.errors import InputError
 from triaxis.golden.exact import Rational
 from triaxis.golden.judge import judge
-from triaxis.host import scenes
+from triaxis.host import engines, scenes
 from triaxis.host.cli import main
-from triaxis.host.engines import MeshEngineScene, scene_engine
+from triaxis.host.engines import DecidingEngine, MeshEngineScene, Question, scene_engine
 from triaxis.host.motion.clearance import clearances, places
 from triaxis.host.motion.contact import Rule
 from triaxis.host.motion.curves import arc, centre_by_radius
@@ -25,6 +25,7 @@ from triaxis.host.motion.moves import Move, Program
 from triaxis.host.motion.path_check import Effort, check_path
 from triaxis.host.motion.path_scene import PathGrid, Segment, Wanted, prepare_path
 from triaxis.host.quantise import NOWHERE, vector
+from triaxis.host.scene import bulk_near
 from triaxis.host.stl import StlMesh
 from triaxis.host.tests.published import read_published
 from triaxis.sim.mesh_configuration import MeshConfiguration
@@ -192,10 +193,50 @@ def test_engines_agree():
     scene = vise_scene(beside, clearance=1, resolution=Fraction(1, 100))
     bulk, golden, rtl = (checked(scene, name) for name in ("bulk", "golden", "rtl"))
     assert bulk.near == golden.near == rtl.near
-    assert bulk.levels == golden.levels == rtl.levels
-    assert bulk.effort.poses == golden.effort.poses == rtl.effort.poses > 10
+    assert golden.levels == rtl.levels
+    # The bulk checker is asked ahead.
+    assert bulk.effort.poses > golden.effort.poses == rtl.effort.poses > 10
     assert bulk.near and bulk.near.line == 3
     assert (rtl.effort.cycles or 0) >= (rtl.effort.most_cycles or 0) > 0
+
+
+def test_what_is_first_near_is_so_however_many_poses_are_asked_at_once(rng):
+    verdicts = set()
+    for trial in range(40):
+        tool = rng.uniform(-3, 3, (4, 1, 3)) + rng.uniform(-1, 1, (4, 3, 3))
+        work = rng.uniform(-8, 8, (60, 1, 3)) + rng.uniform(-1, 1, (60, 3, 3))
+        corners = rng.uniform(-9, 9, (12, 3)).round(3) + np.array([0, 0, 14 - trial % 20])
+        scene = scene_of(tool, work, corners, wanted_of(Fraction(1, 4), Fraction(1, 50), Fraction(1, 10)))
+        results = [
+            check_path(scene, DecidingEngine(scene.a, scene.b, bulk_near, at_once=many), surfaces_only=True)
+            for many in (1, 3, 64)
+        ]
+        assert results[0].near == results[1].near == results[2].near
+        # All of the path before it is shown to be clear, once.
+        verdicts.add((results[0].verdict, bool(results[0].near and results[0].near.move)))
+    assert verdicts == {("clear", False), ("near", False), ("near", True)}
+
+
+@pytest.mark.parametrize("ever_more", [(64, 1024), (2, 5), ()])
+def test_a_pose_is_near_where_any_pair_is(rng, monkeypatch, ever_more):
+    """At many poses at once, with wrong hints: near where a run of its own is, and each clear one counted."""
+    monkeypatch.setattr(engines, "_EVER_MORE", ever_more)
+    monkeypatch.setattr(engines, "_NODES", 200)
+    monkeypatch.setattr(engines, "_SOME", 4)
+    a, b = (rng.integers(-900, 900, (n, 1, 3)) + rng.integers(-60, 60, (n, 3, 3)) for n in (80, 150))
+    alone, together = scene_engine("bulk", a, b, 16), DecidingEngine(a, b, bulk_near)
+    asked = [
+        Question((int(x), int(y), int(z)), int(margin), rng.integers(0, 80, (int(margin) % 3, 2)))
+        for x, y, z, margin in zip(*rng.integers(-2000, 2000, (3, 60)), rng.integers(0, 90, 60), strict=True)
+    ]
+    near = 0
+    for one, run in zip(asked, together.first_near(asked), strict=True):
+        whole = alone.run(one.translation, one.margin)
+        assert (run.near_count > 0) == (whole.near_count > 0)
+        assert {tuple(pair) for pair in run.near.tolist()} <= {tuple(pair) for pair in whole.near.tolist()}
+        assert whole.near_count or (run.tested, run.skipped) == (whole.tested, whole.skipped)
+        near += run.near_count > 0
+    assert 10 < near < 50
 
 
 @pytest.mark.long

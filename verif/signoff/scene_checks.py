@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from triaxis.golden.judge import judge_pairs
-from triaxis.golden.pairs import Pairs, Verdicts
+from triaxis.golden.pairs import Pairs
 from triaxis.host.enclosure import NOT_ASKED, enclosure, solid_of
 from triaxis.host.engines import DecidingEngine
 from triaxis.host.scene import prepare
@@ -45,11 +45,11 @@ def _check_files(name: str, a: Path, b: Path, expected: bool, clearance: Fractio
     engine = RtlEngine(configuration_for(meshes.grid.width, meshes.margin))
     agrees = True
 
-    def decide(pairs: Pairs, margins: npt.NDArray[np.int64]) -> Verdicts:
+    def decide(pairs: Pairs, margins: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
         nonlocal agrees
         verdicts = engine.verdicts(pairs, margins)
         agrees &= bool((verdicts == judge_pairs(pairs, margins)).all())
-        return verdicts
+        return verdicts["near"]
 
     run = DecidingEngine(meshes.a, meshes.b, decide).run((0, 0, 0), meshes.margin)
     insides = NOT_ASKED if run.near_count else enclosure(solid_of(meshes.a), solid_of(meshes.b))
