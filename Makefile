@@ -99,7 +99,7 @@ theorem: $(READY) ## have Coq check why the 32 axes decide (Debian: apt-get inst
 NETLIST ?=
 CELLS   ?=
 netlist: $(READY) $(YOSYS) ## run the tests on the netlists, prove modules equal to theirs: many minutes
-	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" --config $(CONFIG)) $(if $(CELLS),--cells "$(CELLS)")
+	@$(BIN)/triaxis prove netlist --seed $(SEED) $(if $(NETLIST),--netlist "$(NETLIST)" --config $(or $(CONFIG),w16_m0)) $(if $(CELLS),--cells "$(CELLS)")
 
 results: $(READY) ## pages of all regressions, sign-offs and mutants over time, in build/results/
 	@$(BIN)/triaxis results
@@ -119,7 +119,7 @@ test: lint ## lint, then the tests of every part that are quick
 test-long: $(READY) $(YOSYS) $(DVSIM) ## those that take longer: what needs yosys, whole environments: a quarter of an hour
 	@$(BIN)/pytest -n 2 -m "($(LONG)) and not regress" --durations 20 --durations-min 20
 
-unit: $(READY) ## the tests that need no simulator, prover or synthesiser: about a minute
+unit: $(READY) ## the tests that need no simulator, prover or synthesiser: two to three minutes
 	@$(BIN)/pytest -n 2 -m "not (simulator or $(LONG) or regress)"
 
 # What `make cold` runs, and whether all cores are kept busy meanwhile.
@@ -135,9 +135,9 @@ format: $(READY) ## format the RTL and the Python code
 	@$(BIN)/python -m triaxis.verif.lint --fix
 
 TEST   ?= RandomTest
-CONFIG ?= w16_m0
+CONFIG ?=
 sim: $(READY) ## run one test: make sim TEST=RandomTest SEED=1 CONFIG=w16_m0
-	@$(BIN)/triaxis sim $(TEST) --seed $(SEED) --config $(CONFIG)
+	@$(BIN)/triaxis sim $(TEST) --seed $(SEED) $(if $(CONFIG),--config $(CONFIG))
 
 GRID ?= 4
 exhaustive: $(READY) ## run every ordered pair of triangles on a small grid: make exhaustive GRID=4
@@ -149,7 +149,7 @@ code-coverage: $(READY) $(YOSYS) ## measure what the tests reach of the RTL: lin
 bench: $(READY) $(PEERS) ## run time against error, also of other packages; PEERS= goes without them
 	@$(BIN)/triaxis bench error --seed $(SEED)
 
-tritest: $(READY) $(VENV)/.ready-peers ## score other packages and published tests on 31,000 pairs with proven answers
+tritest: $(READY) $(VENV)/.ready-peers ## score other packages and published tests on pairs with proven answers, 1,000 of each family
 	@$(BIN)/triaxis tritest league
 
 peers: $(READY) $(VENV)/.ready-peers ## install the packages that bench compares with: two gigabytes

@@ -120,6 +120,10 @@ COMMANDS = {
         "measure line, branch, expression and toggle coverage of dut/", "verif.commands.coverage",
         ("all covered", "not"),
     ),
+    "coverage page": Command(
+        "add up the functional coverage of runs, and show each bin", "verif.commands.coverage",
+        ("written",), {"--out": Answer((".html",))},
+    ),
     "coverage export": Command(
         "write stored coverage as an lcov tracefile and as UCIS XML, requirements as ReqIF",
         "verif.commands.coverage", ("written",), dict.fromkeys(("--lcov", "--ucis", "--reqif"), Answer()),

@@ -13,9 +13,11 @@ from rich.table import Table
 
 from triaxis.coverage.code_counters import Point
 from triaxis.coverage.counts import CoverageDatabase
+from triaxis.coverage.html import write_page
 from triaxis.coverage.interchange.lcov import read_code, write_lcov
 from triaxis.coverage.interchange.reqif import write_reqif
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
+from triaxis.coverage.report import report
 from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint, read_testplan
 from triaxis.coverage.testplan_inventory import Inventory
 from triaxis.coverage.waivers import WAIVERS, confirm_waivers
@@ -36,11 +38,13 @@ from triaxis.verif.code_coverage.run import (
     write_json,
 )
 from triaxis.verif.regress.coverage_models import model_named
+from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.signoff.plan import FOLDER
 from triaxis.verif.signoff.testplan import check_plan, inventory
 
 LCOV = BUILD / "coverage" / "triaxis.info"
 UCIS = BUILD / "coverage" / "triaxis.ucis.xml"
+PAGE = BUILD / "coverage" / "functional.html"
 REQIF = BUILD / "coverage" / "triaxis.reqif"
 COVERAGE = FOLDER / "coverage.json"
 # Beside counts of functional coverage: what they were counted on.
@@ -153,6 +157,34 @@ def _totals(result: CodeCoverage) -> Table:
     return totals
 
 
+def add_page(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``coverage page``."""
+    parser.description = (
+        "Add up the functional coverage of runs, and write every bin with its count, goal and exclusion as a "
+        "page; print how many are hit, by coverpoint group."
+    )
+    parser.add_argument(
+        "runs", nargs="+", type=Path, metavar="RUN",
+        help="folders of runs, as in build/runs/, or their coverage.json",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="FILE.html", default=PAGE, help=f"({in_checkout(PAGE)})")
+    parser.set_defaults(run=_page)
+
+
+def _page(options: argparse.Namespace) -> int:
+    files = [run / COVERAGE.name if run.is_dir() else run for run in options.runs]
+    for file in files:
+        if not file.exists():
+            raise InputError(f"{file}: no such file: a run that passed leaves it, `triaxis sim` for one")
+    database = _added_up(files)
+    write_page(options.out, database)
+    for model, counts in database:
+        found = report(model, counts)
+        print(f"{model.name}: {found.hit} of {found.total} bins")
+    print(f"written to {options.out}")
+    return DONE
+
+
 def add_export(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``coverage export``."""
     parser.description = (
@@ -254,11 +286,16 @@ def _functional(sources: list[Path], here: str) -> tuple[CoverageDatabase, list[
         if not path.exists():
             raise InputError(f"{path}: no such file: {_SIGN_OFF} first")
         records.append(_record("sign-off", _evidence(path.with_name(_SIGNOFF), here, _SIGN_OFF)))
-    names = dict.fromkeys(name for path in sources for name in _model_names(path))
+    return _added_up(sources), records
+
+
+def _added_up(files: list[Path]) -> CoverageDatabase:
+    """Return the counts in files together."""
+    names = dict.fromkeys(name for path in files for name in _model_names(path))
     database = CoverageDatabase(map(model_named, names))
-    for path in sources:
+    for path in files:
         database.add_file(path)
-    return database, records
+    return database
 
 
 def _model_names(path: Path) -> list[str]:
@@ -266,7 +303,7 @@ def _model_names(path: Path) -> list[str]:
     try:
         names = [model["model"] for model in json.loads(data)["models"]]
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: not a coverage file: {_SIGN_OFF} again") from error
+        raise InputError(f"{path}: not a coverage file: what wrote it has to be run again") from error
     if not names or not all(isinstance(name, str) for name in names):
-        raise InputError(f"{path}: counts of no model: {_SIGN_OFF} again")
+        raise InputError(f"{path}: counts of no model: what wrote it has to be run again")
     return names

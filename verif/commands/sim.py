@@ -2,7 +2,9 @@
 
 import argparse
 import os
+import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
@@ -18,6 +20,7 @@ from triaxis.verif.core.stimulus.seed_vectors import seed_vectors
 from triaxis.verif.counterexample.explaining import run_and_explain
 from triaxis.verif.faults.faulty_rtl import faulty_rtl
 from triaxis.verif.faults.known_faults import Kind, fault_of
+from triaxis.verif.regress.definition import in_checkout
 from triaxis.verif.testbench.golden_sample import MOST_SELDOM
 from triaxis.verif.testbench.settings import BURST, PIN, VERBOSITIES, VERILATOR, Block
 from triaxis.verif.testbench.simulation import RunResult, run_settings
@@ -30,6 +33,9 @@ from triaxis.verif.testbench.table import (
 )
 from triaxis.verif.testbench.waves import WAVES, check_waves
 
+_USUAL = "w16_m0"
+# What ends a run before it has said anything of the design.
+_REFUSED = re.compile(r"\bInputError: (.*)")
 _SIMULATORS = (VERILATOR, ICARUS, *UNTRIED)
 
 # A configuration's whole name, and what a run that passed has counted.
@@ -69,10 +75,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("test", metavar="TEST", help="name of the test")
     add_seed(parser)
     parser.add_argument(
-        "--config", default="w16_m0", metavar="NAME",
-        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated][_certified] (w16_m0); for the "
-        "mesh engine mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated]"
-        "[_certified]; for the board board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_plain][_real]",
+        "--config", metavar="NAME",
+        help="w<width>_m<margin bits>[_t<tag bits>][_no_edge_box][_ungated][_certified]; for the mesh engine "
+        "mesh_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_c<cycle bits>][_ungated][_certified]; for "
+        "the board board_w<width>_m<margin bits>_d<depth>_g<group>_l<lanes>[_plain][_real] (the first in the "
+        f"table of tests; of the core mostly {_USUAL})",
     )  # fmt: skip
     parser.add_argument(
         "--pairs", type=positive, default=2000,
@@ -122,6 +129,7 @@ def run(options: argparse.Namespace) -> int:
     check_test_name(options.test)
     if not 1 <= options.judged <= MOST_SELDOM:
         raise InputError(f"judged {options.judged}: must be 1..{MOST_SELDOM}")
+    options.config = options.config or next(iter(_configs(options.test)), _USUAL)
     check_test_fits(options.test, options.config)
     block = table()[options.test].block
     # Its line takes 60 clocks a byte: too many for a step of Python each, but for waves and four states.
@@ -156,7 +164,14 @@ def run(options: argparse.Namespace) -> int:
         return _failed(options, result)
     told = _TOLD[block].format(**result.counts)
     print(f"passed: {options.test}, {config}, seed {options.seed}: {told}, {result.seconds:.1f} s")
+    print(f"log and coverage: {in_checkout(Path(settings.folder))}; `triaxis coverage page` shows its bins")
     return DONE
+
+
+def _configs(test: str) -> Iterator[str]:
+    """Yield the configurations in which the table of tests runs a test."""
+    for runs in table()[test].runs:
+        yield from runs.configs
 
 
 def _replay(options: argparse.Namespace) -> str:
@@ -173,6 +188,9 @@ def _replay(options: argparse.Namespace) -> str:
 
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
+    for line in result.errors:
+        if refused := _REFUSED.search(line):
+            raise InputError(f"test {options.test}: {refused[1]}")
     # The last lines are the commands that repeat the run.
     fault = "" if options.fault is None else f" --fault {options.fault}"
     print(result.explain().replace(" --waves\n", f"{fault} --waves\n") + fault, file=sys.stderr)

@@ -5,17 +5,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.judge import CertificateError
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.paths import BUILD, DUT, ROOT
 from triaxis.verif.core.failing_pairs import FailingPair, read_failing
 from triaxis.verif.core.kept_cases import FOUND, REGRESSIONS, RegressionCase, write_case
 from triaxis.verif.counterexample.finding import BareCore, Counterexample, find
+from triaxis.verif.testbench.failures import Blame
 from triaxis.verif.testbench.settings import Block, RunSettings, failure_file
 from triaxis.verif.testbench.simulation import RunResult, run
 
 PICTURES = BUILD / "counterexamples"
 # Failing pairs of a run that are tried: mostly they all show the same fault.
 _TRIED = 3
+_AT_ODDS = (
+    "the bulk checker and the golden model are at odds: one of them is wrong, and what is called the exact "
+    "answer is in doubt; look into golden/ before dut/"
+)
 
 
 @dataclass(frozen=True)
@@ -113,6 +119,8 @@ def explain_failures(
         core = BareCore(configuration, dut)
         for explanation in explain(core, failing, result_folder, store):
             lines += explanation.lines()
+    except CertificateError as error:
+        lines.append(f"{_AT_ODDS} ({error})")
     # Whatever goes wrong here must not hide the failure that it is about.
     except Exception as error:
         reason = error if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
@@ -130,4 +138,6 @@ def run_and_explain(settings: RunSettings, dut: Path = DUT) -> RunResult:
         return result
     store = FOUND if dut == DUT else None
     found = explain_failures(Path(settings.folder), settings.configuration, dut, store)
-    return replace(result, counterexamples=found)
+    blamed = {one["blame"] for one in (result.counts or {}).get("failures", [])}
+    doubt = (_AT_ODDS,) if Blame.JUDGES in blamed and not any(_AT_ODDS in line for line in found) else ()
+    return replace(result, counterexamples=(*doubt, *found))

@@ -56,6 +56,42 @@ def test_sim_runs_a_test_by_name(seed, capsys):
     assert "15 pairs checked" in out
 
 
+@pytest.mark.simulator
+def test_what_runs_cover_is_shown(tmp_path, monkeypatch, capsys):
+    """Of a test in its own first configuration, and of another's: each in a model of its own."""
+    monkeypatch.setattr(simulation, "BUILD", tmp_path)
+    assert main(["sim", "CertificatesTest", "--agent", "burst", "--pairs", "60"]) == 0
+    assert main(["sim", "RandomTest", "--agent", "burst", "--pairs", "60"]) == 0
+    certified, random = sorted((tmp_path / "runs").iterdir())
+    assert [run.name for run in (certified, random)] == [
+        "CertificatesTest-w8_m8_certified-burst-1", "RandomTest-w16_m0-burst-1",
+    ]  # fmt: skip
+    assert f"log and coverage: {random}" in capsys.readouterr().out
+    page = tmp_path / "page.html"
+    assert main(["coverage", "page", str(certified), str(random / "coverage.json"), "--out", str(page)]) == 0
+    said, text = capsys.readouterr().out, page.read_text()
+    assert "core_w8_m8" in said and "core_w16_m0" in said and said.endswith(f"written to {page}\n")
+    assert "core_w8_m8" in text and "core_w16_m0" in text
+    for wrong, why in (
+        (tmp_path, "no such file: a run that passed leaves it"),
+        (random / "scoreboard.json", "not a coverage file"),
+    ):
+        assert main(["coverage", "page", str(wrong), "--out", str(page)]) == 2
+        assert why in capsys.readouterr().err
+    assert not page.exists(), "an old page stands for what was not read"
+
+
+@pytest.mark.simulator
+def test_what_a_test_refuses_is_no_failure(capsys):
+    """A core without certificates has none to try: no answer, in one line."""
+    assert main(["sim", "CertificatesTest", "--config", "w16_m0", "--agent", "burst", "--pairs", "60"]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert (
+        said
+        == "triaxis: error: test CertificatesTest: stimulus: w16_m0: only a certified core can try anything"
+    )
+
+
 def test_a_folder_of_runs_that_cannot_be_written_is_told(tmp_path, monkeypatch, capsys):
     (tmp_path / "runs").write_text("")
     monkeypatch.setattr(simulation, "build_for", lambda *_: tmp_path)

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from triaxis.golden.errors import InputError
+from triaxis.golden.judge import judge_pairs
 from triaxis.host.cli import main
 from triaxis.sim.configuration import Configuration
 from triaxis.sim.core_engine import CoreError
 from triaxis.verif.core.failing_pairs import Stream, read_failing
 from triaxis.verif.core.kept_cases import read_cases
 from triaxis.verif.core.tests.broken_rtl import broken_rtl
+from triaxis.verif.counterexample import finding
 from triaxis.verif.counterexample.explaining import explain_failures
 from triaxis.verif.counterexample.finding import BareCore, Symptom
 from triaxis.verif.counterexample.shrinking import Budget, minimise
@@ -106,7 +108,7 @@ def recorded(path, missed, rng):
 
 @pytest.mark.regress
 @pytest.mark.simulator
-def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys):
+def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys, monkeypatch):
     def shrunk(failing, *words, dut=broken):
         common = ("--config", CONFIGURATION.name, "--dut", dut, "--pictures", pictures)
         status = main(["regress", "shrink", *map(str, (failing, *common, *words))])
@@ -140,6 +142,8 @@ def test_command_and_a_failed_run(broken, missed, tmp_path, rng, capsys):
     text = "\n".join(explain_failures(tmp_path, CONFIGURATION, broken, tmp_path / "other"))
     assert text.count("drawn:") == text.count("kept:") == 2
     assert explain_failures(tmp_path, CONFIGURATION, tmp_path / "no_rtl")[0].startswith("not shrunk: ")
+    monkeypatch.setattr(finding, "judge_pairs", lambda pairs, margins: judge_pairs(pairs * 0, margins))
+    assert explain_failures(tmp_path, CONFIGURATION, broken)[0].startswith("the bulk checker and the golden")
     failing.write_bytes(b"PK broken")
     assert explain_failures(tmp_path, CONFIGURATION, broken)[0].startswith("not shrunk: ")
 
