@@ -7,7 +7,7 @@ from typing import Any
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.stages import STAGES
 from triaxis.coverage.testplan import KINDS, Testplan, Testpoint
-from triaxis.coverage.testplan_inventory import Inventory
+from triaxis.coverage.testplan_lint import Inventory
 
 _SHOWN = 3
 

@@ -67,12 +67,12 @@ class Measured:
 class Benchmark:
     """A benchmark with its workloads, ready to be measured."""
 
-    def __init__(self, seed: int, count: int = COUNT) -> None:
-        """Make the workloads, of ``count`` pairs."""
+    def __init__(self, seed: int) -> None:
+        """Make the workloads."""
         data = mesh_data()
         self.real_meshes = data is not None
         self._seed = seed
-        self._workloads = workloads(count, seed, data)
+        self._workloads = workloads(COUNT, seed, data)
         self._present, packages = present(TRIANGLE_PEERS)
         self._absent = {each.name: each.why_absent for each in packages if each.why_absent is not None}
 

@@ -3,8 +3,7 @@ import pytest
 from triaxis.coverage import testplan as plans
 from triaxis.coverage import testplan_progress
 from triaxis.coverage.report import IllegalHit, ItemReport, ModelReport
-from triaxis.coverage.testplan_inventory import Inventory
-from triaxis.coverage.testplan_lint import lint
+from triaxis.coverage.testplan_lint import Inventory, lint
 from triaxis.golden.errors import InputError
 
 GOOD = """

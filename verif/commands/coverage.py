@@ -19,7 +19,7 @@ from triaxis.coverage.interchange.reqif import write_reqif
 from triaxis.coverage.interchange.ucis_xml import TestRecord, write_ucis
 from triaxis.coverage.report import report
 from triaxis.coverage.testplan import RUNS, TESTPLAN, Testplan, Testpoint, read_testplan
-from triaxis.coverage.testplan_inventory import Inventory
+from triaxis.coverage.testplan_lint import Inventory
 from triaxis.coverage.waivers import WAIVERS, confirm_waivers
 from triaxis.golden.errors import InputError
 from triaxis.golden.input_file import read_input

@@ -9,8 +9,7 @@ from typing import Any
 from triaxis.coverage.cover_model import CoverItem, Kind
 from triaxis.coverage.report import ModelReport
 from triaxis.coverage.testplan import TESTPLAN, Requirement, Testplan, Testpoint, read_testplan
-from triaxis.coverage.testplan_inventory import Inventory
-from triaxis.coverage.testplan_lint import lint
+from triaxis.coverage.testplan_lint import Inventory, lint
 from triaxis.coverage.testplan_progress import PlanResults, every_run_passed, progress
 from triaxis.sim.build import rtl_hash
 from triaxis.sim.models import BOARD_SVA, CORE_SVA, MESH_SVA
