@@ -58,16 +58,18 @@ RATIOS = {
 Work = Callable[[Pairs32, npt.NDArray[np.uint32]], object]
 
 
-def _batches(pairs: int, make: Callable[[], Work], configuration: Configuration = CONFIGURATION) -> float:
+def _batches(
+    pairs: int, make: Callable[[], Work], configuration: Configuration = CONFIGURATION, batch: int = _BATCH
+) -> float:
     """Return the best rate of work on the mixture that the bursts send, batch by batch, in a few tries."""
     work = make()
-    stimulus = mixture(np.random.default_rng(1), configuration.width, 0).burst(_BATCH)
+    stimulus = mixture(np.random.default_rng(1), configuration.width, 0).burst(batch)
     best = 0.0
     for _ in range(_TRIES):
         start = time.perf_counter()
-        for _ in range(pairs // _BATCH):
+        for _ in range(pairs // batch):
             work(stimulus.pairs, stimulus.margins)
-        best = max(best, pairs // _BATCH * _BATCH / (time.perf_counter() - start))
+        best = max(best, pairs // batch * batch / (time.perf_counter() - start))
     return best
 
 

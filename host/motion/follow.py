@@ -48,7 +48,8 @@ class LateError(InputError):
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of the path, of the program's ``line``, that is clear where ``sample`` is at ``margin``.
+    """A part of the path, of the program's ``line`` and ``moves``, that is clear where ``sample`` is at
+    ``margin``.
 
     Each of its places is at most ``reach`` from the sample. ``end``: where the tool leaves it; ``way``: how
     far it goes in it at least. Of a ``rapid`` that takes an unknown way it may pass over pieces: they have
@@ -64,6 +65,7 @@ class Piece:
     end: GridPoint
     way: Rational
     line: int
+    moves: range
     low: GridPoint
     high: GridPoint
     rapid: int | None = None
@@ -117,7 +119,7 @@ def pieces(
                 continue
             way = sum((_way(scene, number) for number in range(first, first + together)), Rational(0))
             ends = scene.place(moves[first].start), scene.place(moves[first + together - 1].end)
-            piece = _piece(scene, group, ends, way, moves[first].line)
+            piece = _piece(scene, group, ends, way, range(first, first + together))
             found.append(replace(piece, beyond=len(zones)))
         else:
             found += cut.move(first)
@@ -158,8 +160,8 @@ class _Cut:
 
     def move(self, number: int) -> Iterator[Piece]:
         """Yield the pieces of one move, in the order in which the tool comes to them."""
-        move, only = self.scene.program.moves[number], range(number, number + 1)
-        whole = self.scene.segment(move)
+        only = range(number, number + 1)
+        whole = self.scene.segment(self.scene.program.moves[number])
         pending = [whole]
         while pending:
             segment = pending.pop()
@@ -170,10 +172,10 @@ class _Cut:
                 continue
             if not whole.between:
                 way = max(Rational(0), _apart(segment.start, segment.end) - 2 * segment.slack)
-                piece = _piece(self.scene, segment, (segment.start, segment.end), way, move.line)
+                piece = _piece(self.scene, segment, (segment.start, segment.end), way, only)
             else:
                 way = Rational(0) if pending else _way(self.scene, number)
-                piece = _piece(self.scene, segment, (whole.start, whole.end), way, move.line, number)
+                piece = _piece(self.scene, segment, (whole.start, whole.end), way, only, number)
             if beyond >= 0:
                 yield replace(piece, beyond=self._in_parts(segment, only) if beyond < enough else beyond)
             else:
@@ -206,10 +208,10 @@ def _piece(
     segment: Segment,
     ends: tuple[GridPoint, GridPoint],
     way: Rational,
-    line: int,
+    moves: range,
     rapid: int | None = None,
 ) -> Piece:
-    margin = scene.path.margin(segment)
+    margin, line = scene.path.margin(segment), scene.program.moves[moves[0]].line
     if margin > scene.largest_margin:
         raise InputError(
             f"line {line}: a piece of {float(segment.length * scene.wanted.resolution):.3g} mm: a margin of "
@@ -221,7 +223,7 @@ def _piece(
     low = tuple(min(ends) - beyond for ends in corners)
     high = tuple(max(ends) + beyond for ends in corners)
     return Piece(
-        segment.sample, margin, segment.reach, *ends, way, line,
+        segment.sample, margin, segment.reach, *ends, way, line, moves,
         (low[0], low[1], low[2]), (high[0], high[1], high[2]), rapid,
     )  # fmt: skip
 
@@ -273,7 +275,7 @@ class Follower:
         """Take where the tool is, in millimetres; raise StrayedError where it may not be."""
         place = self.scene.place(position)
         among = range(self._first, max(self.permitted, 1))
-        held = [number for number in among if self.pieces[number].holds(place)]
+        held = [number for number in among if self._is_in(self.pieces[number], place)]
         if not held:
             where = " ".join(f"{name}{float(c):g}" for name, c in zip("XYZ", position, strict=True))
             lines = " to ".join(str(self.pieces[number].line) for number in (among[0], among[-1]))
@@ -283,6 +285,20 @@ class Follower:
             )
         self._first, self._last, self._place = held[0], held[-1], place
         self._away = max(self._away, _apart(place, self.pieces[-1].end))
+
+    def _is_in(self, piece: Piece, place: GridPoint) -> bool:
+        """Return whether a place is one of a piece's path, and not only covered by its sample."""
+        if not piece.holds(place) or _gap(place, piece) > 0:
+            return False
+        if piece.rapid is not None:
+            return True
+        boxes = self.scene.extents[piece.moves.start : piece.moves.stop]
+        here = np.array(nearest(place))
+        close = ((boxes[:, 0] <= here + 1) & (here - 1 <= boxes[:, 1])).all(1)
+        for number in np.flatnonzero(close).tolist():
+            if _on_path(place, self.scene.segment(self.scene.program.moves[piece.moves[number]])):
+                return True
+        return False
 
     def hold(self, number: int) -> int:
         """Return how many milliseconds the tool cannot leave the pieces up to that one; or 0 or less.
@@ -356,6 +372,22 @@ class Follower:
             if one.rapid is None or one.rapid != last.rapid:
                 way += one.way
         return way + min((_gap(piece.start, one) for one in others), default=Rational(0))
+
+
+def _on_path(place: GridPoint, segment: Segment) -> bool:
+    """Return whether a place is on a segment but for its slack, and, where that is a curve, two steps."""
+    most = segment.sag + segment.slack
+    first, last = Rational(0), Rational(1)
+    for x, a, b in zip(place, segment.start, segment.end, strict=True):
+        if not min(a, b) - most <= x <= max(a, b) + most:
+            return False
+        if a != b and not segment.between:
+            # Which part of the chord is that near in this coordinate.
+            near, far = sorted(((x - most - a) / (b - a), (x + most - a) / (b - a)))
+            first, last = max(first, near), min(last, far)
+    if first > last or segment.sag <= 1:
+        return first <= last
+    return any(_on_path(place, half) for half in segment.halves())
 
 
 def _gap(place: GridPoint, piece: Piece) -> Rational:

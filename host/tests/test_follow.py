@@ -7,7 +7,9 @@ import subprocess
 import tempfile
 import threading
 import time
+from contextlib import nullcontext
 from copy import copy
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import count, pairwise, product
@@ -129,6 +131,59 @@ def test_every_place_of_the_path_is_in_a_piece_and_they_come_in_order(program, r
                 follower.moved(vector(c + d for c, d in zip(place, off_path(move, rng), strict=True)))
         # It ends where it began.
         assert follower.at_the_end
+
+
+def test_a_tool_that_is_off_its_path_is_stopped_at_once(program, rng):
+    """Where no move comes as near as its slack, however large the pieces are; all of them are permitted."""
+    scene = scene_of(program)
+    found = cut(scene)
+    ends = np.array([[move.start, move.end] for move in scene.program.moves], float)
+    rapid = np.array([not (move.straight or move.curve) for move in scene.program.moves])
+    curves = [
+        np.array([move.at(Fraction(k, 200)) for k in range(201)], float) for move in scene.program.moves
+    ]
+    stopped = 0
+    for trial in range(400):
+        number = trial % len(curves)
+        place = curves[number][rng.integers(201)] + rng.uniform(-4, 4, 3)
+        low, high = ends[rapid].min(1), ends[rapid].max(1)
+        apart = [np.maximum(low - place, place - high).max(1).min()]
+        apart += [
+            np.abs(curve - place).max(1).min() for curve, fast in zip(curves, rapid, strict=True) if not fast
+        ]
+        follower = Follower(scene, found, SPEED, LAG)
+        follower.permitted = len(found)
+        # Of a move of 40 mm the next of the 201 places is at most so far.
+        if min(apart) > float(SLACK) + 0.2:
+            with pytest.raises(StrayedError, match="where it is not permitted to be now"):
+                follower.moved(vector(Fraction(float(c)) for c in place))
+            stopped += 1
+    assert stopped > 100
+
+
+@pytest.mark.parametrize(
+    ("place", "strays"),
+    [
+        ((20, 20, 40), False),
+        ((20.01, 20, 40), False),
+        # In the box of a piece of the diagonal; inside of the arc, and of its chord's sag.
+        ((16, 14, 40), True),
+        ((20, 20, 40.1), True),
+        ((60, 50, 40), False),
+        ((60, 49.9, 40), True),
+        ((60, 50.1, 40), True),
+    ],
+)
+def test_a_tool_is_held_against_lines_and_arcs_exactly(tmp_path, place, strays):
+    path = tmp_path / "program.nc"
+    path.write_text("G21 G90 G61\nG1 X40 Y40 F1000\nG2 X80 Y40 R25\nG1 X90 Y40")
+    scene = scene_of(path)
+    moves = tuple(replace(move, slack=Fraction(1, 100)) for move in scene.program.moves)
+    scene = replace(scene, program=replace(scene.program, moves=moves))
+    follower = Follower(scene, cut(scene), SPEED, LAG)
+    follower.permitted = len(follower.pieces)
+    with pytest.raises(StrayedError) if strays else nullcontext():
+        follower.moved(vector(Fraction(str(c)) for c in place))
 
 
 def off_path(move, rng):
