@@ -20,12 +20,16 @@ A solid that is written with both sides of its surface is closed, and its windin
 ray from within passes an odd number of *sheets*, where crossings in one plane cancel, outside of all else.
 Where it does in any of six directions the answer is undecided, as sheets may have gaps. Walls between
 solids that touch are no sheets: there the ray is inside before and after.
+
+A shell that is turned inside out is a cavity where it lies within another. Where the two cross it is none,
+but a solid that was mirrored, and in the overlap the winding number is 0: undecided, too.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,6 +37,7 @@ import numpy.typing as npt
 
 from triaxis.golden.errors import InputError
 from triaxis.host.broadphase import candidates
+from triaxis.host.scene import bulk_near, near_facets
 
 Integers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
@@ -138,24 +143,41 @@ def _boundary(corners: Integers, number: Integers, shells: int) -> tuple[Integer
     )
 
 
-def inside(points: Integers, facets: Integers, shells: Shells) -> tuple[Mask, Mask]:
+def inside(points: Integers, facets: Integers, shells: Shells) -> tuple[Mask, Mask, Mask]:
     """Return which points (K, 3) are inside the closed shells of facets (N, 3, 3), and which may be: (K,).
 
     No point may be on a facet. Inside is where the winding number of the oriented shells is not zero: so the
     overlap of two solids is inside, and a cavity is not. A shell that is closed and not oriented tells
-    odd from even only. Where it holds a point and the sum of all is even, that may be an overlap or a cavity.
+    odd from even only. Where it holds a point and the sum of all is even, that may be an overlap or a cavity:
+    the second. The third: where shells that cross, turned against each other, make the sum zero.
     """
     used = np.flatnonzero(shells.closed[shells.number])
     number = shells.number[used]
     point, facet, sign = _crossings(points, facets[used])
     oriented = shells.oriented[number[facet]]
-    winding = np.zeros(len(points), np.int64)
-    np.add.at(winding, point[oriented], sign[oriented])
-    # One key for each point and shell that it is an odd number of facets below.
-    key, count = np.unique((point * len(shells.first) + number[facet])[~oriented], return_counts=True)
-    held = np.bincount(key[count % 2 == 1] // len(shells.first), minlength=len(points))
+    # By point and shell.
+    key, place = np.unique(point * len(shells.first) + number[facet], return_inverse=True)
+    turns, passed = np.zeros((2, len(key)), np.int64)
+    np.add.at(turns, place[oriented], sign[oriented])
+    np.add.at(passed, place[~oriented], 1)
+    of, shell = key // max(1, len(shells.first)), key % max(1, len(shells.first))
+    winding, held = np.zeros((2, len(points)), np.int64)
+    np.add.at(winding, of, turns)
+    np.add.at(held, of, passed % 2)
     odd = (winding + held) % 2 == 1
-    return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd
+    cancelled, crossing = np.zeros(len(points), np.bool_), dict[tuple[int, int], bool]()
+    for k in np.unique(of[(turns != 0) & (winding[of] == 0)]).tolist():
+        up, down = (shell[(of == k) & (way * turns > 0)].tolist() for way in (1, -1))
+        for pair in product(up, down):
+            if pair not in crossing:
+                crossing[pair] = _cross(*(facets[shells.number == one] for one in pair))
+            cancelled[k] |= crossing[pair]
+    return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd, cancelled
+
+
+def _cross(a: Integers, b: Integers) -> bool:
+    """Return whether facets of the one touch any of the other."""
+    return any(len(near) for _, near in near_facets(a, b, 0, bulk_near))
 
 
 def _crossings(points: Integers, facets: Integers) -> tuple[Integers, Integers, Integers]:
@@ -334,13 +356,15 @@ def enclosure(a: Solid, b: Solid, moves: Integers = _STILL) -> Enclosure:
 def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]:
     """Return the shells of the inner mesh that are inside the outer one, or may be."""
     facets, shells, hulls = inner.facets, inner.shells, outer.shells
-    held, mixed = np.zeros((2, len(shells.first)), np.bool_)
+    held, mixed, mirrored = np.zeros((3, len(shells.first)), np.bool_)
     possible = np.flatnonzero(_fitting(shells.boxes, hulls.boxes[hulls.closed], _STILL))
-    held[possible], mixed[possible] = inside(facets[shells.first[possible], 0], outer.facets, hulls)
+    found = inside(facets[shells.first[possible], 0], outer.facets, hulls)
+    held[possible], mixed[possible], mirrored[possible] = found
     doubted = _fitting(shells.boxes, hulls.boxes[~hulls.closed], moves) & ~held
     opened = f"not closed: {int(hulls.open_edges.sum())} edges have an odd number of facets"
     turned = "closed, but neighbouring facets are not turned the same way"
     both = "closed, but written with both sides of its surface, so that nothing tells its inside"
+    crossed = "closed, but parts of it that cross are turned inside out against each other"
     double = np.zeros(len(shells.first), np.bool_)
     possible = possible[~held[possible]]
     double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
@@ -351,9 +375,17 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
             int(shells.first[k]),
             int(shells.facets[k]),
             len(shells.first) == 1,
-            None if held[k] else opened if doubted[k] else both if double[k] else turned,
+            None
+            if held[k]
+            else opened
+            if doubted[k]
+            else crossed
+            if mirrored[k]
+            else both
+            if double[k]
+            else turned,
         )
-        for k in np.flatnonzero(held | mixed | doubted | double)
+        for k in np.flatnonzero(held | mixed | doubted | double | mirrored)
     ]
 
 

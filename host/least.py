@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 from fractions import Fraction
 
-from triaxis.host.engines import BULK, STILL, scene_engine
+import numpy as np
+
+from triaxis.host.engines import BULK, NO_PAIRS, STILL, scene_engine
 from triaxis.host.euclidean import euclidean_distance
-from triaxis.host.scene import FacetPairs, MeshPair, distance_of
+from triaxis.host.scene import FacetPairs, MeshPair, bulk_near, distance_of, near_facets
 
 # Pairs of which the exact distance is computed.
 _JUDGED = 2000
+# Pairs that are decided at a time in search of them.
+_AT_ONCE = 1 << 14
 
 
 @dataclass(frozen=True)
@@ -38,17 +42,22 @@ def least_distance(meshes: MeshPair, euclidean: bool) -> Least:
         else:
             clear = margin
     reading = (meshes.mesh_a.rounding + meshes.mesh_b.rounding) / meshes.grid.resolution
-    found = engine.run(STILL, _within(meshes, near + 2 + 2 * reading)).near
-    best = _best(meshes, found, euclidean)
+    best = _best(meshes, _nearest(meshes, near + 2 + 2 * reading), euclidean)
     if euclidean:
         # By Chebyshev they are at most as far apart as by Euclid.
         reach = Fraction(best.distance) / meshes.grid.resolution + 2 + reading
-        best = _best(meshes, engine.run(STILL, _within(meshes, reach)).near, euclidean)
+        best = _best(meshes, _nearest(meshes, reach), euclidean)
     return best
 
 
-def _within(meshes: MeshPair, reach: Fraction) -> int:
-    return min(-int(-reach // 1), (1 << meshes.grid.width) - 1)
+def _nearest(meshes: MeshPair, reach: Fraction) -> FacetPairs:
+    """Return facet pairs within so many steps: more than are judged where there are more, but not all."""
+    margin, found = min(-int(-reach // 1), (1 << meshes.grid.width) - 1), [NO_PAIRS]
+    for _, near in near_facets(meshes.a, meshes.b, margin, bulk_near, _AT_ONCE):
+        found.append(near)
+        if sum(map(len, found)) > _JUDGED:
+            break
+    return np.concatenate(found)
 
 
 def _best(meshes: MeshPair, pairs: FacetPairs, euclidean: bool) -> Least:

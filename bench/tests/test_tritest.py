@@ -184,9 +184,15 @@ def test_what_is_no_answer_is_refused(asked):
         (python("for line in sys.stdin: print('yes')"), "yes: no answer"),
         (python("for line in sys.stdin: print(0, 1)"), "32 answers to 16 pairs"),
         (["/none"], "No such file"),
+        # Without an end.
+        (["yes", "1"], "more than 1088 bytes of answers: a line a pair is wanted"),
+        (python("while True: print('x' * 99, file=sys.stderr) or print(1)"), "more than 1088 bytes"),
     ):
         with pytest.raises(InputError, match=why):
             score(program, asked[:1], lambda _: None)
+    for line in ("0 " * 17, "0 0 0.5 9 0 0.5 0 9 0.5 0 0 0 9 0 0 0 9 0", "0 " * 17 + "9007199254740993"):
+        with pytest.raises(InputError, match=r"^line 2: .*: must be 18 whole numbers of at most 2\^53$"):
+            answer(LIBRARIES["triaxis-bulk"], io.StringIO(f"{'0 ' * 18}\n{line}\n"), io.StringIO())
     assert main(["tritest", "run", "--library", "none"]) == 2
     assert main(["tritest", "run", "--command", "'"]) == 2
     assert main(["tritest", "run", "--command", ""]) == 2

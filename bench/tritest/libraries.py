@@ -27,6 +27,8 @@ CLEAR, COLLIDES, UNTOLD = "0", "1", "?"
 
 # Pairs that a library is asked at a time; those of which one raises an error are asked again, one by one.
 _BLOCK = 200
+# Up to here float64 holds every whole number.
+_LARGEST = 1 << 53
 
 # Pairs (N, 2, 3, 3) of a block, whole numbers that float64 holds: which collide (N,).
 _Asked = Callable[[Reals], npt.NDArray[Any]]
@@ -85,10 +87,22 @@ def named(name: str) -> Peer:
 
 def answer(library: Peer, lines: TextIO, out: TextIO) -> None:
     """Answer pairs for a library, by the protocol."""
+    done = 0
     for block in _blocks(lines):
-        pairs = np.array([line.split() for line in block], np.float64).reshape(-1, 2, 3, 3)
+        numbers = [_numbers(line, done + place) for place, line in enumerate(block, 1)]
+        pairs, done = np.array(numbers, np.float64).reshape(-1, 2, 3, 3), done + len(block)
         out.write("".join(f"{one}\n" for one in _answers(partial(_ask, library), pairs)))
         out.flush()
+
+
+def _numbers(line: str, place: int) -> list[int]:
+    try:
+        numbers = [int(word) for word in line.split()]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 18 or max(map(abs, numbers)) > _LARGEST:
+        raise InputError(f"line {place}: {line.strip():.60}: must be 18 whole numbers of at most 2^53")
+    return numbers
 
 
 def _blocks(lines: TextIO) -> Iterator[list[str]]:

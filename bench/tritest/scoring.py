@@ -1,11 +1,13 @@
 """Scoring a program on a TriTest set: what it misses, takes for a collision, and does not answer."""
 
+import contextlib
 import shlex
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from triaxis.bench.tritest.libraries import CLEAR, COLLIDES, UNTOLD
 from triaxis.bench.tritest.recheck import (
@@ -25,6 +27,8 @@ _FLOAT32 = 1 << 24
 # Kinds of pairs, since most programs are made for the first alone.
 KINDS = ("float32", "float64", "degenerate")
 _COORDINATES = 18
+# Of an answer, at most: what a program writes without an end is not kept.
+_BYTES = 64
 
 
 @dataclass(frozen=True)
@@ -168,20 +172,47 @@ def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str
     """Return what a program answers, how it ended if not well, and the first line of its errors."""
     questions = "".join(f"{question}\n" for one in asked for question in one.questions)
     try:
-        ran = subprocess.run(
-            command, input=questions, capture_output=True, text=True, errors="replace", check=False
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
         )
     except OSError as error:
         raise InputError(f"{shlex.join(command)}: {error.strerror}") from error
-    said = ran.stdout.split()
+    assert process.stdin and process.stdout and process.stderr
+    most = _BYTES * (1 + questions.count("\n"))
+    with process, ThreadPoolExecutor(3) as pool:
+        pool.submit(_written, process.stdin, questions.encode())
+        reading = pool.submit(_read, process.stdout, most, process.kill)
+        errors = pool.submit(_read, process.stderr, most, bool).result().decode(errors="replace")
+        output, code = reading.result(), process.wait()
+    if len(output) > most:
+        raise InputError(f"{shlex.join(command)}: more than {most} bytes of answers: a line a pair is wanted")
+    said = output.decode(errors="replace").split()
     wrong = next((word for word in said if word not in (CLEAR, COLLIDES, UNTOLD)), None)
     if wrong is not None or len(said) > questions.count("\n"):
         what = (
             f"{wrong:.40}: no answer" if wrong else f"{len(said)} answers to {questions.count(chr(10))} pairs"
         )
         raise InputError(f"{shlex.join(command)}: {what}: a line with 0, 1 or ? for each pair is wanted")
-    errors = ran.stderr.strip().splitlines() or [""]
-    return said, f"exit code {ran.returncode}: {errors[-1]}" if ran.returncode else None, errors[0]
+    told = errors.strip().splitlines() or [""]
+    return said, f"exit code {code}: {told[-1]}" if code else None, told[0]
+
+
+def _written(stream: IO[bytes], text: bytes) -> None:
+    # Whoever ends early need not have read all.
+    with contextlib.suppress(OSError):
+        stream.write(text)
+    with contextlib.suppress(OSError):
+        stream.close()
+
+
+def _read(stream: IO[bytes], most: int, beyond: Callable[[], object]) -> bytes:
+    """Return what a program writes, of more than so many bytes these alone and one; then do ``beyond``."""
+    found = bytearray()
+    while part := stream.read(1 << 16):
+        found += part[: most + 1 - len(found)]
+        if len(found) > most:
+            beyond()
+    return bytes(found)
 
 
 def rows_of(score_: Score) -> Iterator[tuple[str, Tally]]:

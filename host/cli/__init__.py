@@ -12,13 +12,16 @@ import errno
 import os
 import signal
 import sys
+import time
 from types import FrameType
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 DONE, NO, ERROR, INTERRUPTED = 0, 1, 2, 130
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _interrupted = False
+# Seconds in which a second signal is taken for the first one.
+_TOGETHER = 0.5
 # What to do about what a file system refuses.
 _TO_DO = {
     **dict.fromkeys((errno.EACCES, errno.EPERM), ": make it readable and writable for you"),
@@ -53,7 +56,7 @@ def tritest() -> int:
 
 def _answer(words: list[str], of_this_process: bool) -> int:
     from triaxis.golden.errors import ToldError
-    from triaxis.host.cli.commands import find, remove_older_answers, runner
+    from triaxis.host.cli.commands import find, remove_older_answers, runner, withdraw_clear
 
     try:
         name, rest = find(words)
@@ -65,11 +68,13 @@ def _answer(words: list[str], of_this_process: bool) -> int:
         if of_this_process:
             _handle_with(_interrupt)
         code = run()
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return code
     except ToldError as error:
         message = str(error)
     except KeyboardInterrupt:
+        withdraw_clear(words)
         raise
     except MemoryError:
         message = "out of memory: use a smaller input"
@@ -85,10 +90,11 @@ def _answer(words: list[str], of_this_process: bool) -> int:
         message = f"internal: {type(error).__name__}: {error} (TRIAXIS_DEBUG=1 shows where)"
         if isinstance(error, ModuleNotFoundError) and not f"{error.name}".startswith("triaxis"):
             message = f"{error.name} is not installed: pip install 'triaxis[signoff]'"
+    withdraw_clear(words)
     if _interrupted:
         # What was interrupted may fail for it in ways of its own.
         raise KeyboardInterrupt
-    print(f"triaxis: error: {' '.join(message.split())}", file=sys.stderr)
+    _say(f"triaxis: error: {' '.join(message.split())}\n")
     return ERROR
 
 
@@ -107,25 +113,39 @@ def _end(_number: int, _frame: FrameType | None) -> NoReturn:
 def _interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
     global _interrupted
     _interrupted = True
-    # A second one does not wait for what the first one cleans up.
-    _handle_with(_end)
+    # A second one does not wait for what the first one cleans up; but they often come in pairs.
+    begun = time.monotonic()
+    _handle_with(lambda *_: _end(*_) if time.monotonic() - begun > _TOGETHER else None)
     raise KeyboardInterrupt
 
 
 def _say_interrupted() -> None:
+    _say("triaxis: interrupted\n")
+
+
+def _say(text: str) -> None:
+    if sys.stderr is None:
+        return
     try:
-        os.write(2, b"triaxis: interrupted\n")
+        sys.stderr.write(text)
+        sys.stderr.flush()
     # Nobody hears.
     except OSError:
-        return
+        _drop(sys.stderr)
 
 
 def _drop_output() -> None:
     """Leave nothing to be written when the process ends, where that can fail."""
+    if sys.stdout is None:
+        return
     try:
         sys.stdout.flush()
     except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop(sys.stdout)
+
+
+def _drop(stream: TextIO) -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _as_in_other_programs() -> None:

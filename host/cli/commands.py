@@ -4,6 +4,7 @@ A command's module is imported when the command is run, or asked for its own hel
 """
 
 import argparse
+import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -38,6 +39,8 @@ class Command(NamedTuple):
 _REPORT = {"--json": Answer(before='{\n  "verdict": "unknown"\n}\n')}
 _PICTURE = {"--picture": Answer(endings=(".png", ".svg"))}
 # How a report begins; a file of anything else is not to be lost.
+# What the parser takes for a value, though it begins like an option.
+_NEGATIVE = re.compile(r"-\d+|-\d*\.\d+")
 _OURS = re.compile(rb"\s*(\{|$)")
 _MESHES = "decide whether two STL meshes come within a clearance"
 
@@ -351,6 +354,20 @@ def _remove_older(option: str, value: str, answer: Answer, others: list[str], al
         write_whole(path, answer.before)
 
 
+def withdraw_clear(words: list[str]) -> None:
+    """Say "unknown" in reports of a command that ended without an answer, though they say "clear"."""
+    try:
+        name, rest = find(words)
+        answers = COMMANDS[name].answers
+        for option, value in _named(answers, rest)[0].items():
+            before, path = answers[option].before, Path(value)
+            if before is not None and path.is_file() and json.loads(path.read_bytes())["verdict"] == "clear":
+                write_whole(path, before)
+    # What ended the command is to be told.
+    except Exception:
+        return
+
+
 def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[dict[str, str], list[str]]:
     """Return the files that are named for answers, by their options, and what may be inputs."""
     named: dict[str, str] = {}
@@ -363,7 +380,7 @@ def _named(answers: Mapping[str, Answer], words: list[str]) -> tuple[dict[str, s
         elif option in answers:
             value = value if equals else next(rest, "-")
             # No value, but the next option: an error, of which the parser tells.
-            if equals or not value.startswith("-"):
+            if equals or not value.startswith("-") or _NEGATIVE.fullmatch(value):
                 named[option] = value
         else:
             others.append(value if equals and word.startswith("--") else word)

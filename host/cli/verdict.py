@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
             verdicts = bulk_verdicts(pairs, margins, progress)
         else:
             verdicts = judge_in_parallel(pairs, margins, progress)
-    write_verdicts(options.out, verdicts)
     near = int(verdicts["near"].sum())
-    print(f"{len(pairs)} pairs: {near} near, {len(pairs) - near} clear")
+    print(f"{len(pairs)} pairs: {near} near, {len(pairs) - near} clear", flush=True)
+    write_verdicts(options.out, verdicts)
     return DONE

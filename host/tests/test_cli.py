@@ -3,12 +3,14 @@
 import json
 import os
 import random
+import shlex
 import signal
 import subprocess
 import sys
 import time
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,6 +27,7 @@ from triaxis.host.stl import read_stl
 from triaxis.sim.paths import ROOT
 
 TRIAXIS = Path(sys.executable).with_name("triaxis")
+QUIET: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 UNKNOWN = {"verdict": "unknown"}
 
 
@@ -203,6 +206,32 @@ def test_no_moment_leaves_an_older_answer(meshes, tmp_path, seed, number, moment
         else:
             assert (code, verdict) == (1, "near"), errors
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_what_cannot_be_told_is_no_answer(meshes, tmp_path):
+    """Where output cannot be written: neither "clear" in a report, nor an exit code that says "near"."""
+    report = tmp_path / "report.json"
+    clear = ("check", *meshes, "--engine", "bulk", "--json", report)
+    with Path("/dev/full").open("wb") as full:
+        for words, files, code, said in (
+            (clear, {}, 0, "clear"),
+            (clear, {"stdout": full}, 2, "unknown"),
+            (clear, {"stdout": full, "stderr": full}, 2, "unknown"),
+            ((*clear, "--width", 40), {"stderr": full}, 2, "unknown"),
+        ):
+            ran = subprocess.run([TRIAXIS, *map(str, words)], **{**QUIET, **files}, check=False)
+            assert (ran.returncode, json.loads(report.read_text())["verdict"]) == (code, said)
+    # Nobody is told, and nothing goes wrong for it.
+    closed = f"exec {shlex.join(map(str, (TRIAXIS, *clear)))} >&- 2>&-"
+    assert subprocess.run(["sh", "-c", closed], check=False).returncode == 0
+    assert json.loads(report.read_text())["verdict"] == "clear"
+
+
+def test_a_report_may_be_named_as_a_number(meshes, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", *map(str, meshes), "--engine", "bulk", "--json", "-1"]) == 0
+    assert main(["check", *map(str, meshes), "--engine", "bulk", "--json", "-1", "--width", "40"]) == 2
+    assert json.loads(Path("-1").read_text())["verdict"] == "unknown"
 
 
 def test_ignored_signals_stay_ignored(meshes):

@@ -49,6 +49,11 @@ TURNED = np.concatenate([STOCK[:1, ::-1], STOCK[1:]])
         (box(10, 20), np.concatenate([STOCK, box(30, 70, inverted=True)]), State.INSIDE, "a"),
         # Where two solids overlap, it is inside both.
         (box(40, 60), np.concatenate([STOCK, box(30, 170)]), State.INSIDE, "a"),
+        # Both turned inside out, it is too; one alone, it may be; elsewhere that tells nothing.
+        (box(40, 60), np.concatenate([STOCK, box(30, 170)])[:, ::-1], State.INSIDE, "a"),
+        (box(40, 60), np.concatenate([STOCK, box(30, 170, inverted=True)]), State.UNDECIDED, "a"),
+        (box(140, 160), np.concatenate([STOCK, box(300, 400, inverted=True)]), State.OUTSIDE, None),
+        (box(140, 160), np.concatenate([STOCK, box(30, 170, inverted=True)]), State.INSIDE, "a"),
         # One of two parts.
         (np.concatenate([box(200, 210), box(40, 60)]), STOCK, State.INSIDE, "a"),
         # The hole of a ring is outside; so is a ring around a bar, and a ring in a groove's hole.
