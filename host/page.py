@@ -6,6 +6,7 @@ second at most. A browser can change nothing, and is given what was made before 
 threads that wait for it, and let others go on.
 """
 
+import atexit
 import json
 import threading
 import time
@@ -26,6 +27,8 @@ _LEAST_SECONDS = 0.05
 _PATIENCE_SECONDS, _MOST = 5, 16
 # A browser that went away is noticed by writing to it.
 _QUIET_SECONDS = 1.0
+# What browsers are given for the last news, where the command ends.
+_LAST_SECONDS = 0.5
 _TEXT, _SCRIPT, _JSON = "text/html; charset=utf-8", "text/javascript", "application/json"
 
 State = dict[str, Any]
@@ -64,6 +67,9 @@ class Page:
                 f"--page {port}: {getattr(error, 'strerror', None) or error}: name another"
             ) from error
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        # What was sent to each browser; each is to have the last news before the process ends.
+        self._sent: dict[int, int] = {}
+        atexit.register(self._send_last)
 
     @property
     def address(self) -> str:
@@ -87,6 +93,12 @@ class Page:
             self._state, self._since = {**self._state, **changes}, time.monotonic()
             self._version += 1
             self._changed.notify_all()
+
+    def _send_last(self) -> None:
+        with self._changed:
+            self._changed.wait_for(
+                lambda: all(sent == self._version for sent in self._sent.values()), _LAST_SECONDS
+            )
 
     def _handler(self) -> type[BaseHTTPRequestHandler]:
         page = self
@@ -127,20 +139,25 @@ class Page:
         return Handler
 
     def _send_states(self, handler: BaseHTTPRequestHandler) -> None:
-        sent = -1
+        sent, browser = -1, threading.get_ident()
         try:
             while True:
                 with self._changed:
+                    self._sent.setdefault(browser, sent)
                     if self._version == sent:
                         self._changed.wait(_QUIET_SECONDS)
                     age = time.monotonic() - self._since
                     sent, state = self._version, self._state | {"age": round(1000 * age)}
                 handler.wfile.write(f"data: {json.dumps(state)}\n\n".encode())
                 handler.wfile.flush()
+                with self._changed:
+                    self._sent[browser] = sent
+                    self._changed.notify_all()
                 time.sleep(_LEAST_SECONDS)
         # The browser has gone.
         except OSError:
-            return
+            with self._changed:
+                del self._sent[browser]
 
 
 class _Server(ThreadingHTTPServer):

@@ -188,10 +188,13 @@ def run(options: argparse.Namespace) -> int:
             print(f"page: {page.address}", flush=True)
         try:
             done, verdict, names = _follow(options, board, operations, page)
-        except InputError as error:
+            stopped = f"near: {' and '.join(names)}" if names else "the positions ended"
+        except (InputError, KeyboardInterrupt) as error:
             if page is not None:
-                page.tell(stopped=str(error))
+                page.tell(stopped=str(error) or "interrupted")
             raise
+        if page is not None and verdict != "followed":
+            page.tell(stopped=stopped)
     more = self_tested(options) | {"zones": _zones(options, operations)}
     return _told(options, done, count, verdict, names, more)
 
@@ -219,7 +222,7 @@ def _follow(
     Returns how far it came, the verdict, and, where that is near, what is near.
     """
     if not options.hal:
-        positions = None if options.simulate else Positions(options.positions)
+        positions = None if options.simulate else Positions(options.positions.fileno())
         return _through(options, board, operations, positions, page)
     pins = HalPositions(operations[0].machine.rotary)
     try:
@@ -254,7 +257,8 @@ def _through(
             report = partial(_as_expected, positions, one, follower, several)
             if not _come_to_start(board, positions, one, follower, several, number > 0):
                 return done, "ended", None
-        display = _Display(follower, scene, len(_widths(options)), done.asked, positions, page)
+        shown = (len(_widths(options)), done.asked, positions, page, options.lag / 1000)
+        display = _Display(follower, scene, *shown)
         try:
             permit, hold = on_board.permit, options.hold
             done.add(follow(follower, permit, report, time.monotonic, hold, display.seen, display.ahead))
@@ -299,21 +303,28 @@ class _Display:
 
     def __init__(
         self, follower: Follower, scene: PathScene, zones: int, asked: int, positions: Source | None,
-        page: Page | None,
+        page: Page | None, lag: Fraction,
     ) -> None:  # fmt: skip
-        """Begin with a tool of which nothing is known. ``asked``: how many answers there were before."""
+        """Begin with a tool of which nothing is known. ``asked``: how many answers there were before.
+
+        ``lag``: seconds in which an answer has to come.
+        """
         self._follower, self._scene, self._zones, self._asked = follower, scene, zones, asked
         self._pins, self._page = positions if isinstance(positions, HalPositions) else None, page
         self._beyond: int | None = None
+        # When go ends that was said last.
+        self._lag, self._go_ends = float(lag), 0.0
 
     def ahead(self, number: int, beyond: int) -> None:
         """Show what zone the tool may be in, where that changes, before a piece is asked about."""
+        if self._pins is not None:
+            # An answer that does not come in time says nothing any more.
+            self._pins.known_until(min(self._go_ends, time.monotonic() + self._lag))
+            self._pins.beyond(beyond if self._zones else 0)
         if not self._zones or beyond == self._beyond:
             return
         self._beyond = beyond
         zone = _ZONES[beyond] if beyond < self._zones else "free"
-        if self._pins is not None:
-            self._pins.beyond(beyond)
         print(f"zone: {zone}, line {self._follower.pieces[number].line}", flush=True)
         if self._page is not None:
             self._page.tell(zone=zone)
@@ -322,6 +333,8 @@ class _Display:
         """Show what an answer was."""
         self._asked += 1
         if self._pins is not None:
+            self._go_ends = time.monotonic() + hold / 1000 if clear else 0.0
+            self._pins.known_until(self._go_ends)
             self._pins.said(clear)
         if self._page is not None:
             self._page.tell(
@@ -332,9 +345,10 @@ class _Display:
 
     def nothing(self) -> None:
         """Show that from here on nothing is known."""
+        if self._zones and self._beyond is not None:
+            print("zone: unknown", flush=True)
         if self._pins is not None:
-            self._pins.said(False)
-            self._pins.beyond(0)
+            self._pins.known_until(0.0)
         if self._page is not None and self._zones:
             self._page.tell(zone=None)
 

@@ -17,6 +17,7 @@ is no position, and no go.
 
 import math
 import sys
+import threading
 import time
 from collections.abc import Collection
 from fractions import Fraction
@@ -76,6 +77,9 @@ class HalPositions:
             raise InputError(
                 f"--hal: no component {NAME}: {error}: load it from the machine's .hal file, once"
             ) from error
+        # Until when what the pins say is known: then they are cleared, though nobody says so.
+        self._known, self._changed = 0.0, threading.Condition()
+        threading.Thread(target=self._clear_in_time, daemon=True).start()
         self._has_run = False
         self._wanted = {"x", "y", "z", "running", *map(str.lower, rotary)}
         self.angles: Vector | None = None
@@ -126,14 +130,37 @@ class HalPositions:
                 return since, one
         raise InputError(f"{NAME}: no two readings of the position are the same: the machine is stopped")
 
+    def known_until(self, moment: float) -> None:
+        """Have the pins cleared at a moment of the monotonic clock, unless that is put off."""
+        with self._changed:
+            self._known = moment
+            self._clear_where_over()
+            self._changed.notify()
+
+    def _clear_where_over(self) -> None:
+        if time.monotonic() >= self._known:
+            for name in ("go", *_BEYOND):
+                self._component[name] = False
+
+    def _clear_in_time(self) -> None:
+        with self._changed:
+            while True:
+                self._clear_where_over()
+                left = self._known - time.monotonic()
+                self._changed.wait(left if left > 0 else None)
+
     def said(self, go: bool) -> None:
-        """Show on the pin what the last answer was."""
-        self._component["go"] = go
+        """Show on the pin what the last answer was, for as long as that is known."""
+        with self._changed:
+            self._component["go"] = go
+            self._clear_where_over()
 
     def beyond(self, zones: int) -> None:
-        """Show on the pins how many zones the tool is beyond."""
-        for number, name in enumerate(_BEYOND):
-            self._component[name] = zones > number
+        """Show on the pins how many zones the tool is beyond, for as long as that is known."""
+        with self._changed:
+            for number, name in enumerate(_BEYOND):
+                self._component[name] = zones > number
+            self._clear_where_over()
 
     def close(self) -> None:
         """Take the component away; nothing is permitted any more."""

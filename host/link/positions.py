@@ -1,10 +1,12 @@
 """Where the tool is, by lines that a control writes."""
 
+import os
 import re
+import select
 import threading
 import time
+from collections.abc import Iterator
 from fractions import Fraction
-from typing import TextIO
 
 from triaxis.golden.errors import InputError
 from triaxis.host.motion.follow import Report
@@ -12,6 +14,10 @@ from triaxis.host.quantise import Vector, vector
 
 # What a control prints; none of them takes long to read.
 _NUMBER = re.compile(r"[+-]?(\d{1,20}\.?\d{0,40}|\.\d{1,40})([eE][+-]?\d\d?)?", re.ASCII)
+# Of X, Y, Z; the tool's number; of A, B, C.
+Position = tuple[Vector, int | None, Vector | None]
+# Bytes that are read at a time: as many as a pipe holds.
+_PART = 1 << 16
 
 
 class Positions:
@@ -24,9 +30,9 @@ class Positions:
     tool: int | None = None
     angles: Vector | None = None
 
-    def __init__(self, lines: TextIO) -> None:
-        """Begin to read, until they end."""
-        self._lines, self._changed = lines, threading.Condition()
+    def __init__(self, descriptor: int) -> None:
+        """Begin to read from an open file, a pipe mostly, until it ends."""
+        self._descriptor, self._changed = descriptor, threading.Condition()
         self._last: tuple[Report, int | None, Vector | None] | None = None
         self._wrong: InputError | None = None
         self._ended = False
@@ -35,13 +41,9 @@ class Positions:
     def _read(self) -> None:
         wrong = None
         try:
-            for line in self._lines:
-                # What has no end is cut off.
-                if not line.endswith("\n"):
-                    break
-                position, tool, angles = read_position(line)
+            for (position, tool, angles), since in self._arrived():
                 with self._changed:
-                    self._last = (position, time.monotonic()), tool, angles
+                    self._last = (position, since), tool, angles
                     self._changed.notify()
         except InputError as error:
             wrong = error
@@ -50,6 +52,29 @@ class Positions:
         with self._changed:
             self._ended, self._wrong = True, wrong
             self._changed.notify()
+
+    def _arrived(self) -> Iterator[tuple[Position, float]]:
+        """Yield the last position of all lines that are there, and a time before they were read.
+
+        Of lines that waited, as this process did not run, the last alone is where the tool is.
+        """
+        rest, last = b"", None
+        while True:
+            select.select([self._descriptor], [], [])
+            since = time.monotonic()
+            part = os.read(self._descriptor, _PART)
+            *lines, rest = (rest + part).split(b"\n")
+            for line in lines:
+                last = read_position(line.decode(errors="replace"))
+            # Where as many came as a pipe holds, there may be more.
+            if last is not None and len(part) < _PART:
+                yield last, since
+                last = None
+            # What has no end is cut off.
+            if not part:
+                return
+            if len(rest) > _PART:
+                raise InputError("positions: a line without an end; the machine is stopped")
 
     def wait(self, seconds: float) -> bool:
         """Return whether a position has come, or none will, within a time."""
@@ -73,7 +98,7 @@ class Positions:
             return last
 
 
-def read_position(line: str) -> tuple[Vector, int | None, Vector | None]:
+def read_position(line: str) -> Position:
     """Return position, tool and angles of a line; raise InputError where it is none."""
     words = line.split()
     try:

@@ -1,6 +1,5 @@
 """A machine is followed through a program: where it may be, for how long, and what stops it."""
 
-import io
 import os
 import shutil
 import subprocess
@@ -472,7 +471,7 @@ def test_what_halsampler_writes_is_understood():
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"LinuxCNC's HAL does not start here: {done.stderr}")
-    report = Positions(io.StringIO(done.stdout)).report()
+    report = Positions(piped(done.stdout)).report()
     assert report and report[0] == (Fraction(25, 2), Fraction(-1, 8), 1000)
 
 
@@ -488,14 +487,49 @@ def test_what_halsampler_writes_is_understood():
     ],
 )  # fmt: skip
 def test_lines_that_are_no_positions_are_refused(text, what):
-    positions = Positions(io.StringIO(text))
+    positions = Positions(piped(text))
     with pytest.raises(InputError, match=what):
         while positions.report():
             pass
 
 
+def lines_of(end):
+    """Return all that comes from an open file, which stays open."""
+    with os.fdopen(os.dup(end), encoding="utf-8") as lines:
+        return lines.read().splitlines(True)
+
+
+def piped(text):
+    """Return the end of a pipe that all of it is in, and nothing more comes."""
+    end, start = os.pipe()
+    with os.fdopen(start, "w", encoding="utf-8") as pipe:
+        pipe.write(text)
+    return end
+
+
+def test_of_positions_that_waited_the_last_is_taken():
+    """As where this process was stopped meanwhile: with a time before it was read, and of none before it."""
+    end, start = os.pipe()
+    os.write(start, b"".join(b"%d 0 0\n" % number for number in range(3000)) + b"9999 0")
+    begun = time.monotonic()
+    positions = Positions(end)
+    first, since = positions.report() or pytest.fail("none")
+    assert first == (2999, 0, 0) and begun <= since <= time.monotonic()
+    os.write(start, b" 1\n")
+    while (last := (positions.report() or pytest.fail("none"))[0]) == first:
+        pass
+    assert last == (9999, 0, 1)
+    os.close(start)
+
+
+def test_a_line_without_an_end_is_no_position(monkeypatch):
+    monkeypatch.setattr(positions, "_PART", 100)
+    with pytest.raises(InputError, match="a line without an end"):
+        Positions(piped("1" * 150)).report()
+
+
 def test_a_position_that_is_cut_off_is_none():
-    positions = Positions(io.StringIO("1 2 3\n10 20 3"))
+    positions = Positions(piped("1 2 3\n10 20 3"))
     while report := positions.report():
         assert report[0] == (1, 2, 3)
 
@@ -526,7 +560,7 @@ def test_tools_are_followed_one_after_the_other(top, tmp_path, capsys, monkeypat
     clock = SimpleNamespace(monotonic=lambda: next(ticks) / 400)
     monkeypatch.setattr(follow_module, "time", clock)
     # As a control would: the next line when the last has been looked at.
-    monkeypatch.setattr(follow_module, "Positions", lambda lines: Steps(lines.read().splitlines(True)))
+    monkeypatch.setattr(follow_module, "Positions", lambda end: Steps(lines_of(end)))
     with ServedBoard(top, Wire()) as served:
 
         def run(lines, *words):
@@ -731,7 +765,7 @@ def test_between_turns_a_machine_is_followed_by_what_stands_then(top, tmp_path, 
 
     watched(BoardEngine, "permit")
     watched(Board, "abort")
-    monkeypatch.setattr(follow_module, "Positions", lambda lines: Watched(lines.read().splitlines(True)))
+    monkeypatch.setattr(follow_module, "Positions", lambda end: Watched(lines_of(end)))
     with ServedBoard(top, Wire()) as served:
 
         def run(lines, positions=None, text=TURNING):
@@ -896,6 +930,7 @@ def test_the_command_follows_positions_and_says_how_far(program, top, tmp_path, 
             "free,",
             "warn,",
             "slow,",
+            "unknown",
         ]
         slow, warn = read_published(report, "follow")["zones"]
         assert 0 < slow["pieces"] < warn["pieces"] and {4, 5, 10} <= set(slow["lines"]) <= set(warn["lines"])
@@ -999,11 +1034,20 @@ def test_positions_are_those_of_the_pins(machine):
         position, since = report
         assert position == (Fraction(5, 4), 0, 40) and since <= time.monotonic() and pins.tool == 3
         assert pins.angles == (0, 0, 30)
+        # What nobody knows for any time is none.
+        pins.said(True)
+        assert machine.hal.get_value("triaxis.go") is False
+        pins.known_until(time.monotonic() + 60)
         pins.said(True)
         assert machine.hal.get_value("triaxis.go") is True
         for zones, expected in ((2, [True, True]), (0, [False, False]), (1, [True, False])):
             pins.beyond(zones)
             assert [machine.hal.get_value(f"triaxis.{name}") for name in ("full-speed", "quiet")] == expected
+        # Put off, and then not any more, though nobody says so.
+        pins.known_until(time.monotonic() + 0.05)
+        assert machine.hal.get_value("triaxis.full-speed") is True
+        time.sleep(0.5)
+        assert [machine.hal.get_value(f"triaxis.{name}") for name in ("go", "full-speed")] == [False] * 2
         machine.pins["running"] = True
         assert pins.report()
         machine.pins["running"] = False

@@ -110,6 +110,27 @@ def test_the_newest_state_is_sent_and_how_old_it_is(page, monkeypatch):
     assert all(one["age"] <= other["age"] for one, other in pairwise(found))
 
 
+def test_the_last_news_is_sent_before_the_end(page, monkeypatch):
+    """However soon after the one before; a browser that reads nothing is not waited for long."""
+    monkeypatch.setattr(page_module, "_LEAST_SECONDS", 0.2)
+    with urllib.request.urlopen(page.address + "states") as events:
+        events.readline()
+        clear(page, 0)
+        page.tell(stopped="near: the tool and the vise")
+        page._send_last()
+        # What was sent waits to be read.
+        events.fp.raw._sock.settimeout(0.05)
+        found = []
+        with suppress(TimeoutError):
+            while line := events.readline():
+                found += [json.loads(line[6:])["stopped"]] if line.startswith(b"data: ") else []
+        assert found[-1] == "near: the tool and the vise"
+    monkeypatch.setattr(page, "_sent", {0: -1})
+    begun = time.monotonic()
+    page._send_last()
+    assert time.monotonic() - begun < 5
+
+
 def test_what_cannot_be_served_is_told(page, monkeypatch):
     for port in (int(page.address.rsplit(":", 1)[1].strip("/")), 70_000):
         with pytest.raises(InputError, match=f"--page {port}: .*name another"):
