@@ -148,6 +148,9 @@ def hold(board: Board, run: Status, broken: Callable[[], object]) -> None:
         while board.still(run).flags & Flag.GO:
             time.sleep(_HOLD_SECONDS)
         raise LinkError("the board's output says stop: the link was disturbed; check again")
-    except LinkError:
-        broken()
+    except LinkError as error:
+        try:
+            broken()
+        except InputError as other:
+            raise LinkError(f"{error}; {other}") from other
         raise
