@@ -253,6 +253,7 @@ def test_a_probe_touches_nothing(checked):
     assert checked("G0 Z2\nG1 Z0", probe).near == (3, "the tool's body", "the stock")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stop", ["near the surface", pytest.param("open", marks=pytest.mark.long)])
 def test_a_board_is_asked_for_insides_wherever_it_is_clear(tmp_path, stop):
     """Insides are asked first. Where the start looks near then, and is shown clear after all, they count."""

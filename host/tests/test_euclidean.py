@@ -33,6 +33,7 @@ def nearest_by_descent(a, b):
     return best
 
 
+@pytest.mark.long
 def test_distances_are_those_of_other_methods(rng):
     for trial in range(25):
         a, b = (rng.integers(-20, 21, (3, 3)) for _ in "ab")
@@ -63,6 +64,7 @@ def test_known_distances(b, square):
     assert squared_distance([[0, 0, 0], [10, 0, 0], [0, 10, 0]], b) == square
 
 
+@pytest.mark.long
 def test_the_least_distance_is_that_of_all_pairs(rng):
     for _ in range(12):
         a, b = (rng.uniform(-20, 20, (9, 1, 3)) + rng.uniform(-3, 3, (9, 3, 3)) for _ in "ab")

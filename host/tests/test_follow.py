@@ -270,6 +270,7 @@ def test_what_is_beyond_a_zone_is_so_at_every_place_and_what_is_not_is_within_ne
             assert away <= width + Fraction(str(piece.reach)) * scene.wanted.resolution + band
 
 
+@pytest.mark.long
 def test_a_zone_is_told_before_the_tool_can_be_there_and_until_it_has_left(program):
     # By the post, which is 1.9 mm away, and up at the end.
     program.write_text(PROGRAM.replace("G0 X0 Y0 Z40", "G1 Z40"))

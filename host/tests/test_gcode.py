@@ -345,6 +345,7 @@ def two_arcs(start, leaving, end, arriving, count=40):
     return np.array(found)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("plane", ["G17", "G18", "G19"])
 def test_nurbs_and_the_arcs_of_controls_are_by_the_moves(read, plane):
     """By the definition of basis splines, and arcs computed apart: all is as near as the moves say."""
@@ -609,6 +610,7 @@ def corners(moves):
     return np.array(found)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 (linuxcnc-uspace) is not installed")
 @pytest.mark.parametrize("made_up", [some_program, some_changes])
 def test_linuxcnc_goes_the_same_way_through_programs_made_up(tmp_path, rng, made_up):

@@ -195,7 +195,9 @@ def angles_between(rng, first, last, part, free):
     return first + (last - first) * (rng.random(6) if free else part)
 
 
-@pytest.mark.parametrize("number", range(120))
+@pytest.mark.parametrize(
+    "number", [*range(20), *(pytest.param(n, marks=pytest.mark.long) for n in range(20, 120))]
+)
 def test_pieces_hold_every_position_and_angle(rng, number):
     """No point of A, as B sees it, is further from where a piece has it than the slack of its moves."""
     things = made_up(rng)[0]
@@ -684,6 +686,7 @@ def test_a_machining_centre(tmp_path, capsys):
             assert "the carousel comes within 0.5 mm of the head" in said
 
 
+@pytest.mark.long
 def test_the_mill_to_try(tmp_path, capsys):
     """As host.md has it."""
     files = [str(file) for file, _ in write_mill(tmp_path)]

@@ -79,6 +79,7 @@ def test_what_is_served(page):
         )
 
 
+@pytest.mark.long
 def test_browsers_that_say_nothing_are_few_and_not_waited_for(page, monkeypatch, capfd):
     host, port = page.address.removeprefix("http://").strip("/").split(":")
     idle = [socket.create_connection((host, int(port))) for _ in range(40)]

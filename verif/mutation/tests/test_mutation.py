@@ -152,6 +152,7 @@ def test_names_survive_unrelated_edits(tmp_path):
     assert all(re.fullmatch(r"snippet/\w+/[0-9a-f]{8}", name) for name in after)
 
 
+@pytest.mark.long
 def test_every_file_of_dut_has_mutants_and_every_name_is_its_own():
     names = mutant_names()
     assert names == mutant_names()

@@ -66,6 +66,7 @@ def test_a_test_that_fails_without_a_mutant_or_says_nothing_is_told():
     assert problems == ["y: no verdict of A: killed", "z: no verdict of A: its process ended"]
 
 
+@pytest.mark.long
 def test_mutants_are_drawn_by_seed_and_none_is_equivalent():
     every = catalogue()
     one, other = (sampled(MAIN, seed, 50, every) for seed in (1, 2))

@@ -135,6 +135,7 @@ CHANGES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("change", "said"), CHANGES)
 def test_a_verdict_that_does_not_follow_is_noticed(unpacked, change, said):
     folder, content = unpacked

@@ -68,6 +68,7 @@ def refused(folder, content):
     return refusals(path, HERE.rtl_hash, HERE.environment_hash)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("part", "change", "message"), BREAKS)
 def test_each_break_turns_it_red_and_shuts_the_gate(tmp_path, part, change, message):
     parts = good_parts()
@@ -164,6 +165,7 @@ AS_PROVED = "proofs of equivalence: 1,234 as recorded of this very state, 66 mor
 PLAYED, PROVED = {"recorded": 1234, "sampled": 56}, {"entries": 1300, "entries_recorded": 1234}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("parts", "absent", "said"),
     [
