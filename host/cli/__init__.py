@@ -120,7 +120,12 @@ def _interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
 
 
 def _say_interrupted() -> None:
-    _say("triaxis: interrupted\n")
+    # In a handler: what was about to be written elsewhere may be half done.
+    try:
+        os.write(2, b"triaxis: interrupted\n")
+    # Nobody hears.
+    except OSError:
+        return
 
 
 def _say(text: str) -> None:
