@@ -102,9 +102,14 @@ def supervised(folder: Path, segments: int, planted: int, progress: Progress) ->
     engine = scene_engine(BULK, scene.a, scene.b, scene.grid.width)
     # The approach is cut as is needed.
     found = tuple(
-        piece
-        for moves, longest in ((program.moves[:2], None), (program.moves[2:], _LENGTH))
-        for piece in pieces(replace(scene, program=replace(program, moves=moves)), engine, _LENGTH, longest)
+        replace(piece, moves=range(first + piece.moves.start, first + piece.moves.stop))
+        for first, last, longest in ((0, 2, None), (2, len(program.moves), _LENGTH))
+        for piece in pieces(
+            replace(scene, program=replace(program, moves=program.moves[first:last])),
+            engine,
+            _LENGTH,
+            longest,
+        )
     )
     with SimulatedTop(BoardParameters(16, 16, _DEPTH, hold_clocks=_HOLD_CLOCKS)) as top:
         line = _WatchedLine(top)
