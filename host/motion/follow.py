@@ -281,7 +281,8 @@ class Follower:
             lines = " to ".join(str(self.pieces[number].line) for number in (among[0], among[-1]))
             raise StrayedError(
                 f"the tool is at {where}, where it is not permitted to be now, in lines {lines} of "
-                f"{self.scene.program.path}; the machine is stopped: check the origin, or begin anew"
+                f"{self.scene.program.path}; the machine is stopped: check the origin, and "
+                "--deviation, or begin anew"
             )
         self._first, self._last, self._place = held[0], held[-1], place
         self._away = max(self._away, _apart(place, self.pieces[-1].end))
