@@ -161,7 +161,7 @@ def add_page(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``coverage page``."""
     parser.description = (
         "Add up the functional coverage of runs, and write every bin with its count, goal and exclusion as a "
-        "page; print how many are hit, by coverpoint group."
+        "page; print how many of each model are hit."
     )
     parser.add_argument(
         "runs", nargs="+", type=Path, metavar="RUN",
