@@ -166,12 +166,14 @@ def inside(points: Integers, facets: Integers, shells: Shells) -> tuple[Mask, Ma
     np.add.at(held, of, passed % 2)
     odd = (winding + held) % 2 == 1
     cancelled, crossing = np.zeros(len(points), np.bool_), dict[tuple[int, int], bool]()
-    for k in np.unique(of[(turns != 0) & (winding[of] == 0)]).tolist():
-        up, down = (shell[(of == k) & (way * turns > 0)].tolist() for way in (1, -1))
+    # By point, as the keys are.
+    rows = np.flatnonzero((turns != 0) & (winding[of] == 0))
+    for some in np.split(rows, np.flatnonzero(np.diff(of[rows])) + 1) if len(rows) else ():
+        up, down = (shell[some[way * turns[some] > 0]].tolist() for way in (1, -1))
         for pair in product(up, down):
             if pair not in crossing:
                 crossing[pair] = _cross(*(facets[shells.number == one] for one in pair))
-            cancelled[k] |= crossing[pair]
+            cancelled[of[some[0]]] |= crossing[pair]
     return np.where(held > 0, odd, winding != 0), (held > 0) & ~odd, cancelled
 
 
@@ -368,6 +370,7 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
     double = np.zeros(len(shells.first), np.bool_)
     possible = possible[~held[possible]]
     double[possible] = between_sheets(facets[shells.first[possible], 0], outer.facets, hulls)
+    whys = ((held, None), (doubted, opened), (mirrored, crossed), (double, both), (mixed, turned))
     return [
         Part(
             mesh,
@@ -375,15 +378,7 @@ def _parts(mesh: str, inner: Solid, outer: Solid, moves: Integers) -> list[Part]
             int(shells.first[k]),
             int(shells.facets[k]),
             len(shells.first) == 1,
-            None
-            if held[k]
-            else opened
-            if doubted[k]
-            else crossed
-            if mirrored[k]
-            else both
-            if double[k]
-            else turned,
+            next(why for mask, why in whys if mask[k]),
         )
         for k in np.flatnonzero(held | mixed | doubted | double | mirrored)
     ]

@@ -143,7 +143,7 @@ class Page:
         try:
             while True:
                 with self._changed:
-                    self._sent.setdefault(browser, sent)
+                    self._sent[browser] = sent
                     if self._version == sent:
                         self._changed.wait(_QUIET_SECONDS)
                     age = time.monotonic() - self._since
@@ -156,8 +156,11 @@ class Page:
                 time.sleep(_LEAST_SECONDS)
         # The browser has gone.
         except OSError:
+            return
+        finally:
             with self._changed:
-                del self._sent[browser]
+                self._sent.pop(browser, None)
+                self._changed.notify_all()
 
 
 class _Server(ThreadingHTTPServer):

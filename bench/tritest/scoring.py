@@ -180,10 +180,15 @@ def _run(command: Sequence[str], asked: Sequence[Asked]) -> tuple[list[str], str
     assert process.stdin and process.stdout and process.stderr
     most = _BYTES * (1 + questions.count("\n"))
     with process, ThreadPoolExecutor(3) as pool:
-        pool.submit(_written, process.stdin, questions.encode())
-        reading = pool.submit(_read, process.stdout, most, process.kill)
-        errors = pool.submit(_read, process.stderr, most, bool).result().decode(errors="replace")
-        output, code = reading.result(), process.wait()
+        try:
+            pool.submit(_written, process.stdin, questions.encode())
+            reading = pool.submit(_read, process.stdout, most, process.kill)
+            errors = pool.submit(_read, process.stderr, most, bool).result().decode(errors="replace")
+            output, code = reading.result(), process.wait()
+        except BaseException:
+            # Threads wait for it.
+            process.kill()
+            raise
     if len(output) > most:
         raise InputError(f"{shlex.join(command)}: more than {most} bytes of answers: a line a pair is wanted")
     said = output.decode(errors="replace").split()

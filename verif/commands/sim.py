@@ -188,9 +188,10 @@ def _replay(options: argparse.Namespace) -> str:
 
 
 def _failed(options: argparse.Namespace, result: RunResult) -> int:
-    for line in result.errors:
-        if refused := _REFUSED.search(line):
-            raise InputError(f"test {options.test}: {refused[1]}")
+    refused = [_REFUSED.search(line) for line in result.errors]
+    # Beside anything else it is one of the reasons for a failure.
+    if refused and refused[0] and all(refused):
+        raise InputError(f"test {options.test}: {refused[0][1]}")
     # The last lines are the commands that repeat the run.
     fault = "" if options.fault is None else f" --fault {options.fault}"
     print(result.explain().replace(" --waves\n", f"{fault} --waves\n") + fault, file=sys.stderr)
