@@ -26,11 +26,12 @@ class Sources:
     """The files that a method's results come from.
 
     ``modules``: full names of Python modules, also those that are loaded by name only, which no import shows;
-    ``data``: further files, as patterns in the checkout.
+    ``data``: further files, as patterns in the checkout; ``without``: files that decide none of them.
     """
 
     modules: tuple[str, ...]
     data: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
     def files(self) -> list[Path]:
         """Return all of them in a fixed order; raise ValueError where a module or a pattern names nothing."""
@@ -45,16 +46,23 @@ class Sources:
                 waiting += _imported(path.read_text(encoding="utf-8"))
         for folder in {path.parent for path in found}:
             found.update(_compiled_in(folder))
-        for pattern in self.data:
-            matching = list(ROOT.glob(pattern))
-            if not matching:
-                raise ValueError(f"{pattern}: no such file")
-            found.update(matching)
+        found.update(_matching(self.data))
+        found.difference_update(_matching(self.without))
         return sorted(found)
 
     def hash(self) -> str:
         """Return the hash of their contents as they stand now."""
         return content_hash(self.files())
+
+
+def _matching(patterns: tuple[str, ...]) -> set[Path]:
+    found: set[Path] = set()
+    for pattern in patterns:
+        matching = list(ROOT.glob(pattern))
+        if not matching:
+            raise ValueError(f"{pattern}: no such file")
+        found.update(matching)
+    return found
 
 
 def _place(name: str) -> Path | None:

@@ -39,13 +39,27 @@ def killers_hash() -> str:
     return content_hash((), KILLERS.hash(), str(verilator()))
 
 
-# Of each block its tests, and the folders of dut/ that its targets elaborate.
+# Of each block its tests, what these read, and the folders of dut/ that its targets elaborate.
 _TESTS = {"core": CORE_TESTS[0], "mesh": MESH_TESTS[0], "board": BOARD_TESTS[0]}
 BLOCKS = tuple(_TESTS)
+# What plays a block plays no other one; and nobody looks at waves of a mutant.
+_PLAYERS = {
+    "core": ("sim/core_player.cpp", "sim/lanes_player.cpp", "sim/detector_player.cpp", "sim/bare_tb.vlt"),
+    "mesh": ("sim/mesh_player.cpp", "sim/mesh_public.vlt"),
+    "board": ("sim/board_player.cpp",),
+}
 OUTCOMES = {
     block: Sources(
         ("triaxis.verif.mutation.judging", ENTRY, tests),
-        (f"verif/{block}/sva/*", *TEST_DATA, "requirements.lock"),
+        (
+            f"verif/{block}/sva/*",
+            *(data for data in TEST_DATA if data.startswith(f"verif/{block}/")),
+            "requirements.lock",
+        ),
+        (
+            *(file for other in BLOCKS if other != block for file in _PLAYERS[other]),
+            "verif/testbench/waves.py",
+        ),
     )
     for block, tests in _TESTS.items()
 }

@@ -281,7 +281,7 @@ class Hunt:
                 passed |= noticing
             finally:
                 self._note(stage, [one for one in verdicts if one.test in passed or not one.symptom])
-        self.store.save()
+                self.store.save()
 
     def _note(self, stage: Stage, verdicts: Iterable[Verdict]) -> None:
         for verdict in verdicts:

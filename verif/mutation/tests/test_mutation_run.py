@@ -762,6 +762,9 @@ def test_what_is_known_of_a_block_rests_on_that_and_what_is_below(tmp_path, seed
     assert "triaxis_board_sva.sv" in files["board"] and "reference.py" in files["board"]
     assert not {"equivalents.toml", "triaxis_board_sva.sv", "triaxis_go_formal.sv"} & files["core"]
     assert {"near_miss.py", "operators.py", "killing.py", "core_player.cpp"} <= files["core"]
+    players = {"core_player.cpp", "mesh_player.cpp", "board_player.cpp"}
+    assert [players & files[block] for block in files] == [{f"{block}_player.cpp"} for block in files]
+    assert "kept_clocks.json" not in files["core"] and not any("waves.py" in files[block] for block in files)
     shutil.copytree(DUT, tmp_path / "dut")
     monkeypatch.setattr(outcomes, "FOLDER", tmp_path)
     chosen = {
